@@ -1,0 +1,52 @@
+#pragma once
+// The five components of an image, classified from the eye at the first diffuse vertex (Heckbert's notation).
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace gib {
+
+enum class Component { emission, direct, caustic, indirect, volume };
+inline constexpr int component_count = 5;
+inline constexpr std::array<Component, component_count> all_components = {
+    Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume};
+inline constexpr std::array<std::string_view, component_count> component_names = {"emission", "direct", "caustic",
+                                                                                  "indirect", "volume"};
+
+inline std::string_view name_of(Component c) { return component_names[static_cast<int>(c)]; }
+inline int index_of(Component c) { return static_cast<int>(c); }
+std::optional<Component> component_named(std::string_view name);
+
+/// S or D: how a vertex scattered. A lobe rougher than glossy_roughness counts as diffuse, the rest as specular.
+enum class LobeKind { diffuse, specular };
+inline constexpr float glossy_roughness = 0.1f;
+
+/// The history of a path seen from the eye; one rule for every method, so that each path class is counted once.
+struct PathClass {
+    int diffuse_vertices = 0;             ///< D vertices so far
+    bool specular_since_diffuse = false;  ///< an S vertex after the last D (or after the eye)
+
+    void scatter(LobeKind kind) {
+        if (kind == LobeKind::diffuse) {
+            ++diffuse_vertices;
+            specular_since_diffuse = false;
+        } else {
+            specular_since_diffuse = true;
+        }
+    }
+    /// The component of a path that ends on a light now:
+    /// E S* L | E S* D L | E S* D S+ L | E S* D (S* D)+ S* L.
+    Component component() const {
+        if (diffuse_vertices == 0) return Component::emission;
+        if (diffuse_vertices > 1) return Component::indirect;
+        return specular_since_diffuse ? Component::caustic : Component::direct;
+    }
+    PathClass after(LobeKind kind) const {
+        PathClass next = *this;
+        next.scatter(kind);
+        return next;
+    }
+};
+
+}  // namespace gib

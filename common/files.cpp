@@ -1,0 +1,133 @@
+#include "common/files.h"
+
+#include "common/error.h"
+
+#include <OpenImageIO/hash.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+namespace gib {
+
+namespace {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+public:
+    explicit Descriptor(int fd) : fd_(fd) {}
+    ~Descriptor() {
+        if (fd_ >= 0) ::close(fd_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int get() const { return fd_; }
+    /// False if the last buffered bytes could not be stored.
+    bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+private:
+    int fd_;
+};
+
+/// A file that is deleted unless it was renamed to where it belongs.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const std::string& target) : path_(target + ".XXXXXX") {
+        descriptor_ = std::make_unique<Descriptor>(::mkstemp(path_.data()));
+        if (descriptor_->get() < 0) fail(target, "cannot create a file in its folder");
+    }
+    ~TemporaryFile() {
+        if (!path_.empty()) ::unlink(path_.c_str());
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    void write(std::string_view content, const std::string& target) {
+        while (!content.empty()) {
+            const ssize_t written = ::write(descriptor_->get(), content.data(), content.size());
+            if (written < 0 && errno == EINTR) continue;
+            if (written < 0) fail(target, "cannot write");
+            content.remove_prefix(static_cast<std::size_t>(written));
+        }
+    }
+    void move_to(const std::string& target) {
+        // mkstemp makes a private file; a result is as readable as any other new file.
+        const mode_t mask = ::umask(0);
+        ::umask(mask);
+        if (::fchmod(descriptor_->get(), 0666 & ~mask) != 0) fail(target, "cannot set its permissions");
+        if (::fsync(descriptor_->get()) != 0 || !descriptor_->close()) fail(target, "cannot write");
+        if (::rename(path_.c_str(), target.c_str()) != 0) fail(target, "cannot write");
+        path_.clear();
+    }
+
+private:
+    [[noreturn]] static void fail(const std::string& target, const char* what) {
+        const int error = errno;
+        throw RunError(fmt::format("{}: {}: {}", target, what, std::strerror(error)));
+    }
+
+    std::string path_;
+    std::unique_ptr<Descriptor> descriptor_;
+};
+
+std::string binary_digest(std::string_view data) {
+    OIIO::SHA1 sha;
+    // Its lengths are 32 bits wide inside.
+    constexpr std::size_t block = std::size_t{1} << 30;
+    for (std::size_t i = 0; i < data.size(); i += block)
+        sha.append(data.data() + i, std::min(block, data.size() - i));
+    OIIO::SHA1::Hash hash;
+    sha.gethash(hash);
+    return {reinterpret_cast<const char*>(hash.hash), sizeof hash.hash};
+}
+
+}  // namespace
+
+std::string read_file(const std::string& path) {
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    struct stat status {};
+    if (file.get() < 0 || ::fstat(file.get(), &status) != 0)
+        throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
+    if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
+    std::string content(static_cast<std::size_t>(status.st_size), '\0');
+    std::size_t size = 0;
+    // The size is a hint only: a pipe has none, and a file may grow.
+    for (;;) {
+        if (size == content.size()) content.resize(size + std::max<std::size_t>(size / 2, 4096));
+        const ssize_t n = ::read(file.get(), content.data() + size, content.size() - size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
+        if (n == 0) break;
+        size += static_cast<std::size_t>(n);
+    }
+    content.resize(size);
+    return content;
+}
+
+void write_file(const std::string& path, std::string_view content) {
+    TemporaryFile temporary(path);
+    temporary.write(content, path);
+    temporary.move_to(path);
+    // The new name is part of the folder, which has to reach the disk too; not every file system can do this.
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (directory.get() >= 0) ::fsync(directory.get());
+}
+
+void ContentHash::add(std::string_view piece) { pieces_ += binary_digest(piece); }
+
+std::string ContentHash::hex() const {
+    std::string text;
+    for (const char c : binary_digest(pieces_))
+        text += fmt::format("{:02x}", static_cast<unsigned char>(c));
+    return text;
+}
+
+}  // namespace gib

@@ -1,0 +1,26 @@
+#pragma once
+// Files that appear whole or not at all, and hashes of their content.
+
+#include <string>
+#include <string_view>
+
+namespace gib {
+
+/// Throws InputError with the file's name.
+std::string read_file(const std::string& path);
+/// Writes to a temporary file in the same folder, flushes it to disk and renames it. Throws RunError.
+void write_file(const std::string& path, std::string_view content);
+
+/// Collects what a result depends on.
+class ContentHash {
+public:
+    /// Adds a piece; pieces cannot run into each other.
+    void add(std::string_view piece);
+    /// SHA-1 of all pieces, 40 hexadecimal digits.
+    std::string hex() const;
+
+private:
+    std::string pieces_;  ///< the digests so far, one after another
+};
+
+}  // namespace gib

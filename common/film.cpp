@@ -1,0 +1,56 @@
+#include "common/film.h"
+
+#include <tuple>
+
+namespace gib {
+
+Film::Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black)
+    : width_(width), height_(height), black_(black) {
+    for (Component c : accumulated)
+        sums_[static_cast<std::size_t>(index_of(c))].assign(
+            static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 0.0);
+}
+
+void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample) {
+    bool finite = true;
+    for (std::size_t c = 0; c < sums_.size(); ++c)
+        if (!sums_[c].empty()) finite = finite && sample.parts[c].isFinite().all();
+    if (!finite) {
+        const std::scoped_lock lock(non_finite_mutex_);
+        if (non_finite_.count == 0 ||
+            std::tie(pass, pixel) < std::tie(non_finite_.first_pass, non_finite_.first_pixel)) {
+            non_finite_.first_pass = pass;
+            non_finite_.first_pixel = pixel;
+        }
+        ++non_finite_.count;
+        return;
+    }
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        if (sums_[c].empty()) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            sums_[c][3 * pixel + k] += static_cast<double>(sample.parts[c][static_cast<Eigen::Index>(k)]);
+    }
+}
+
+ComponentImages Film::mean(std::uint32_t passes) const {
+    ComponentImages images;
+    images.width = width_;
+    images.height = height_;
+    for (Component c : black_)
+        images[c] = Image(width_, height_);
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        if (sums_[c].empty()) continue;
+        Image image(width_, height_);
+        for (std::size_t i = 0; i < image.rgb.size(); ++i)
+            image.rgb[i] = static_cast<float>(sums_[c][i] / passes);
+        images.parts[c] = std::move(image);
+    }
+    return images;
+}
+
+NonFinite Film::non_finite() const {
+    const std::scoped_lock lock(non_finite_mutex_);
+    return non_finite_;
+}
+
+}  // namespace gib

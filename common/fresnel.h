@@ -1,0 +1,47 @@
+#pragma once
+// Reflection at smooth interfaces, exact (no Schlick).
+
+#include "common/math.h"
+
+#include <optional>
+
+namespace gib {
+
+/// What a smooth dielectric interface does with light that arrives at cos_i (signed: > 0 from outside).
+struct DielectricFresnel {
+    float reflectance;  ///< unpolarised, 1 at total internal reflection
+    float cos_t;        ///< of the transmitted ray, with the sign opposite to cos_i; 0 at total internal reflection
+    float eta_ti;       ///< index on the transmitted side over index on the incident side
+};
+
+/// `eta` = interior index / exterior index. Total internal reflection is the limit of the same formula, not a special
+/// case of it: cos_t -> 0 gives reflectance -> 1. Source: Born and Wolf, Principles of Optics, section 1.5.2.
+inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
+    const float eta_ti = cos_i >= 0.f ? eta : 1.f / eta;
+    const float c = std::abs(cos_i);
+    const float sin2_t = std::max(1.f - c * c, 0.f) / (eta_ti * eta_ti);
+    const float cos_t = safe_sqrt(1.f - sin2_t);
+    if (cos_t == 0.f) return {1.f, 0.f, eta_ti};
+    const float r_s = (c - eta_ti * cos_t) / (c + eta_ti * cos_t);
+    const float r_p = (eta_ti * c - cos_t) / (eta_ti * c + cos_t);
+    return {0.5f * (r_s * r_s + r_p * r_p), cos_i >= 0.f ? -cos_t : cos_t, eta_ti};
+}
+
+/// Reflectance of a conductor with index eta + i k relative to the medium outside, per channel, at cos_i in [0, 1].
+/// Source: Lagarde 2013, "Memo on Fresnel equations", conductor-dielectric, unpolarised.
+inline Color fresnel_conductor(float cos_i, const Color& eta, const Color& k) {
+    const float cos2 = cos_i * cos_i, sin2 = 1.f - cos2;
+    const Color eta2 = eta * eta, k2 = k * k;
+    const Color t0 = eta2 - k2 - sin2;
+    const Color a2_plus_b2 = (t0 * t0 + 4.f * eta2 * k2).sqrt();
+    const Color a = (0.5f * (a2_plus_b2 + t0)).max(0.f).sqrt();
+    const Color t1 = a2_plus_b2 + cos2;
+    const Color t2 = 2.f * cos_i * a;
+    const Color r_s = (t1 - t2) / (t1 + t2);
+    const Color t3 = cos2 * a2_plus_b2 + sin2 * sin2;
+    const Color t4 = t2 * sin2;
+    const Color r_p = r_s * (t3 - t4) / (t3 + t4);
+    return 0.5f * (r_s + r_p);
+}
+
+}  // namespace gib

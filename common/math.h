@@ -1,0 +1,75 @@
+#pragma once
+// Vectors, colours and orthonormal frames. World space and float unless a name says otherwise; the notation table is in
+// common/README.md.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace gib {
+
+using Vec2 = Eigen::Vector2f;
+using Vec3 = Eigen::Vector3f;
+using Vec2d = Eigen::Vector2d;
+using Vec3d = Eigen::Vector3d;
+using Mat4d = Eigen::Matrix4d;
+using Color = Eigen::Array3f;  ///< linear RGB with sRGB's primaries; its unit is that of the quantity it holds
+using Colord = Eigen::Array3d;
+
+inline constexpr float pi = std::numbers::pi_v<float>;
+inline constexpr float inv_pi = std::numbers::inv_pi_v<float>;
+inline constexpr float infinity = std::numeric_limits<float>::infinity();
+/// Half an ulp of 1: the largest relative error of one rounded float operation.
+inline constexpr float unit_roundoff = 0x1p-24f;
+
+inline float sqr(float x) { return x * x; }
+inline double sqr(double x) { return x * x; }
+inline float safe_sqrt(float x) { return std::sqrt(std::max(x, 0.f)); }
+inline bool is_black(const Color& c) { return c[0] == 0.f && c[1] == 0.f && c[2] == 0.f; }
+inline float luminance(const Color& c) { return 0.212671f * c[0] + 0.715160f * c[1] + 0.072169f * c[2]; }
+
+/// A right-handed orthonormal basis whose third axis is `n`, without a branch that depends on its direction.
+/// Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
+struct Frame {
+    Vec3 s, t, n;
+
+    Frame() = default;
+    explicit Frame(const Vec3& normal) : n(normal) {
+        const float sign = std::copysign(1.f, n.z());
+        const float a = -1.f / (sign + n.z());
+        const float b = n.x() * n.y() * a;
+        s = Vec3(1.f + sign * sqr(n.x()) * a, sign * b, -sign * n.x());
+        t = Vec3(b, sign + sqr(n.y()) * a, -n.y());
+    }
+    Vec3 to_local(const Vec3& w) const { return {s.dot(w), t.dot(w), n.dot(w)}; }
+    Vec3 to_world(const Vec3& w) const { return s * w.x() + t * w.y() + n * w.z(); }
+};
+
+/// An axis-aligned box; empty until a point is added.
+struct Bounds {
+    Vec3 lower = Vec3::Constant(infinity);
+    Vec3 upper = Vec3::Constant(-infinity);
+
+    void add(const Vec3& p) {
+        lower = lower.cwiseMin(p);
+        upper = upper.cwiseMax(p);
+    }
+    void add(const Bounds& b) {
+        lower = lower.cwiseMin(b.lower);
+        upper = upper.cwiseMax(b.upper);
+    }
+    bool empty() const { return lower.x() > upper.x(); }
+    Vec3 center() const { return 0.5f * (lower + upper); }
+    float diagonal() const { return empty() ? 0.f : (upper - lower).norm(); }
+};
+
+struct Ray {
+    Vec3 o;
+    Vec3 d;  ///< not necessarily of unit length: t counts in multiples of it
+    float t_min = 0.f;
+    float t_max = infinity;
+};
+
+}  // namespace gib

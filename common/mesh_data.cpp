@@ -1,0 +1,44 @@
+#include "common/mesh_data.h"
+
+#include <algorithm>
+
+namespace gib {
+
+void transform_mesh(MeshData& mesh, const Mat4d& to_world) {
+    if (!to_world.isIdentity(0)) {
+        const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+        const Vec3d translation = to_world.topRightCorner<3, 1>();
+        const Eigen::Matrix3d for_normals = linear.inverse().transpose();
+        for (auto& p : mesh.positions)
+            p = linear * p + translation;
+        for (auto& n : mesh.normals)
+            n = (for_normals * n.cast<double>()).stableNormalized().cast<float>();
+    } else {
+        for (auto& n : mesh.normals)
+            n = n.cast<double>().stableNormalized().cast<float>();
+    }
+}
+
+void compute_normals(MeshData& mesh) {
+    const auto missing = [](const Vec3& n) { return n.isZero(0); };
+    if (!mesh.normals.empty() && std::none_of(mesh.normals.begin(), mesh.normals.end(), missing)) return;
+    std::vector<Vec3d> sums(mesh.positions.size(), Vec3d::Zero());
+    for (const auto& triangle : mesh.triangles) {
+        Vec3d v[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            v[i] = mesh.positions[triangle[i]];
+        const Vec3d n = (v[1] - v[0]).cross(v[2] - v[0]);
+        const double length = n.stableNorm();
+        if (!(length > 0)) continue;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
+            // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
+            sums[triangle[i]] += std::atan2(length, a.dot(b)) / length * n;
+        }
+    }
+    mesh.normals.resize(mesh.positions.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (missing(mesh.normals[i])) mesh.normals[i] = sums[i].stableNormalized().cast<float>();
+}
+
+}  // namespace gib

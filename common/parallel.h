@@ -1,0 +1,21 @@
+#pragma once
+// Parallel loops on oneTBB. The number of threads never changes a result: work is cut into blocks of a fixed size and
+// merged in block order by the caller.
+
+#include <cstddef>
+#include <functional>
+
+namespace gib {
+
+/// Runs `body` with the parallel loops inside it on `threads` threads (0 = one per processor). More than the processors
+/// is allowed and gives real threads, which is how the tests of determinism run five workers on two cores.
+void with_threads(int threads, const std::function<void()>& body);
+
+/// Calls body(begin, end, block) for [0, count) in blocks of `block_size`; each block is one task.
+void parallel_blocks(std::size_t count, std::size_t block_size,
+                     const std::function<void(std::size_t begin, std::size_t end, std::size_t block)>& body);
+
+/// Runs both, possibly at the same time.
+void parallel_pair(const std::function<void()>& first, const std::function<void()>& second);
+
+}  // namespace gib

@@ -1,0 +1,76 @@
+#include "common/scene.h"
+
+#include "common/error.h"
+
+namespace gib {
+
+namespace {
+
+Sensor required_sensor(std::optional<Sensor>& sensor) {
+    if (!sensor) throw InputError("the scene has no sensor");
+    return *std::move(sensor);
+}
+
+}  // namespace
+
+Scene::Scene(SceneParts parts) : bsdfs_(std::move(parts.bsdfs)), sensor_(required_sensor(parts.sensor)) {
+    sensor_.translate(-parts.origin);
+    for (auto& object : parts.objects) {
+        const auto shape = static_cast<std::uint32_t>(shapes_.size());
+        bounds_.add(bounds_of(object.shape));
+        shapes_.push_back(std::move(object.shape));
+        std::uint32_t light = no_light;
+        if (object.radiance && !is_black(*object.radiance)) {
+            light = static_cast<std::uint32_t>(lights_.size());
+            lights_.push_back(AreaLight{shape, *object.radiance, AreaSampler(shapes_.back())});
+        }
+        surfaces_.push_back({object.bsdf, light});
+    }
+    for (const auto& light : parts.point_lights)
+        lights_.push_back(light);
+
+    std::vector<double> powers;
+    for (const auto& light : lights_)
+        powers.push_back(power_of(light).mean());
+    light_choice_ = DiscreteDistribution(powers);
+    accelerator_ = std::make_unique<Accelerator>(shapes_);
+}
+
+std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
+    const auto i = accelerator_->intersect(ray);
+    if (!i) return std::nullopt;
+    const Surface& surface = surfaces_[i->shape];
+    SurfaceHit hit{surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d), &bsdfs_[surface.bsdf],
+                   nullptr, surface.light, Frame()};
+    if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
+    hit.shading = Frame(hit.ns);
+    return hit;
+}
+
+std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {
+    if (!has_light()) return std::nullopt;
+    const auto choice = light_choice_.sample(u_choice);
+    auto sample = gib::sample_light(lights_[choice.index], shapes_, p, u);
+    if (sample) sample->pdf_w *= choice.probability;
+    return sample;
+}
+
+float Scene::light_pdf_w(const Vec3& p, const SurfaceHit& hit) const {
+    return light_choice_.probability(hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
+}
+
+EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {
+    const auto choice = light_choice_.sample(u_choice);
+    EmissionSample sample = gib::sample_emission(lights_[choice.index], shapes_, u_position, u_direction);
+    sample.power /= choice.probability;
+    return sample;
+}
+
+Colord Scene::emitted_power() const {
+    Colord power = Colord::Zero();
+    for (const auto& light : lights_)
+        power += power_of(light);
+    return power;
+}
+
+}  // namespace gib

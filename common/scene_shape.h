@@ -1,0 +1,35 @@
+#pragma once
+// The <shape> elements of a scene file, in double and in the file's coordinates.
+
+#include "common/mesh_data.h"
+#include "common/shape.h"
+#include "common/xml_properties.h"
+
+namespace gib {
+
+struct ParsedMesh {
+    MeshData data;
+    bool flip_normals = false;
+};
+struct ParsedSphere {
+    Vec3d center;
+    double radius;
+    bool flip_normals;
+};
+struct ParsedDisk {
+    Vec3d center, du, dv, normal;
+};
+using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk>;
+
+using BoundsD = Eigen::AlignedBox3d;
+
+/// rectangle, cube, sphere, disk, obj or ply with its own parameters; those that every shape takes are the caller's.
+/// The bytes of mesh files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
+ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash);
+
+BoundsD bounds_of(const ParsedShape& shape);
+
+/// The shape in float, relative to `origin`. Throws InputError at `where` for what float cannot hold.
+Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where);
+
+}  // namespace gib

@@ -1,0 +1,194 @@
+#include "common/shape.h"
+
+#include <stdexcept>
+
+namespace gib {
+
+namespace {
+
+/// Bound of n rounded operations in a row (Higham 2002, lemma 3.1).
+constexpr float gamma(int n) {
+    return static_cast<float>(n) * unit_roundoff / (1.f - static_cast<float>(n) * unit_roundoff);
+}
+
+float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
+
+struct Triangle {
+    Vec3 v0, e1, e2;  ///< a vertex and the edges from it to the second and third
+};
+
+Triangle triangle_of(const Mesh& mesh, std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3 v0 = mesh.vertex(t[0]);
+    return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
+}
+
+/// The point v0 + b1 e1 + b2 e2 of a triangle with its offset. |v0| <= |p| + |e1| + |e2| in each coordinate, so the
+/// rounding of the sum (2 operations on |v0|, 4 on each edge, of which forming it is one) is at most gamma_2 |p| +
+/// gamma_6 (|e1| + |e2|). A ray-triangle test that starts there errs by a few roundings of distances to the vertices,
+/// which are of the size of the edges, and of the origin itself; the constants leave room for both.
+SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& ng) {
+    SurfacePoint s;
+    s.p = t.v0 + (b1 * t.e1 + b2 * t.e2);
+    s.ng = ng;
+    s.offset = gamma(8) * ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(24) * (t.e1.cwiseAbs() + t.e2.cwiseAbs()).sum();
+    return s;
+}
+
+SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
+    SurfacePoint s;
+    s.p = sphere.center + sphere.radius * direction;
+    s.ng = sphere.flip_normals ? Vec3(-direction) : direction;
+    // Rounding of the centre's sum and of a unit vector's length, in each of three coordinates.
+    s.offset = 8.f * unit_roundoff * (sum_abs(sphere.center) + 3.f * sphere.radius);
+    return s;
+}
+
+SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
+    SurfacePoint s;
+    s.p = disk.center + a * disk.du + b * disk.dv;
+    s.ng = disk.normal;
+    s.offset = 8.f * unit_roundoff * (sum_abs(disk.center) + sum_abs(disk.du) + sum_abs(disk.dv));
+    return s;
+}
+
+/// Latitude and longitude as Mitsuba's sphere has them, up to the rotation that its to_world may hold.
+Vec2 sphere_uv(const Vec3& direction) {
+    const float phi = std::atan2(direction.y(), direction.x());
+    const float theta = std::acos(std::clamp(direction.z(), -1.f, 1.f));
+    return {(phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi), theta / pi};
+}
+
+SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
+    const Triangle t = triangle_of(mesh, triangle);
+    const Vec3 n = t.e1.cross(t.e2);
+    return point_on_triangle(t, u, v, n * ((mesh.flip_normals ? -1.f : 1.f) / n.norm()));
+}
+
+/// The shading normal between a triangle's vertex normals. Normals that cancel out leave no direction: then the face's.
+Vec3 interpolated_normal(const Mesh& mesh, std::uint32_t triangle, float u, float v, const Vec3& ng) {
+    const auto& t = mesh.triangles[triangle];
+    const Vec3 ns = (1.f - u - v) * mesh.normals[t[0]] + u * mesh.normals[t[1]] + v * mesh.normals[t[2]];
+    const float length = ns.norm();
+    return length > 0.f ? Vec3(ns * ((mesh.flip_normals ? -1.f : 1.f) / length)) : ng;
+}
+
+SurfaceGeometry surface_of_mesh(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
+    SurfaceGeometry s{point_of_mesh(mesh, triangle, u, v), Vec3(), Vec2(u, v)};
+    s.ns = mesh.normals.empty() ? s.ng : interpolated_normal(mesh, triangle, u, v, s.ng);
+    if (!mesh.uvs.empty()) {
+        const auto& t = mesh.triangles[triangle];
+        s.uv = (1.f - u - v) * mesh.uvs[t[0]] + u * mesh.uvs[t[1]] + v * mesh.uvs[t[2]];
+    }
+    return s;
+}
+
+}  // namespace
+
+Vec3 Mesh::normal_of(std::size_t i) const {
+    const Triangle t = triangle_of(*this, i);
+    const Vec3 n = t.e1.cross(t.e2);
+    return flip_normals ? Vec3(-n) : n;
+}
+
+Bounds bounds_of(const Shape& shape) {
+    Bounds b;
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        for (const auto& t : mesh->triangles)
+            for (std::uint32_t i : t)
+                b.add(mesh->vertex(i));
+    } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        b.add(sphere->center - Vec3::Constant(sphere->radius));
+        b.add(sphere->center + Vec3::Constant(sphere->radius));
+    } else {
+        const auto& disk = std::get<Disk>(shape);
+        const Vec3 extent = (disk.du.cwiseAbs2() + disk.dv.cwiseAbs2()).cwiseSqrt();
+        b.add(disk.center - extent);
+        b.add(disk.center + extent);
+    }
+    return b;
+}
+
+double area_of(const Shape& shape) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        double area = 0;
+        for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
+            area += 0.5 * mesh->normal_of(i).cast<double>().norm();
+        return area;
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
+        return 4.0 * std::numbers::pi * sqr(static_cast<double>(sphere->radius));
+    const auto& disk = std::get<Disk>(shape);
+    return std::numbers::pi * disk.du.cast<double>().norm() * disk.dv.cast<double>().norm();
+}
+
+bool has_smooth_normals(const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    return mesh && !mesh->normals.empty();
+}
+
+SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) return surface_of_mesh(*mesh, primitive, u, v);
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        const Vec3 direction = (p_ray - sphere->center).normalized();
+        const SurfacePoint s = point_on_sphere(*sphere, direction);
+        return {s, s.ng, sphere_uv(direction)};
+    }
+    const auto& disk = std::get<Disk>(shape);
+    const Vec3 d = p_ray - disk.center;
+    const float a = d.dot(disk.du) / disk.du.squaredNorm(), b = d.dot(disk.dv) / disk.dv.squaredNorm();
+    const float phi = std::atan2(b, a);
+    const SurfacePoint s = point_on_disk(disk, a, b);
+    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi))};
+}
+
+std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
+    const Vec3d d = ray.d.cast<double>();
+    const Vec3d f = ray.o.cast<double>() - sphere.center.cast<double>();
+    const double a = d.squaredNorm(), b = -f.dot(d), r2 = sqr(static_cast<double>(sphere.radius));
+    const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
+    if (discriminant < 0) return std::nullopt;
+    const double c = f.squaredNorm() - r2;
+    const double q = b + std::copysign(std::sqrt(a * discriminant), b);
+    double near = c / q, far = q / a;
+    if (near > far) std::swap(near, far);
+    const double t = near > static_cast<double>(ray.t_min) ? near : far;
+    if (!(t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max))) return std::nullopt;
+    return static_cast<float>(t);
+}
+
+std::optional<float> intersect(const Disk& disk, const Ray& ray) {
+    const Vec3d n = disk.du.cast<double>().cross(disk.dv.cast<double>());
+    const Vec3d d = ray.d.cast<double>(), f = disk.center.cast<double>() - ray.o.cast<double>();
+    const double denominator = n.dot(d);
+    if (denominator == 0) return std::nullopt;
+    const double t = n.dot(f) / denominator;
+    if (!(t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max))) return std::nullopt;
+    const Vec3d p = t * d - f;
+    const double a = p.dot(disk.du.cast<double>()) / disk.du.cast<double>().squaredNorm();
+    const double b = p.dot(disk.dv.cast<double>()) / disk.dv.cast<double>().squaredNorm();
+    if (a * a + b * b > 1) return std::nullopt;
+    return static_cast<float>(t);
+}
+
+AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(shape))) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        std::vector<double> areas;
+        for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
+            areas.push_back(0.5 * mesh->normal_of(i).cast<double>().norm());
+        triangles_ = DiscreteDistribution(areas);
+    }
+}
+
+SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        const auto choice = triangles_.sample(u.x());
+        const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
+        return point_of_mesh(*mesh, choice.index, b.x(), b.y());
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
+    const Vec2 d = square_to_disk(u);
+    return point_on_disk(std::get<Disk>(shape), d.x(), d.y());
+}
+
+}  // namespace gib

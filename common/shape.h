@@ -1,0 +1,81 @@
+#pragma once
+// Geometry: a closed set of shapes in world space, what a ray query needs of a hit on them, and uniform points on them.
+
+#include "common/math.h"
+#include "common/warp.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace gib {
+
+/// A point on a surface, exact enough to start a ray from.
+struct SurfacePoint {
+    Vec3 p;
+    Vec3 ng;       ///< geometric normal, unit; the front side is the one that it points to
+    float offset;  ///< a distance along +-ng that no rounding error of p, nor of a ray query from there, can exceed
+};
+
+struct SurfaceGeometry : SurfacePoint {
+    Vec3 ns;  ///< shading normal, unit
+    Vec2 uv;
+};
+
+/// Triangles. Vertices have an extra element at the end, because Embree reads 16 bytes at the last one.
+struct Mesh {
+    std::vector<std::array<float, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<Vec3> normals;  ///< per vertex, unit; empty: face normals
+    std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
+    bool flip_normals = false;
+
+    Vec3 vertex(std::uint32_t i) const { return {vertices[i][0], vertices[i][1], vertices[i][2]}; }
+    /// (v1 - v0) x (v2 - v0) of triangle i, towards its front side; its length is twice the area.
+    Vec3 normal_of(std::size_t i) const;
+};
+
+struct Sphere {
+    Vec3 center;
+    float radius;
+    bool flip_normals = false;
+};
+
+/// The ellipse center + a du + b dv with a^2 + b^2 <= 1; du and dv are orthogonal, not of unit length.
+struct Disk {
+    Vec3 center, du, dv;
+    Vec3 normal;
+};
+
+using Shape = std::variant<Mesh, Sphere, Disk>;
+
+Bounds bounds_of(const Shape& shape);
+/// [scene units^2]
+double area_of(const Shape& shape);
+bool has_smooth_normals(const Shape& shape);
+
+/// The hit at barycentric weights (u, v) of a mesh's second and third vertex; `p_ray`, the point computed from the ray,
+/// serves the other shapes, which project it back onto themselves.
+SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
+
+/// The smallest t in (t_min, t_max) at which the ray meets a sphere or a disk. In double: a quadratic's difference of
+/// nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
+std::optional<float> intersect(const Disk& disk, const Ray& ray);
+
+/// Uniform points on a shape, prepared once.
+class AreaSampler {
+public:
+    explicit AreaSampler(const Shape& shape);
+    /// Density 1 / area() [1/scene units^2].
+    SurfacePoint sample(const Shape& shape, const Vec2& u) const;
+    float area() const { return area_; }
+
+private:
+    DiscreteDistribution triangles_;  ///< of a mesh
+    float area_;
+};
+
+}  // namespace gib

@@ -1,0 +1,99 @@
+#pragma once
+// Maps from the unit square to the distributions that light transport needs, with their densities.
+
+#include "common/math.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace gib {
+
+/// The balance between two estimators of the same integral, power heuristic with beta = 2.
+/// Source: Veach 1997, equation 9.13. Infinite densities (delta functions) give their limit.
+inline float power_heuristic(float pdf, float other_pdf) {
+    if (!std::isfinite(pdf)) return 1.f;
+    if (pdf <= 0.f) return 0.f;
+    const float ratio = other_pdf / pdf;  // a ratio cannot overflow where the squares would
+    return 1.f / (1.f + ratio * ratio);
+}
+
+/// Uniform on the unit disc, concentric (Shirley and Chiu 1997): neighbours stay neighbours, so stratification
+/// survives.
+inline Vec2 square_to_disk(const Vec2& u) {
+    const float a = 2.f * u.x() - 1.f, b = 2.f * u.y() - 1.f;
+    if (a == 0.f && b == 0.f) return Vec2::Zero();
+    const bool wide = std::abs(a) > std::abs(b);
+    const float r = wide ? a : b;
+    const float phi = wide ? (pi / 4) * (b / a) : (pi / 2) - (pi / 4) * (a / b);
+    return {r * std::cos(phi), r * std::sin(phi)};
+}
+
+/// Density cos(theta) / pi [1/sr] on the upper hemisphere, local frame.
+inline Vec3 square_to_cosine_hemisphere(const Vec2& u) {
+    const Vec2 d = square_to_disk(u);
+    // 1 - d.d >= 0 up to rounding; the lower bound keeps the density positive for the direction that is returned.
+    return {d.x(), d.y(), std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f))};
+}
+inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta, 0.f) * inv_pi; }
+
+/// Uniform on the unit sphere, density 1 / (4 pi).
+inline Vec3 square_to_sphere(const Vec2& u) {
+    const float z = 1.f - 2.f * u.x();
+    const float r = safe_sqrt(1.f - z * z);
+    const float phi = 2.f * pi * u.y();
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+/// Uniform in the cone of directions around +z whose angle has 1 - cos = `one_minus_cos_max`; density
+/// 1 / (2 pi one_minus_cos_max). Taking 1 - cos instead of cos keeps the precision of narrow cones.
+inline Vec3 square_to_cone(const Vec2& u, float one_minus_cos_max) {
+    const float one_minus_cos = u.x() * one_minus_cos_max;
+    const float sin_theta = safe_sqrt(one_minus_cos * (2.f - one_minus_cos));
+    const float phi = 2.f * pi * u.y();
+    return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1.f - one_minus_cos};
+}
+
+/// Barycentric weights of the second and third vertex, uniform on the triangle.
+/// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+inline Vec2 square_to_triangle(const Vec2& u) {
+    float a = u.x(), b = u.y();
+    if (b > a) {
+        a *= 0.5f;
+        b -= a;
+    } else {
+        b *= 0.5f;
+        a -= b;
+    }
+    return {a, b};
+}
+
+/// A choice among n items with probabilities proportional to given weights.
+class DiscreteDistribution {
+public:
+    DiscreteDistribution() = default;
+    /// Weights must be finite and >= 0. All zero: total() is 0 and sample() must not be called.
+    explicit DiscreteDistribution(const std::vector<double>& weights);
+
+    std::size_t size() const { return probability_.size(); }
+    double total() const { return total_; }
+    float probability(std::size_t i) const { return probability_[i]; }
+
+    struct Choice {
+        std::size_t index;
+        float probability;
+        float u;  ///< the rest of the random number, uniform in [0, 1) again
+    };
+    Choice sample(float u) const {
+        if (probability_.size() == 1) return {0, 1.f, u};
+        return search(u);
+    }
+
+private:
+    Choice search(float u) const;
+
+    std::vector<float> cumulative_;  ///< upper ends, the last is 1
+    std::vector<float> probability_;
+    double total_ = 0;
+};
+
+}  // namespace gib
