@@ -1,0 +1,101 @@
+#include "methods/method.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace gib {
+
+StageTimes::Timer StageTimes::time(std::string_view stage) {
+    for (auto& s : stages_)
+        if (s->name == stage) return Timer(s->seconds);
+    stages_.push_back(std::make_unique<Stage>(Stage{std::string(stage), 0.0}));
+    return Timer(stages_.back()->seconds);
+}
+
+std::vector<StageTimes::Stage> StageTimes::stages() const {
+    std::vector<Stage> copy;
+    for (const auto& s : stages_)
+        copy.push_back(*s);
+    return copy;
+}
+
+bool Plan::runs(std::string_view pass) const {
+    const auto step = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.pass == pass; });
+    return step != steps.end() && step->runs;
+}
+
+const std::vector<Parameter>& shared_parameters() {
+    static const std::vector<Parameter> parameters = {
+        {"spp",
+         Parameter::Kind::integer,
+         "",
+         "samples a pixel",
+         1,
+         0x1p31,
+         {},
+         "the last pass; default: the scene's sample_count, else 16"},
+        {"max_depth",
+         Parameter::Kind::integer,
+         "",
+         "edges",
+         0,
+         0x1p30,
+         {},
+         "edges of the longest path, 0 = unlimited; default: the scene's, else unlimited"},
+    };
+    return parameters;
+}
+
+int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults) {
+    if (!values.given("max_depth")) return defaults.max_edges;
+    const auto depth = static_cast<int>(values.integer("max_depth"));
+    return depth == 0 ? std::numeric_limits<int>::max() : depth;
+}
+
+Plan described_plan(const Scene& scene, const MethodDescription& method) {
+    Plan plan;
+    plan.called_for = effects_of(scene);
+    plan.missing = plan.called_for - method.simulates;
+    return plan;
+}
+
+Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method) {
+    const auto shown = [&](Component c) {
+        switch (c) {
+            case Component::emission:
+                return scene.has_light();
+            case Component::direct:
+                return effects.has(Effect::direct_light);
+            case Component::caustic:
+                return effects.has(Effect::caustics);
+            case Component::indirect:
+                return effects.has(Effect::diffuse_interreflection);
+            case Component::volume:
+                return false;
+        }
+        return false;
+    };
+    std::vector<Component> accumulated, black;
+    for (Component c : method.components)
+        (shown(c) ? accumulated : black).push_back(c);
+    return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
+}
+
+const MethodDescription& find_method(std::string_view name, const SourceLocation& where) {
+    std::vector<std::string> names;
+    for (const auto& method : method_registry()) {
+        if (method.name == name) return method;
+        names.push_back(method.name);
+    }
+    throw InputError(where, fmt::format("unknown method '{}'; there are: {}", name, fmt::join(names, ", ")));
+}
+
+std::vector<Parameter> all_parameters(const MethodDescription& method) {
+    std::vector<Parameter> parameters = method.parameters;
+    parameters.insert(parameters.end(), shared_parameters().begin(), shared_parameters().end());
+    return parameters;
+}
+
+}  // namespace gib

@@ -1,0 +1,263 @@
+// Photon mapping: caustics and indirect light from the density of photons, direct light sampled, specular paths traced.
+// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 9.
+//
+// Computes: every component of a scene without media. At the first diffuse surface seen from the eye: direct by light
+// sampling, caustic from the caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D). Light found at the
+// end of specular paths counts only before that surface (emission), so that every path is counted once. Parameters:
+// photons, caustic_photons [emitted], k, radius [fraction of the scene's diagonal], kernel, area; spp, max_depth. Bias:
+// the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
+// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. A pass: one gather sample of every
+// pixel. The maps are filled at the start. Fails: never; a map without photons near a point gives 0 there.
+#include "methods/photon_mapper.h"
+
+#include "common/parallel.h"
+#include "methods/direct_light.h"
+#include "methods/photon_walk.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+constexpr std::string_view pass_direct = "light sampling";
+constexpr std::string_view pass_specular = "specular paths";
+constexpr std::string_view pass_caustic = "caustic map";
+constexpr std::string_view pass_global = "global map";
+
+/// Eye paths among specular surfaces end by roulette from this vertex on, as the path tracer's do.
+constexpr int first_roulette_vertex = 8;
+
+/// Where the disc of a look-up is probed: past all dimensions of a path of 2^16 vertices.
+constexpr std::uint32_t caustic_disc = dimension::at_vertex(1 << 16, 0);
+constexpr std::uint32_t global_disc = caustic_disc + 1;
+
+const MethodDescription& description() { return find_method("photon_mapper"); }
+
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
+    Plan plan = described_plan(scene, description());
+    const bool lit = effects.has(Effect::direct_light);
+    plan.add(std::string(pass_direct), lit, "no light can reach a diffuse surface");
+    plan.add(std::string(pass_specular), effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
+             "no surface is specular");
+    plan.add(std::string(pass_caustic), effects.has(Effect::caustics) && settings.caustic_photons > 0,
+             effects.has(Effect::caustics) ? "caustic_photons=0"
+                                           : "no light reaches a diffuse surface by way of a specular one");
+    plan.add(
+        std::string(pass_global), effects.has(Effect::diffuse_interreflection) && settings.photons > 0,
+        effects.has(Effect::diffuse_interreflection) ? "photons=0" : "no light is passed between diffuse surfaces");
+    return plan;
+}
+
+class PhotonMapperRun final : public Run {
+public:
+    PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Effects& effects,
+                    std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          settings_(settings),
+          seed_(seed),
+          stages_(stages),
+          film_(film_for(scene, effects, description())) {
+        const Plan plan = photon_mapper_plan(scene, effects, settings);
+        samples_lights_ = plan.runs(pass_direct);
+        follows_specular_ = plan.runs(pass_specular);
+        if (plan.runs(pass_caustic)) caustic_map_ = fill(PhotonMapKind::caustic, settings.caustic_photons);
+        if (plan.runs(pass_global)) global_map_ = fill(PhotonMapKind::global, settings.photons);
+        const float max_radius = static_cast<float>(settings.radius * static_cast<double>(scene.diagonal()));
+        global_estimator_ = {settings.kernel, settings.k, max_radius, settings.area};
+        caustic_estimator_ = {settings.kernel, settings.caustic_k, max_radius, settings.area};
+    }
+
+    Progress advance(std::uint32_t pass) override {
+        const auto timer = stages_.time("gather");
+        const Sensor& sensor = scene_.sensor();
+        const auto width = static_cast<std::size_t>(sensor.width());
+        parallel_blocks(width * static_cast<std::size_t>(sensor.height()), 256,
+                        [&](std::size_t begin, std::size_t end, std::size_t) {
+                            RayQueries rays(scene_);
+                            std::vector<PhotonMap::Neighbour> found;
+                            for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                                const Sampler sampler(PointSet::sobol, seed_, pixel, pass);
+                                const Ray ray = sensor.generate_ray(static_cast<int>(pixel % width),
+                                                                    static_cast<int>(pixel / width),
+                                                                    sampler.get_2d(dimension::film));
+                                film_.add(pixel, pass, gather(rays, ray, sampler, found));
+                            }
+                            rays_ += rays.count();
+                        });
+        passes_ = pass + 1;
+        return Progress::more;
+    }
+
+    ComponentImages image() const override { return film_.mean(passes_); }
+    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+
+private:
+    PhotonMap fill(PhotonMapKind kind, std::uint64_t count) {
+        PhotonWalkResult walk;
+        {
+            const auto timer = stages_.time("photon tracing");
+            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_);
+        }
+        rays_ += walk.rays;
+        photons_ += walk.emitted;
+        const auto timer = stages_.time("tree build");
+        return PhotonMap(std::move(walk.photons));
+    }
+
+    /// One sample of a pixel: a path of specular vertices, closed at its first diffuse one.
+    PixelSample gather(RayQueries& rays, Ray ray, const Sampler& sampler,
+                       std::vector<PhotonMap::Neighbour>& found) const {
+        PixelSample sample;
+        Color beta = Color::Ones();
+        float eta_scale = 1.f;  // product of eta^2 that beta was divided by at refractions
+        for (int vertex = 0; vertex < settings_.max_edges; ++vertex) {
+            const auto hit = rays.intersect(ray);
+            if (!hit) break;
+            const Vec3 wo = -ray.d;
+            sample[Component::emission] += beta * hit->Le(wo);
+            if (vertex + 1 >= settings_.max_edges) break;
+
+            const Vec3 wo_local = hit->shading.to_local(wo);
+            if (hit->bsdf->samples_lights(wo_local.z())) {
+                add_diffuse(rays, *hit, wo, vertex, sampler, beta, found, sample);
+                break;
+            }
+            if (!follows_specular_) break;
+            const auto next = hit->bsdf->sample_local(
+                wo_local, sampler.get_1d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
+                sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::radiance);
+            if (!next) break;
+            beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
+            eta_scale *= sqr(next->eta);
+            if (vertex >= first_roulette_vertex) {
+                const float survival = std::min(beta.maxCoeff() * eta_scale, 0.95f);
+                if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
+                beta /= survival;
+            }
+            ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+        }
+        return sample;
+    }
+
+    /// The three ways in which light reaches the first diffuse surface.
+    void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
+                     const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+        if (samples_lights_)
+            sample[Component::direct] += beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler,
+                                                                    vertex, LightTechniques::light_sampling_only);
+        const int max_photon_edges = settings_.max_edges - (vertex + 1);
+        if (caustic_map_.size() > 0)
+            sample[Component::caustic] +=
+                beta * caustic_estimator_.reflected_radiance(caustic_map_, rays, hit, wo, max_photon_edges, sampler,
+                                                             caustic_disc, found);
+        if (global_map_.size() > 0)
+            sample[Component::indirect] +=
+                beta * global_estimator_.reflected_radiance(global_map_, rays, hit, wo, max_photon_edges, sampler,
+                                                            global_disc, found);
+    }
+
+    const Scene& scene_;
+    PhotonMapperSettings settings_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    Film film_;
+    bool samples_lights_, follows_specular_;
+    PhotonMap caustic_map_, global_map_;
+    DensityEstimator caustic_estimator_, global_estimator_;
+    std::uint64_t photons_ = 0;
+    std::uint32_t passes_ = 0;
+    std::atomic<std::uint64_t> rays_ = 0;
+};
+
+class PhotonMapper final : public Method {
+public:
+    explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override { return photon_mapper_plan(scene, effects_of(scene), settings_); }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
+    }
+
+private:
+    PhotonMapperSettings settings_;
+};
+
+template <std::size_t n>
+std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
+    return {names.begin(), names.end()};
+}
+
+std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
+    PhotonMapperSettings s{};
+    s.photons = static_cast<std::uint64_t>(values.integer("photons"));
+    s.caustic_photons =
+        values.given("caustic_photons") ? static_cast<std::uint64_t>(values.integer("caustic_photons")) : s.photons;
+    const auto k = values.number_unless_word("k");
+    s.k = k ? static_cast<std::size_t>(*k) : automatic_k(s.photons);
+    s.caustic_k = k ? s.k : automatic_k(s.caustic_photons);
+    s.radius = values.number("radius");
+    const auto kernel = std::find(kernel_names.begin(), kernel_names.end(), values.choice("kernel"));
+    s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
+    s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
+    s.max_edges = max_edges_of(values, defaults);
+    return std::make_unique<PhotonMapper>(s);
+}
+
+}  // namespace
+
+std::size_t automatic_k(std::uint64_t photons) {
+    const double k = 50.0 * std::pow(static_cast<double>(photons) / 1e5, 2.0 / 3.0);
+    return static_cast<std::size_t>(std::max(4.0, std::round(k)));
+}
+
+std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperSettings& settings,
+                                         const Effects& effects, std::uint64_t seed, StageTimes& stages) {
+    return std::make_unique<PhotonMapperRun>(scene, settings, effects, seed, stages);
+}
+
+MethodDescription describe_photon_mapper() {
+    using Kind = Parameter::Kind;
+    return {
+        "photon_mapper",
+        "photon mapping with a global and a caustic map: biased, low-frequency noise, good at caustics",
+        {
+            {"photons", Kind::integer, "1000000", "photons", 0, 4e9, {}, "emitted for the global map"},
+            {"caustic_photons",
+             Kind::integer,
+             "",
+             "photons",
+             0,
+             4e9,
+             {},
+             "emitted for the caustic map; default: as many as photons"},
+            {"k",
+             Kind::integer,
+             "50",
+             "photons",
+             2,
+             1e6,
+             {"auto"},
+             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3)"},
+            {"radius", Kind::number, "0.025", "scene diagonals", 0, 1, {}, "largest radius of a look-up"},
+            {"kernel", Kind::choice, "uniform", "", 0, 0, strings(kernel_names), "weight of a photon by its distance"},
+            {"area",
+             Kind::choice,
+             "surface",
+             "",
+             0,
+             0,
+             {"surface", "plain"},
+             "area of a look-up's disc: the part on the surface, or all of it everywhere"},
+        },
+        Effects::all(),
+        {Component::emission, Component::direct, Component::caustic, Component::indirect},
+        false,
+        create_photon_mapper,
+    };
+}
+
+}  // namespace gib

@@ -1,0 +1,29 @@
+#pragma once
+// The photon mapper's settings and start, apart from its entry in the registry, so that tests can force every pass to
+// run.
+
+#include "methods/density_estimate.h"
+#include "methods/method.h"
+
+namespace gib {
+
+struct PhotonMapperSettings {
+    std::uint64_t photons;          ///< emitted for the global map
+    std::uint64_t caustic_photons;  ///< emitted for the caustic map
+    std::size_t k;                  ///< photons in an estimate of the global map
+    std::size_t caustic_k;          ///< the same of the caustic map
+    double radius;                  ///< largest look-up radius, as a fraction of the scene's diagonal
+    Kernel kernel;
+    DiscArea area;
+    int max_edges;
+};
+
+/// k = auto: 50 at 1e5 photons and growing as photons^(2/3), at least 4. The bias of an estimate falls with r^2 ~ k / N
+/// and its variance with 1 / k; this power lets both vanish as N grows.
+std::size_t automatic_k(std::uint64_t photons);
+
+/// Traces the photons and builds the maps for `effects`; the rest of what `settings` could do is not run.
+std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperSettings& settings,
+                                         const Effects& effects, std::uint64_t seed, StageTimes& stages);
+
+}  // namespace gib

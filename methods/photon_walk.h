@@ -1,0 +1,50 @@
+#pragma once
+// The photon mapper's first pass: photons leave the lights, are scattered or absorbed by Russian roulette, and are
+// stored at every diffuse hit before the roulette. Source: Jensen 2001, "Realistic Image Synthesis Using Photon
+// Mapping", chapter 5.
+
+#include "common/math.h"
+#include "methods/photon.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace gib {
+
+class Scene;
+
+/// Which photons are stored.
+enum class PhotonMapKind {
+    global,  ///< L (S* D)+ S* D: those that a diffuse surface has scattered; direct light and caustics are found
+             ///< otherwise
+    caustic  ///< L S+ D; the walk ends at the first diffuse surface
+};
+
+/// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
+/// albedo), so that the sum is the emitted power only if the roulette and its rescaling are right.
+struct PowerBalance {
+    Colord emitted = Colord::Zero();
+    Colord absorbed = Colord::Zero();
+    Colord escaped = Colord::Zero();
+    /// Sum over photons of (emitted - absorbed - escaped)^2, from which the standard error of the balance follows.
+    Colord squared_residuals = Colord::Zero();
+
+    PowerBalance& operator+=(const PowerBalance& other);
+};
+
+struct PhotonWalkResult {
+    std::vector<Photon> photons;  ///< in the order of emission
+    std::uint64_t emitted = 0;    ///< number of photons
+    std::uint64_t rays = 0;
+    PowerBalance balance;  ///< each photon of power / emitted
+};
+
+/// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
+/// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
+/// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
+/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart.
+PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
+                               std::uint64_t seed);
+
+}  // namespace gib
