@@ -1,0 +1,147 @@
+#include "experiments/analysis.h"
+
+#include "common/image_file.h"
+#include "experiments/judgement.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+/// The replicates of one method on one scene.
+struct Replicates {
+    std::vector<const Cell*> cells;
+    std::vector<ComponentImages> images;
+};
+
+std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
+    std::vector<std::vector<CurvePoint>> curves;
+    for (const Cell* cell : replicates.cells) {
+        curves.emplace_back();
+        for (const auto& c : cell->checkpoints)
+            if (const auto error = c.errors.find(component); error != c.errors.end())
+                curves.back().push_back({c.checkpoint.seconds, std::sqrt(error->second.rel_mse)});
+    }
+    return curves;
+}
+
+/// What a row says without any comparison.
+TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const std::string& component) {
+    const Cell& first = *replicates.cells.front();
+    TableRow row;
+    row.scene = first.scene;
+    row.method = first.method;
+    row.component = component;
+    row.seeds = static_cast<int>(replicates.cells.size());
+    for (const Cell* cell : replicates.cells) {
+        row.seconds += cell->last().seconds / row.seeds;
+        row.prepare_seconds += cell->prepare_seconds / row.seeds;
+        row.nonfinite += cell->last().counts.non_finite.count;
+        row.peak_rss_mib = std::max(row.peak_rss_mib, cell->last().peak_rss_mib);
+    }
+    if (const auto missing = index.effects_missing.find({row.scene, row.method});
+        missing != index.effects_missing.end())
+        row.effects_missing = missing->second;
+    return row;
+}
+
+TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
+                    const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total) {
+    TableRow row = plain_row(replicates, index, component);
+    row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
+    row.noise = noise_spectrum(images, r_total);
+    row.bias = bias_spectrum(images, reference);
+    const auto curves = curves_of(replicates, component);
+    for (std::size_t t = 0; t < target_errors.size(); ++t)
+        row.times[t] = time_to_error(curves, target_errors[t]);
+    return row;
+}
+
+std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement) {
+    std::vector<TableRow> rows;
+    const Image& r_total = judgement.total().mean;
+    std::vector<Image> totals;
+    for (const auto& image : replicates.images)
+        totals.push_back(judgement.total_of(image));
+    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total));
+    for (Component c : all_components) {
+        std::vector<Image> images;
+        for (const auto& image : replicates.images)
+            if (image[c]) images.push_back(*image[c]);
+        if (images.size() != replicates.images.size()) continue;
+        const std::string name(name_of(c));
+        if (const auto* layer = judgement.component(c))
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total));
+        else if (!judgement.resolved(c)) rows.push_back(plain_row(replicates, index, name));
+    }
+    return rows;
+}
+
+ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
+                            double epsilon) {
+    ReferenceQuality quality{
+        scene.name, scene.reference_method, relative_standard_error(judgement.total(), epsilon), scene.target, 0,
+        scene.notes};
+    const auto passes = reference.metadata.find("passes");
+    if (passes != reference.metadata.end()) {
+        const std::string& text = passes->second;
+        std::from_chars(text.data(), text.data() + text.size(), quality.samples);
+        quality.samples *= static_cast<std::uint64_t>(reference_groups);
+    }
+    return quality;
+}
+
+}  // namespace
+
+std::string cell_folder_name(const std::string& scene, const std::string& method, std::uint64_t seed) {
+    CellIdentity identity;
+    identity.scene = scene;
+    identity.method = method;
+    identity.seed = seed;
+    return identity.folder_name();
+}
+
+Analysis analyse(const ResultFolder& folder) {
+    Analysis analysis;
+    analysis.index = folder.read_index();
+    const ResultIndex& index = analysis.index;
+    std::vector<std::pair<std::size_t, std::string>> kept;  // index of a cell, its folder
+    for (const auto& scene : index.scenes)
+        for (const auto& method : index.methods)
+            for (int seed = 1; seed <= index.seeds; ++seed) {
+                const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
+                const auto key = index.cell_keys.find(name);
+                auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second);
+                if (cell) {
+                    kept.emplace_back(analysis.cells.size(), name);
+                    analysis.cells.push_back(*std::move(cell));
+                } else {
+                    ++analysis.missing_cells;
+                }
+            }
+    for (const auto& scene : index.scenes) {
+        if (!std::filesystem::exists(folder.reference_image(scene.name))) continue;
+        const Reference reference = read_reference(folder.reference_image(scene.name));
+        const Judgement judgement(reference);
+        analysis.references.push_back(quality_of(scene, reference, judgement, index.epsilon));
+        for (const auto& method : index.methods) {
+            Replicates replicates;
+            for (const auto& [i, name] : kept) {
+                const Cell& cell = analysis.cells[i];
+                if (cell.scene != scene.name || cell.method != method) continue;
+                replicates.cells.push_back(&cell);
+                replicates.images.push_back(components_in(read_image(folder.cell_image(name))));
+            }
+            if (replicates.cells.empty()) continue;
+            for (auto& row : rows_of(replicates, index, judgement))
+                analysis.rows.push_back(std::move(row));
+        }
+    }
+    return analysis;
+}
+
+}  // namespace gib

@@ -1,0 +1,55 @@
+#pragma once
+// From stored cells to the numbers of tables and report: one row for each scene, method and component.
+
+#include "experiments/result_folder.h"
+#include "experiments/spectrum.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// Relative RMSE [%] whose price is asked for, as it stands in column names.
+inline constexpr std::array<const char*, 5> target_names = {"10", "5", "2", "1", "0.5"};
+inline constexpr std::array<double, 5> target_errors = {0.10, 0.05, 0.02, 0.01, 0.005};
+
+struct TableRow {
+    std::string scene, method, component;
+    int seeds = 0;
+    double seconds = 0;                             ///< mean charged seconds of the final images
+    double prepare_seconds = 0;                     ///< mean
+    std::optional<ReplicateStatistics> statistics;  ///< empty: left out of judgement
+    std::optional<NoiseSpectrum> noise;
+    std::vector<SpectrumPoint> bias;
+    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]
+    std::uint64_t nonfinite = 0;                                      ///< of all seeds
+    double peak_rss_mib = 0;                                          ///< the largest of all seeds
+    std::string effects_missing;
+};
+
+/// What is known of a scene's reference.
+struct ReferenceQuality {
+    std::string scene, method;
+    double relative_error = 0;  ///< standard error of the judged total, relative, with the experiment's epsilon
+    std::optional<double> target;
+    std::uint64_t samples = 0;  ///< a pixel; 0: unknown
+    std::vector<std::string> notes;
+};
+
+struct Analysis {
+    ResultIndex index;
+    std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
+    std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
+    std::vector<ReferenceQuality> references;
+    std::size_t missing_cells = 0;  ///< of the experiment, not complete
+};
+
+/// Throws InputError if the folder holds no results or an image of it cannot be read.
+Analysis analyse(const ResultFolder& folder);
+
+/// Where a cell's folder is.
+std::string cell_folder_name(const std::string& scene, const std::string& method, std::uint64_t seed);
+
+}  // namespace gib

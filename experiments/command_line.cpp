@@ -1,0 +1,227 @@
+#include "experiments/command_line.h"
+
+#include "common/error.h"
+#include "experiments/build_info.h"
+#include "experiments/cell_process.h"
+#include "experiments/commands.h"
+#include "experiments/compare.h"
+#include "experiments/interrupt.h"
+#include "experiments/run_experiment.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <new>
+
+namespace gib {
+
+namespace {
+
+constexpr int exit_failed = 1, exit_wrong_input = 2, exit_interrupted = 130;
+
+/// What the chosen subcommand does; set while parsing, run afterwards.
+using Action = std::function<int()>;
+
+std::map<std::string, std::string> assignments(const std::vector<std::string>& texts) {
+    std::map<std::string, std::string> values;
+    for (const auto& text : texts) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw InputError(fmt::format("--set needs NAME=VALUE, not '{}'", text));
+        if (!values.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
+            throw InputError(fmt::format("--set gives '{}' twice", text.substr(0, equals)));
+    }
+    return values;
+}
+
+void add_threads(CLI::App* command, int& threads) {
+    command->add_option("--threads", threads, "threads that compute; else one per processor")
+        ->check(CLI::Range(1, 4096));
+}
+
+void add_set(CLI::App* command, std::vector<std::string>& texts) {
+    command->add_option("--set", texts, "NAME=VALUE: sets a $parameter of the scene file")
+        ->take_all()
+        ->allow_extra_args(false);
+}
+
+void add_run(CLI::App& app, Action& action, const std::string& command_line) {
+    auto options = std::make_shared<RunOptions>();
+    options->command_line = command_line;
+    CLI::App* command = app.add_subcommand("run", "run an experiment file: references, cells, tables, report");
+    command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)")->required();
+    command->add_option("--out", options->out, "folder of the results; else results/<experiment's name>");
+    add_threads(command, options->threads);
+    command->add_option("--seeds", options->seeds, "seeds 1 to this, instead of the file's")
+        ->check(CLI::Range(1, 100000));
+    command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
+    command->add_flag("--fresh", options->fresh,
+                      "measure complete cells again (references are kept: they follow the scene's content)");
+    command->callback([options, &action] { action = [options] { return run_experiment(*options, std::cout); }; });
+}
+
+void add_render(CLI::App& app, Action& action) {
+    auto options = std::make_shared<RenderOptions>();
+    auto texts = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("render", "render a scene once");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "label, such as \"path spp=64\"")->required();
+    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)");
+    add_threads(command, options->threads);
+    add_set(command, *texts);
+    command->add_option("-o,--out", options->out, "the image (EXR)")->required();
+    command->footer("Methods and their parameters:\n" + parameter_help());
+    command->callback([options, texts, &action] {
+        action = [options, texts] {
+            options->parameters = assignments(*texts);
+            return render(*options, std::cout);
+        };
+    });
+}
+
+void add_reference(CLI::App& app, Action& action) {
+    auto options = std::make_shared<ReferenceOptions>();
+    auto texts = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or top one up");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "label without spp (default \"path\")");
+    command->add_option("--target", options->target, "relative standard error, such as 0.5% (default 1%)");
+    command->add_option("--max-seconds", options->seconds, "take it as it is after this time")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--epsilon", options->epsilon, "of the relative error (default 0.01)")
+        ->check(CLI::PositiveNumber);
+    add_threads(command, options->threads);
+    add_set(command, *texts);
+    command->add_option("-o,--out", options->out, "the reference (EXR); an earlier one is topped up")->required();
+    command->callback([options, texts, &action] {
+        action = [options, texts] {
+            options->parameters = assignments(*texts);
+            return make_reference_file(*options, std::cout);
+        };
+    });
+}
+
+void add_compare(CLI::App& app, Action& action) {
+    auto options = std::make_shared<CompareOptions>();
+    auto files = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("compare", "the error of images against a reference");
+    command->add_option("IMAGES", *files, "TEST.exr [TEST.exr ...] REFERENCE.exr; several tests are replicates")
+        ->required()
+        ->expected(2, 1 << 20);
+    command->add_option("--epsilon", options->epsilon, "of relative errors (default 0.01)")->check(CLI::PositiveNumber);
+    command->add_flag("--json", options->json, "print JSON");
+    command->callback([options, files, &action] {
+        action = [options, files] {
+            options->reference = files->back();
+            options->tests.assign(files->begin(), files->end() - 1);
+            return compare(*options, std::cout);
+        };
+    });
+}
+
+void add_plan(CLI::App& app, Action& action) {
+    struct Options {
+        std::string scene, method;
+        std::vector<std::string> texts;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command =
+        app.add_subcommand("plan", "what light transport a scene calls for and what a method does about it");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "name or label; else every method");
+    add_set(command, options->texts);
+    command->callback([options, &action] {
+        action = [options] {
+            return print_plan(options->scene, options->method, assignments(options->texts), std::cout);
+        };
+    });
+}
+
+void add_list(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("list", "what there is, one a line, the name first");
+    command->require_subcommand(1);
+    auto parameters = std::make_shared<bool>(false);
+    CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
+    methods->add_flag("--parameters", *parameters, "with every parameter: unit, range, default");
+    methods->callback(
+        [parameters, &action] { action = [parameters] { return list_methods(*parameters, std::cout); }; });
+    command->add_subcommand("scenes", "scenes that come with the program")->callback([&action] {
+        action = [] { return list_scenes(std::cout); };
+    });
+    command->add_subcommand("effects", "kinds of light transport")->callback([&action] {
+        action = [] { return list_effects(std::cout); };
+    });
+}
+
+void add_report(CLI::App& app, Action& action) {
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("report", "tables and report.html from stored results alone");
+    command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
+    command->callback([folder, &action] { action = [folder] { return rebuild_report(*folder, std::cout); }; });
+}
+
+/// Internal: `run` starts it for each cell. An empty group hides it from the help.
+void add_measure_cell(CLI::App& app, Action& action) {
+    auto request = std::make_shared<std::string>();
+    CLI::App* command =
+        app.add_subcommand("measure-cell", "internal: measures one cell, see cell_process.h")->group("");
+    command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
+    command->callback([request, &action] {
+        action = [request] {
+            measure_cell(*request);
+            return 0;
+        };
+    });
+}
+
+int perform(const Action& action) {
+    try {
+        const int code = action();
+        std::cout.flush();
+        return code;
+    } catch (const InputError& error) {
+        std::cerr << error.what() << "\n";
+        return exit_wrong_input;
+    } catch (const Interrupted& error) {
+        std::cerr << error.what() << "\n";
+        return exit_interrupted;
+    } catch (const std::bad_alloc&) {
+        std::cerr << "out of memory\n";
+        return exit_failed;
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << "\n";
+        return exit_failed;
+    }
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+    std::string command_line;
+    for (int i = 0; i < argc; ++i)
+        command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+    Action action;
+    CLI::App app("gibench: what every step of accuracy costs in global illumination", "gibench");
+    app.set_version_flag("--version", program_version());
+    app.require_subcommand(1);
+    add_run(app, action, command_line);
+    add_render(app, action);
+    add_reference(app, action);
+    add_compare(app, action);
+    add_plan(app, action);
+    add_list(app, action);
+    add_report(app, action);
+    add_measure_cell(app, action);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        // CLI11 has a code of its own for each kind of mistake; here they are all "the command line is wrong".
+        return app.exit(error) == 0 ? 0 : exit_wrong_input;
+    }
+    return perform(action);
+}
+
+}  // namespace gib

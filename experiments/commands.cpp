@@ -1,0 +1,149 @@
+#include "experiments/commands.h"
+
+#include "common/parallel.h"
+#include "common/scene_file.h"
+#include "experiments/build_info.h"
+#include "experiments/interrupt.h"
+#include "experiments/measure.h"
+#include "experiments/reference.h"
+#include "experiments/report.h"
+#include "experiments/tables.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <iostream>
+
+namespace gib {
+
+namespace {
+
+/// A checked label with its method.
+struct ChosenMethod {
+    MethodLabel label;
+    const MethodDescription& description;
+    ParameterValues values;
+
+    explicit ChosenMethod(const std::string& text)
+        : label(MethodLabel::parse(text)),
+          description(find_method(label.name)),
+          values(all_parameters(description), label) {}
+    std::unique_ptr<Method> create(const LoadedScene& scene) const {
+        return description.create(values, {scene.max_edges});
+    }
+};
+
+void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
+    if (bad.count == 0) return;
+    std::cerr << fmt::format(
+        "warning: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}\n", bad.count, seed,
+        bad.first_pass, bad.first_pixel);
+}
+
+void print_plan_lines(const Plan& plan, std::ostream& out) {
+    for (Effect e : plan.called_for.list())
+        out << "called for: " << name_of(e) << "\n";
+    for (const auto& step : plan.steps) {
+        if (step.runs) out << "runs: " << step.pass << "\n";
+        else out << fmt::format("skipped: {} ({})\n", step.pass, step.reason);
+    }
+    for (Effect e : plan.missing.list())
+        out << "missing: " << name_of(e) << "\n";
+}
+
+}  // namespace
+
+void check_writable(const std::string& path) {
+    const std::filesystem::path file(path);
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (file.extension() != ".exr") throw InputError(fmt::format("the output '{}' has to end in .exr", path));
+    if (!std::filesystem::is_directory(folder))
+        throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
+    if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));
+    if (access(folder.c_str(), W_OK) != 0)
+        throw InputError(fmt::format("cannot write '{}': its folder is read-only", path));
+}
+
+int render(const RenderOptions& options, std::ostream& out) {
+    const ChosenMethod chosen(options.method);
+    check_writable(options.out);
+    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const auto method = chosen.create(loaded);
+    const CellWork work{*loaded.scene, *method, options.seed, last_pass(chosen.values, loaded.sample_count), {}};
+    LayeredImage image;
+    Measurement measured;
+    ProgressLine progress;
+    const auto keep_last = [&](const Checkpoint& checkpoint, const ComponentImages& components) {
+        if (checkpoint.passes == work.spp) image = layers_of(components);
+    };
+    const auto show = [&](std::uint32_t passes, double seconds) {
+        const double share = static_cast<double>(passes) / work.spp;
+        progress.update(share, seconds * (1 / share - 1), loaded.name + ", " + options.method);
+    };
+    with_threads(options.threads, [&] { measured = measure(work, keep_last, show); });
+    const Checkpoint& last = measured.checkpoints.back();
+    image.metadata = {{"method", chosen.label.text()},
+                      {"seed", std::to_string(options.seed)},
+                      {"scene", loaded.name},
+                      {"scene_hash", loaded.content_hash},
+                      {"passes", std::to_string(last.passes)},
+                      {"seconds", fmt::format("{:.6f}", last.seconds)},
+                      {"program", program_version()}};
+    write_exr(options.out, image);
+    progress.message(fmt::format("{}: {} passes", options.out, last.passes));
+    out << fmt::format("seconds: {:.4f}\nrays: {}\nrays per second: {:.4g}\n", last.seconds, last.counts.rays,
+                       static_cast<double>(last.counts.rays) / last.seconds);
+    warn_of_non_finite(last.counts.non_finite, options.seed);
+    return 0;
+}
+
+int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
+    const ChosenMethod chosen(options.method);
+    if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
+    check_writable(options.out);
+    ReferenceGoal goal{std::nullopt, options.seconds};
+    if (options.target) goal.target = parse_target(*options.target);
+    if (!goal.target && !goal.seconds) goal.target = parse_target("1%");
+    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const InterruptGuard guard;
+    ProgressLine progress;
+    FinishedReference finished;
+    const ReferenceWork work{loaded, chosen.description, chosen.label, goal, options.epsilon, options.out};
+    with_threads(options.threads, [&] { finished = make_reference(work, progress); });
+    for (const auto& warning : finished.warnings)
+        progress.message("warning: " + warning);
+    out << fmt::format("relative standard error: {:.4g} % (epsilon {})\n", 100 * finished.relative_error,
+                       options.epsilon);
+    return 0;
+}
+
+int print_plan(const std::string& scene, const std::string& method,
+               const std::map<std::string, std::string>& parameters, std::ostream& out) {
+    std::vector<ChosenMethod> chosen;
+    if (method.empty())
+        for (const auto& description : method_registry())
+            chosen.emplace_back(description.name);
+    else chosen.emplace_back(method);
+    const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    for (const auto& one : chosen) {
+        if (method.empty()) out << "method: " << one.label.name << "\n";
+        print_plan_lines(one.create(loaded)->plan(*loaded.scene), out);
+    }
+    return 0;
+}
+
+int rebuild_report(const std::string& folder_path, std::ostream& out) {
+    const ResultFolder folder(folder_path);
+    std::string report;
+    with_threads(0, [&] {
+        const Analysis analysis = analyse(folder);
+        write_tables(analysis, folder);
+        report = write_report(analysis, folder);
+    });
+    out << "Report: " << report << "\n";
+    return 0;
+}
+
+}  // namespace gib

@@ -1,0 +1,170 @@
+#include "experiments/compare.h"
+
+#include "common/error.h"
+#include "experiments/spectrum.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace gib {
+
+namespace {
+
+// Keeps the keys in the order in which they are put in.
+using Json = nlohmann::ordered_json;
+
+/// What is compared: one layer of all tests with that of the reference.
+struct Subject {
+    std::vector<Image> tests;
+    const ReferenceLayer& reference;
+    const Image& r_total;
+};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+void put(Json& json, const std::string& name, const std::optional<Estimate>& e, bool root = false) {
+    const auto value = [&](double v) { return number(root ? std::sqrt(v) : v); };
+    json[name] = e ? value(e->value) : Json(nullptr);
+    json[name + "_lo"] = e && e->interval ? value(e->interval->lo) : Json(nullptr);
+    json[name + "_hi"] = e && e->interval ? value(e->interval->hi) : Json(nullptr);
+}
+
+std::size_t nonfinite_values(const Image& image) {
+    return static_cast<std::size_t>(
+        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
+}
+
+/// Per channel, over all pixels of all images.
+Json channel_means(const std::vector<Image>& images) {
+    Json means = Json::array();
+    for (std::size_t k = 0; k < 3; ++k) {
+        double sum = 0, count = 0;
+        for (const Image& image : images) {
+            for (std::size_t p = 0; p < image.pixels(); ++p)
+                sum += static_cast<double>(image.rgb[3 * p + k]);
+            count += static_cast<double>(image.pixels());
+        }
+        means.push_back(number(sum / count));
+    }
+    return means;
+}
+
+Json metrics(const Subject& subject, double epsilon) {
+    const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.r_total, epsilon);
+    std::size_t nonfinite = 0;
+    for (const Image& image : subject.tests)
+        nonfinite += nonfinite_values(image);
+    // A spectrum of images with holes would be one of the holes.
+    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.reference.mean) : std::nullopt;
+    Json json;
+    json["seeds"] = s.seeds;
+    json["epsilon"] = epsilon;
+    put(json, "mse", s.mse);
+    put(json, "rmse", s.rmse);
+    put(json, "rel_mse", s.rel_mse);
+    put(json, "rel_rmse", s.rel_mse, true);
+    json["rmse_corrected"] = number(s.rmse_corrected);
+    json["rel_mse_corrected"] = number(s.rel_mse_corrected);
+    put(json, "bias2", s.bias2);
+    put(json, "variance", s.variance);
+    json["noise_centroid"] = noise ? number(noise->centroid) : Json(nullptr);
+    json["noise_low_ratio"] = noise ? number(noise->low_ratio) : Json(nullptr);
+    json["nonfinite"] = nonfinite;
+    json["mean"] = channel_means(subject.tests);
+    json["reference_mean"] = channel_means({subject.reference.mean});
+    return json;
+}
+
+const Image& layer_in(const LayeredImage& file, const std::string& name, const std::string& path) {
+    const Image* image = file.find(name);
+    if (!image) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
+    return *image;
+}
+
+void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {
+    if (!image.same_size(r))
+        throw InputError(fmt::format("{} has {} x {} pixels, but {} has {} x {}", path, image.width, image.height,
+                                     options.reference, r.width, r.height));
+}
+
+void require_finite(const std::string& path, const std::string& layer, const ReferenceLayer& reference) {
+    std::size_t bad = nonfinite_values(reference.mean);
+    if (reference.standard_error) bad += nonfinite_values(*reference.standard_error);
+    for (const Image& group : reference.groups)
+        bad += nonfinite_values(group);
+    if (bad > 0)
+        throw InputError({path, 0, 0},
+                         fmt::format("cannot be a reference: {} values of {} are not finite", bad, layer));
+}
+
+std::string text_of(const Json& value) { return value.is_null() ? "-" : fmt::format("{:.6g}", value.get<double>()); }
+
+/// One line a number, with its 95 % interval and, where it depends on epsilon, that too.
+void print_text(const std::string& title, const Json& json, std::ostream& out) {
+    const std::string epsilon = fmt::format("epsilon {:g}", json["epsilon"].get<double>());
+    out << fmt::format("{}: {} image{}, {}\n", title, json["seeds"].get<int>(), json["seeds"] == 1 ? "" : "s", epsilon);
+    for (const auto& [name, value] : json.items()) {
+        if (name == "seeds" || name == "epsilon" || name.ends_with("_lo") || name.ends_with("_hi")) continue;
+        if (value.is_object()) continue;
+        std::string text;
+        if (value.is_array())
+            for (const auto& v : value)
+                text += (text.empty() ? "" : " ") + (v.is_string() ? v.get<std::string>() : text_of(v));
+        else text = text_of(value);
+        if (const auto lo = json.find(name + "_lo"); lo != json.end() && !lo->is_null())
+            text += fmt::format("  [{}, {}]", text_of(*lo), text_of(json[name + "_hi"]));
+        out << fmt::format("  {:<18} {}{}\n", name, text, name.starts_with("rel_") ? "  (" + epsilon + ")" : "");
+    }
+}
+
+}  // namespace
+
+int compare(const CompareOptions& options, std::ostream& out) {
+    if (!(options.epsilon > 0) || !std::isfinite(options.epsilon))
+        throw InputError(fmt::format("epsilon must be a number above 0, not {:g}", options.epsilon));
+    if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
+    const Reference reference = read_reference(options.reference);
+    require_finite(options.reference, "the image", reference.total);
+    const Image& r = reference.total.mean;
+
+    std::vector<LayeredImage> files;
+    Subject total{{}, reference.total, r};
+    for (const std::string& path : options.tests) {
+        files.push_back(read_image(path));
+        total.tests.push_back(layer_in(files.back(), "", path));
+        require_comparable(path, total.tests.back(), options, r);
+    }
+    Json json = metrics(total, options.epsilon);
+    Json components = Json::object();
+    for (Component c : all_components) {
+        const std::string name(name_of(c));
+        const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
+        if (!reference[c] || !std::all_of(files.begin(), files.end(), has_it)) continue;
+        require_finite(options.reference, name, *reference[c]);
+        Subject part{{}, *reference[c], r};
+        for (const LayeredImage& file : files)
+            part.tests.push_back(*file.find(name));
+        components[name] = metrics(part, options.epsilon);
+    }
+    if (!reference.unresolved.empty()) {
+        json["unresolved"] = Json::array();
+        for (Component c : reference.unresolved)
+            json["unresolved"].push_back(std::string(name_of(c)));
+    }
+    if (options.json) {
+        json["components"] = components;
+        out << json.dump(2) << '\n';
+        return 0;
+    }
+    print_text("total", json, out);
+    for (const auto& [name, values] : components.items())
+        print_text(name, values, out);
+    return 0;
+}
+
+}  // namespace gib

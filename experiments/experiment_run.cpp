@@ -1,0 +1,322 @@
+#include "experiments/experiment_run.h"
+
+#include "common/files.h"
+#include "common/image_file.h"
+#include "common/parallel.h"
+#include "experiments/build_info.h"
+#include "experiments/cell_process.h"
+#include "experiments/interrupt.h"
+#include "experiments/judgement.h"
+#include "experiments/manifest.h"
+#include "experiments/reference.h"
+#include "experiments/report.h"
+#include "experiments/tables.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <thread>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Experiment with_options(Experiment experiment, const RunOptions& options) {
+    if (options.seeds) experiment.seeds = *options.seeds;
+    return experiment;
+}
+
+std::string joined_names(const Effects& effects) {
+    std::vector<std::string_view> names;
+    for (Effect e : effects.list())
+        names.push_back(name_of(e));
+    return fmt::format("{}", fmt::join(names, ";"));
+}
+
+/// Seconds that cells still need, from those of the same method and scene that are done.
+class CostModel {
+public:
+    void add(const CellIdentity& cell, double seconds) {
+        known_[{cell.scene, cell.method}] = seconds;
+        sum_ += seconds;
+        ++count_;
+    }
+    std::optional<double> of(const CellIdentity& cell) const {
+        if (const auto found = known_.find({cell.scene, cell.method}); found != known_.end()) return found->second;
+        return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
+    }
+
+private:
+    std::map<std::pair<std::string, std::string>, double> known_;
+    double sum_ = 0;
+    int count_ = 0;
+};
+
+}  // namespace
+
+void link_file(const std::string& from, const std::string& to) {
+    const std::string fresh = to + ".new";
+    std::error_code error;
+    fs::remove(fresh, error);
+    fs::create_hard_link(from, fresh, error);
+    if (error) fs::copy_file(from, fresh, fs::copy_options::overwrite_existing, error);
+    if (!error) fs::rename(fresh, to, error);
+    if (error) throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
+    fs::remove(fresh, error);  // rename leaves it where both already were one file
+}
+
+ExperimentRun::ExperimentRun(const RunOptions& options)
+    : options_(options),
+      experiment_(with_options(load_experiment(options.experiment), options)),
+      threads_(options.threads > 0 ? options.threads
+                                   : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
+      folder_(options.out.value_or("results/" + experiment_.name)),
+      build_(executable_hash()) {
+    for (const auto& entry : experiment_.scenes) {
+        const auto start = std::chrono::steady_clock::now();
+        scenes_.push_back({entry, load_scene(entry.path, {{}, experiment_.resolution}), "", {}, false});
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+    }
+    plan_methods();
+    bool any = false;
+    for (const auto& scene : scenes_)
+        any = any || selected(scene);
+    if (!any)
+        throw InputError(
+            fmt::format("--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only));
+    for (const auto& path : {folder_.path() + "/cells", folder_.path() + "/images", std::string("results/references")})
+        ResultFolder::make(path);
+    // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
+    // with.
+    for (auto& scene : scenes_)
+        scene.reference = stored_reference_identity(folder_.reference_image(scene.entry.name));
+}
+
+void ExperimentRun::plan_methods() {
+    for (const auto& scene : scenes_)
+        for (const auto& label : experiment_.methods) {
+            const auto& description = find_method(label.name);
+            const ParameterValues values(all_parameters(description), label);
+            const auto method = description.create(values, {scene.loaded.max_edges});
+            effects_missing_[{scene.entry.name, label.text()}] =
+                joined_names(method->plan(*scene.loaded.scene).missing);
+        }
+}
+
+bool ExperimentRun::selected(const SceneState& scene, const MethodLabel& label) const {
+    return scene.entry.name.find(options_.only) != std::string::npos ||
+           label.text().find(options_.only) != std::string::npos;
+}
+
+bool ExperimentRun::selected(const SceneState& scene) const {
+    return std::any_of(experiment_.methods.begin(), experiment_.methods.end(),
+                       [&](const MethodLabel& label) { return selected(scene, label); });
+}
+
+void ExperimentRun::make_references() {
+    for (auto& scene : scenes_) {
+        if (!selected(scene)) continue;
+        try {
+            make_reference_of(scene);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const std::exception& error) {
+            scene.failed = true;
+            fail(fmt::format("the reference of {}: {}", scene.entry.name, error.what()));
+        }
+    }
+}
+
+void ExperimentRun::make_reference_of(SceneState& scene) {
+    const MethodLabel& label = experiment_.reference_method;
+    const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
+    const ReferenceWork work{scene.loaded, find_method(label.name), label, scene.entry.goal, experiment_.epsilon, path};
+    FinishedReference finished;
+    with_threads(threads_, [&] { finished = make_reference(work, progress_); });
+    scene.reference = finished.identity;
+    scene.notes = finished.warnings;
+    link_file(path, folder_.reference_image(scene.entry.name));
+    progress_.message(fmt::format("reference of {}: relative standard error {:.3g} %{}", scene.entry.name,
+                                  100 * finished.relative_error, finished.rounds_added == 0 ? " (stored)" : ""));
+    for (const auto& warning : finished.warnings)
+        progress_.message("warning: " + warning);
+}
+
+std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
+    std::vector<Cell> cells;
+    for (int seed = 1; seed <= experiment_.seeds; ++seed)
+        for (auto& scene : scenes_)
+            for (const auto& label : experiment_.methods) {
+                const ParameterValues values(all_parameters(find_method(label.name)), label);
+                CellIdentity identity;
+                identity.scene = scene.entry.name;
+                identity.method = label.text();
+                identity.seed = static_cast<std::uint64_t>(seed);
+                identity.scene_hash = scene.loaded.content_hash;
+                identity.spp = last_pass(values, scene.loaded.sample_count);
+                identity.budget = experiment_.budget;
+                identity.epsilon = experiment_.epsilon;
+                identity.threads = threads_;
+                identity.reference = scene.reference;
+                cells.push_back({&scene, &label, identity, identity.folder_name()});
+            }
+    return cells;
+}
+
+std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::vector<Cell>& all) {
+    std::vector<const Cell*> to_do;
+    std::size_t kept = 0, of_other_builds = 0;
+    for (const auto& cell : all) {
+        if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
+        const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key());
+        if (!stored) {
+            to_do.push_back(&cell);
+            continue;
+        }
+        ++kept;
+        if (stored->build != build_) ++of_other_builds;
+    }
+    if (kept > 0) progress_.message(fmt::format("cells complete already, not done again: {}", kept));
+    if (of_other_builds > 0)
+        progress_.message(fmt::format(
+            "warning: {} of them were measured by another build of gibench; --fresh does them again", of_other_builds));
+    return to_do;
+}
+
+void ExperimentRun::run_cells() {
+    const std::vector<Cell> all = cells();
+    const auto to_do = cells_to_do(all);
+    folder_.write_index(index());
+    std::map<const SceneState*, Reference> references;
+    CostModel costs;
+    for (std::size_t i = 0; i < to_do.size(); ++i) {
+        const Cell& cell = *to_do[i];
+        if (references.find(cell.scene) == references.end())
+            references.emplace(cell.scene, read_reference(folder_.reference_image(cell.identity.scene)));
+        const Judgement judgement(references.at(cell.scene));
+        double left_after = 0;
+        bool known = true;
+        for (std::size_t j = i + 1; j < to_do.size(); ++j) {
+            const auto cost = costs.of(to_do[j]->identity);
+            known = known && cost;
+            left_after += cost.value_or(0);
+        }
+        const auto what = fmt::format("cell {} of {}: {}, {}, seed {}", i + 1, to_do.size(), cell.identity.scene,
+                                      cell.identity.method, cell.identity.seed);
+        const auto start = std::chrono::steady_clock::now();
+        const auto show = [&](std::uint32_t passes, double seconds) {
+            const double share = static_cast<double>(passes) / cell.identity.spp;
+            const double left = passes > 0 ? seconds * (1 / share - 1) : costs.of(cell.identity).value_or(0);
+            progress_.update(
+                (static_cast<double>(i) + share) / static_cast<double>(to_do.size()),
+                known && (passes > 0 || costs.of(cell.identity)) ? std::optional(left + left_after) : std::nullopt,
+                what);
+        };
+        show(0, 0);
+        try {
+            run_cell(cell, judgement, show);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const std::exception& error) {
+            fail(fmt::format("{}, {}, seed {}: {}", cell.identity.scene, cell.identity.method, cell.identity.seed,
+                             error.what()));
+        }
+        costs.add(cell.identity, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+}
+
+void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const PassObserver& observer) {
+    const std::string folder = folder_.cell_folder(cell.name);
+    const std::string work = folder + "/work";
+    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    fs::remove_all(work);
+    ResultFolder::make(work);
+    const CellRequest request{cell.scene->entry.path,
+                              experiment_.resolution,
+                              cell.identity.scene_hash,
+                              cell.identity.method,
+                              cell.identity.seed,
+                              experiment_.budget,
+                              threads_,
+                              work};
+    const CellTiming timing = run_cell_process(options_.program, request, observer);
+
+    gib::Cell record;
+    record.scene = cell.identity.scene;
+    record.method = cell.identity.method;
+    record.seed = cell.identity.seed;
+    record.key = cell.identity.key();
+    record.build = build_;
+    record.load_seconds = timing.load_seconds;
+    record.prepare_seconds = timing.measurement.prepare_seconds;
+    record.converged = timing.measurement.converged;
+    record.stages = timing.measurement.stages;
+    for (const auto& checkpoint : timing.measurement.checkpoints) {
+        const auto image = components_in(read_image(checkpoint_image(work, checkpoint.passes)));
+        record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
+    }
+    fs::rename(checkpoint_image(work, record.last().passes), folder_.cell_image(cell.name));
+    folder_.write_cell(cell.name, record);
+    fs::remove_all(work);
+    if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
+        progress_.message(fmt::format(
+            "warning: {}, {}: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}",
+            record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
+}
+
+void ExperimentRun::fail(const std::string& what) {
+    failures_.push_back(what);
+    progress_.message("failed: " + what);
+}
+
+ResultIndex ExperimentRun::index() {
+    ResultIndex index;
+    index.title = experiment_.title;
+    index.experiment_text = experiment_.text;
+    index.epsilon = experiment_.epsilon;
+    index.seeds = experiment_.seeds;
+    index.threads = threads_;
+    for (const auto& scene : scenes_)
+        index.scenes.push_back({scene.entry.name, scene.entry.path, scene.loaded.content_hash, scene.reference,
+                                experiment_.reference_method.text(), scene.entry.goal.target, scene.notes});
+    for (const auto& label : experiment_.methods)
+        index.methods.push_back(label.text());
+    index.effects_missing = effects_missing_;
+    for (const auto& cell : cells())
+        if (!cell.scene->reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
+    return index;
+}
+
+void ExperimentRun::link_images(const ResultIndex& index) {
+    for (const auto& scene : index.scenes)
+        for (const auto& method : index.methods) {
+            const std::string name = cell_folder_name(scene.name, method, 1);
+            const auto key = index.cell_keys.find(name);
+            const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
+            if (complete) link_file(folder_.cell_image(name), folder_.method_image(scene.name, method));
+        }
+}
+
+std::string ExperimentRun::write_results() {
+    const ResultIndex now = index();
+    folder_.write_index(now);
+    write_file(folder_.file("manifest.json"), manifest_text(now, options_.command_line));
+    link_images(now);
+    std::string report;
+    with_threads(threads_, [&] {
+        const Analysis analysis = analyse(folder_);
+        write_tables(analysis, folder_);
+        report = write_report(analysis, folder_);
+    });
+    return report;
+}
+
+}  // namespace gib

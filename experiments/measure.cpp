@@ -1,0 +1,80 @@
+#include "experiments/measure.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <string>
+
+namespace gib {
+
+namespace {
+
+class Stopwatch {
+public:
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::vector<StageTimes::Stage> with_other(std::vector<StageTimes::Stage> stages, double charged) {
+    double staged = 0;
+    for (const auto& stage : stages)
+        staged += stage.seconds;
+    stages.push_back({"other", std::max(0.0, charged - staged)});
+    return stages;
+}
+
+}  // namespace
+
+bool is_checkpoint(std::uint32_t passes) {
+    if (passes == 0) return false;
+    while (passes % 2 == 0)
+        passes /= 2;
+    return passes == 1 || passes == 3;
+}
+
+Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer) {
+    const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
+    Measurement result;
+    StageTimes stages;
+    const Stopwatch start_watch;
+    const auto run = work.method.start(work.scene, work.seed, stages);
+    double charged = start_watch.seconds();
+    result.prepare_seconds = charged;
+
+    for (std::uint32_t pass = 0;; ++pass) {
+        const Stopwatch watch;
+        const Progress progress = run->advance(pass);
+        charged += watch.seconds();
+
+        const std::uint32_t passes = pass + 1;
+        result.converged = progress == Progress::converged;
+        const bool ends =
+            result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
+        if (ends || is_checkpoint(passes)) {
+            // The peak is read before the image is taken: copies for the driver are not the method's memory.
+            result.checkpoints.push_back({passes, charged, run->counts(), peak_rss_mib()});
+            sink(result.checkpoints.back(), run->image());
+        }
+        if (observer) observer(passes, charged);
+        if (ends) break;
+    }
+    result.stages = with_other(stages.stages(), charged);
+    return result;
+}
+
+std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
+    if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
+    return static_cast<std::uint32_t>(sample_count.value_or(16));
+}
+
+double peak_rss_mib() {
+    // Not getrusage: after exec its ru_maxrss still holds the size of the process that forked.
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024.0;
+    return 0;
+}
+
+}  // namespace gib

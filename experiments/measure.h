@@ -1,0 +1,55 @@
+#pragma once
+// The driver's only rendering loop: one cell (a scene, a method, a seed), charged with the wall-clock time of `start`
+// and `advance` and of nothing else.
+
+#include "experiments/experiment_file.h"
+#include "methods/method.h"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace gib {
+
+/// A cell's state after some passes.
+struct Checkpoint {
+    std::uint32_t passes = 0;  ///< done so far; samples a pixel
+    double seconds = 0;        ///< charged so far, the preparation included
+    RunCounts counts;
+    double peak_rss_mib = 0;  ///< of this process so far [MiB]
+};
+
+struct CellWork {
+    const Scene& scene;
+    const Method& method;
+    std::uint64_t seed;
+    std::uint32_t spp;  ///< the last pass
+    Budget budget;
+};
+
+struct Measurement {
+    double prepare_seconds = 0;  ///< of `start`
+    std::vector<Checkpoint> checkpoints;
+    std::vector<StageTimes::Stage> stages;  ///< the last is `other`: charged and not staged
+    bool converged = false;
+};
+
+/// Sees each checkpoint with its image; not charged.
+using CheckpointSink = std::function<void(const Checkpoint&, const ComponentImages&)>;
+/// Called after each pass; not charged. May throw to stop.
+using PassObserver = std::function<void(std::uint32_t passes, double seconds)>;
+
+/// 1, 2, 3, 4, 6, 8, 12, 16, 24, ...: two to the octave, the same in every replicate.
+bool is_checkpoint(std::uint32_t passes);
+
+/// Runs until spp, the budget or convergence. At least one pass completes, and the last pass is a checkpoint.
+Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {});
+
+/// The label's spp, else the scene's sample count, else 16.
+std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
+
+/// The largest resident set of this process so far [MiB]; 0 if the system does not say.
+double peak_rss_mib();
+
+}  // namespace gib

@@ -1,0 +1,21 @@
+#pragma once
+// Measurements as JSON, as a cell's process hands them over and as they are stored.
+
+#include "experiments/measure.h"
+
+#include <nlohmann/json.hpp>
+
+#include <vector>
+
+namespace gib {
+
+/// JSON has no NaN: null stands for it, both ways.
+nlohmann::json number_to_json(double value);
+double number_from_json(const nlohmann::json& j);
+
+nlohmann::json checkpoint_to_json(const Checkpoint& checkpoint);
+Checkpoint checkpoint_from_json(const nlohmann::json& j);
+nlohmann::json stages_to_json(const std::vector<StageTimes::Stage>& stages);
+std::vector<StageTimes::Stage> stages_from_json(const nlohmann::json& j);
+
+}  // namespace gib

@@ -1,0 +1,56 @@
+#include "experiments/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace gib {
+
+ProgressLine::ProgressLine(std::optional<bool> terminal) : terminal_(terminal.value_or(isatty(STDERR_FILENO) == 1)) {}
+
+ProgressLine::~ProgressLine() { clear(); }
+
+void ProgressLine::update(double fraction, std::optional<double> seconds_left, const std::string& what) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> wait(terminal_ ? 0.1 : 10.0);
+    if (!last_ && !terminal_) last_ = now;  // short work needs no line
+    if (last_ && now - *last_ < wait) return;
+    last_ = now;
+    fraction = std::clamp(fraction, 0.0, 1.0);
+    const std::string left = seconds_left ? fmt::format(", {} left", duration_text(*seconds_left)) : "";
+    const int percent = static_cast<int>(100 * fraction);
+    if (!terminal_) {
+        fmt::print(stderr, "{:3} %{}  {}\n", percent, left, what);
+    } else {
+        constexpr int width = 24;
+        const auto full = static_cast<std::size_t>(std::lround(fraction * width));
+        fmt::print(stderr, "\r\033[2K[{}{}] {:3} %{}  {}", std::string(full, '#'), std::string(width - full, '.'),
+                   percent, left, what);
+        drawn_ = true;
+    }
+    std::fflush(stderr);
+}
+
+void ProgressLine::message(const std::string& text) {
+    clear();
+    fmt::print(stderr, "{}\n", text);
+    std::fflush(stderr);
+}
+
+void ProgressLine::clear() {
+    if (drawn_) fmt::print(stderr, "\r\033[2K");
+    drawn_ = false;
+    std::fflush(stderr);
+}
+
+std::string duration_text(double seconds) {
+    const auto s = static_cast<long>(std::ceil(std::max(seconds, 0.0)));
+    if (s < 100) return fmt::format("{} s", s);
+    if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+    return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+}  // namespace gib

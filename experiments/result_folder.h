@@ -1,0 +1,111 @@
+#pragma once
+// What a result folder holds besides tables: the index of the experiment and one record for each complete cell. Tables
+// and the report are made from these alone.
+
+#include "experiments/measure.h"
+#include "experiments/statistics.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// The name of the sum of all components among the rows of tables.
+inline constexpr const char* total_name = "total";
+
+/// What makes two cells the same work; anything else is done again.
+struct CellIdentity {
+    std::string scene;   ///< name
+    std::string method;  ///< label
+    std::uint64_t seed = 1;
+    std::string scene_hash;  ///< of its whole content, the resolution included
+    std::uint32_t spp = 0;   ///< the last pass: part of the work where neither label nor content say it
+    Budget budget;
+    double epsilon = 0.01;
+    int threads = 0;        ///< that computed it: seconds depend on them
+    std::string reference;  ///< identity of the reference, its number of samples included
+
+    /// 40 hexadecimal digits.
+    std::string key() const;
+    /// The name of its folder: readable, and different for different labels.
+    std::string folder_name() const;
+};
+
+struct CellCheckpoint {
+    Checkpoint checkpoint;
+    std::map<std::string, ImageError> errors;  ///< by component, `total` included; those that are judged
+};
+
+/// One complete cell.
+struct Cell {
+    std::string scene, method;
+    std::uint64_t seed = 1;
+    std::string key;
+    std::string build;        ///< of the program that measured it
+    double load_seconds = 0;  ///< scene file and tree; shown, not charged
+    double prepare_seconds = 0;
+    bool converged = false;
+    std::vector<CellCheckpoint> checkpoints;
+    std::vector<StageTimes::Stage> stages;
+
+    const Checkpoint& last() const { return checkpoints.back().checkpoint; }
+};
+
+struct IndexScene {
+    std::string name;
+    std::string path;
+    std::string content_hash;
+    std::string reference;  ///< identity; empty: there is none yet
+    std::string reference_method;
+    std::optional<double> target;    ///< relative standard error that was asked for
+    std::vector<std::string> notes;  ///< warnings about the reference and about what is left out of judgement
+};
+
+/// The experiment as it was run: the rows that tables have, in their order.
+struct ResultIndex {
+    std::string title;
+    std::string experiment_text;
+    double epsilon = 0.01;
+    int seeds = 1;
+    int threads = 0;
+    std::vector<IndexScene> scenes;
+    std::vector<std::string> methods;                                            ///< labels
+    std::map<std::pair<std::string, std::string>, std::string> effects_missing;  ///< (scene, label) -> names, by `;`
+    std::map<std::string, std::string> cell_keys;                                ///< folder name of a cell -> key
+};
+
+class ResultFolder {
+public:
+    explicit ResultFolder(std::string path) : path_(std::move(path)) {}
+
+    const std::string& path() const { return path_; }
+    std::string file(const std::string& name) const { return path_ + "/" + name; }
+    std::string cell_folder(const std::string& folder_name) const { return path_ + "/cells/" + folder_name; }
+    std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
+    std::string reference_image(const std::string& scene) const {
+        return path_ + "/images/" + scene + "-reference.exr";
+    }
+    /// The final image of seed 1.
+    std::string method_image(const std::string& scene, const std::string& method) const;
+
+    /// Makes a folder and its parents. Throws InputError if that is impossible.
+    static void make(const std::string& path);
+
+    void write_index(const ResultIndex& index) const;
+    /// Throws InputError if the folder holds no results.
+    ResultIndex read_index() const;
+    void write_cell(const std::string& folder_name, const Cell& cell) const;
+    /// Empty if there is no complete cell with this key, or if its record cannot be read.
+    std::optional<Cell> read_cell(const std::string& folder_name, const std::string& key) const;
+
+private:
+    std::string path_;
+};
+
+/// A label or a name as part of a file's name.
+std::string file_name_of(const std::string& text);
+
+}  // namespace gib

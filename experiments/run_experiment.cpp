@@ -1,0 +1,43 @@
+#include "experiments/run_experiment.h"
+
+#include "common/files.h"
+#include "experiments/experiment_run.h"
+#include "experiments/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+
+namespace gib {
+
+namespace {
+
+constexpr int exit_interrupted = 130;
+
+}  // namespace
+
+int run_experiment(const RunOptions& options, std::ostream& out) {
+    const InterruptGuard guard;
+    ExperimentRun run(options);
+    bool interrupted = false;
+    try {
+        run.make_references();
+        run.run_cells();
+    } catch (const Interrupted&) {
+        interrupted = true;
+    }
+    const std::string report = run.write_results();
+    if (interrupted) {
+        std::cerr << fmt::format("interrupted: what is complete is in {}; the same command goes on from there\n",
+                                 run.folder().path());
+        return exit_interrupted;
+    }
+    out << read_file(run.folder().file("table.md")) << "\nReport: " << report << "\n";
+    if (run.failures().empty()) return 0;
+    std::cerr << fmt::format("{} failed:\n", run.failures().size());
+    for (const auto& failure : run.failures())
+        std::cerr << "  " << failure << "\n";
+    return 1;
+}
+
+}  // namespace gib

@@ -1,0 +1,26 @@
+#pragma once
+// The tables of a result folder. Their columns are fixed by the design; further ones stand at the end.
+
+#include "experiments/analysis.h"
+#include "experiments/csv.h"
+
+#include <string>
+
+namespace gib {
+
+CsvTable curves_table(const Analysis& analysis);
+CsvTable error_table(const Analysis& analysis);
+CsvTable spectra_table(const Analysis& analysis);
+CsvTable stages_table(const Analysis& analysis);
+/// The same for reading: the totals, and how good the references are.
+std::string markdown_table(const Analysis& analysis);
+
+/// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
+void write_tables(const Analysis& analysis, const ResultFolder& folder);
+
+/// Three significant digits: "12.3", "0.0123", "1.23e+04".
+std::string short_number(double value);
+/// A share in percent, "4.56".
+std::string percent_text(double share);
+
+}  // namespace gib
