@@ -1,0 +1,167 @@
+// Rays per second of a method's estimator beside those of bare Embree on the same rays: what everything but ray queries
+// costs.
+#include "common/parallel.h"
+#include "common/sampler.h"
+#include "common/scene_file.h"
+#include "common/warp.h"
+#include "methods/path.h"
+
+#include <benchmark/benchmark.h>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <map>
+#include <string>
+#include <thread>
+
+namespace gib {
+namespace {
+
+/// Queries are recorded and replayed in chunks of this many pixels, each by one thread, as the path tracer does.
+constexpr std::size_t pixels_per_chunk = 256;
+constexpr std::uint32_t passes = 8;
+
+struct Workload {
+    LoadedScene scene;
+    std::vector<RayLog> chunks;  ///< of `passes` passes over the image, in the order of the path tracer
+    std::size_t rays = 0;
+};
+
+template <typename Body>
+void for_each_pixel(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t pass, const Body& body) {
+    const auto width = static_cast<std::size_t>(scene.sensor().width());
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+        const Sampler sampler(PointSet::sobol, 1, pixel, pass);
+        body(sampler, scene.sensor().generate_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
+                                                  sampler.get_2d(dimension::film)));
+    }
+}
+
+PathLimits limits_of(const LoadedScene& scene) { return {scene.max_edges, true}; }
+
+std::size_t chunks_per_pass(const Scene& scene) {
+    const auto pixels =
+        static_cast<std::size_t>(scene.sensor().width()) * static_cast<std::size_t>(scene.sensor().height());
+    return (pixels + pixels_per_chunk - 1) / pixels_per_chunk;
+}
+
+/// The path tracer over chunk number `chunk`; `log` may be null.
+std::uint64_t trace_chunk(const LoadedScene& scene, std::size_t chunk, RayLog* log) {
+    const std::size_t per_pass = chunks_per_pass(*scene.scene);
+    const auto pixels = static_cast<std::size_t>(scene.scene->sensor().width()) *
+                        static_cast<std::size_t>(scene.scene->sensor().height());
+    const std::size_t begin = chunk % per_pass * pixels_per_chunk;
+    RayQueries rays(*scene.scene, log);
+    for_each_pixel(*scene.scene, begin, std::min(pixels, begin + pixels_per_chunk),
+                   static_cast<std::uint32_t>(chunk / per_pass), [&](const Sampler& sampler, const Ray& ray) {
+                       benchmark::DoNotOptimize(trace_path(rays, ray, sampler, limits_of(scene)));
+                   });
+    return rays.count();
+}
+
+const Workload& workload(const std::string& file) {
+    static std::map<std::string, Workload> cache;
+    auto [it, is_new] = cache.try_emplace(file);
+    Workload& w = it->second;
+    if (!is_new) return w;
+    w.scene = load_scene(std::string(GIB_SOURCE_DIR) + "/scenes/" + file);
+    w.chunks.resize(chunks_per_pass(*w.scene.scene) * passes);
+    for (std::size_t c = 0; c < w.chunks.size(); ++c) {
+        trace_chunk(w.scene, c, &w.chunks[c]);
+        w.rays += w.chunks[c].entries.size();
+    }
+    return w;
+}
+
+RTCRayHit query_of(const Ray& ray) {
+    RTCRayHit q;
+    q.ray = {ray.o.x(), ray.o.y(), ray.o.z(), ray.t_min, ray.d.x(), ray.d.y(), ray.d.z(), 0.f, ray.t_max, ~0u, 0, 0};
+    q.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return q;
+}
+
+void replay(RTCScene scene, const RayLog& log) {
+    for (const auto& entry : log.entries) {
+        RTCRayHit q = query_of(entry.ray);
+#if RTC_VERSION_MAJOR >= 4
+        if (entry.shadow) rtcOccluded1(scene, &q.ray);
+        else rtcIntersect1(scene, &q);
+#else
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        if (entry.shadow) rtcOccluded1(scene, &context, &q.ray);
+        else rtcIntersect1(scene, &context, &q);
+#endif
+        benchmark::DoNotOptimize(q);
+    }
+}
+
+int threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+void report(benchmark::State& state, std::size_t rays) {
+    state.counters["rays/s"] =
+        benchmark::Counter(static_cast<double>(rays), benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["threads"] = threads();
+}
+
+void BM_PathTracer(benchmark::State& state, const std::string& file) {
+    const Workload& w = workload(file);
+    with_threads(0, [&] {
+        for (auto _ : state)
+            parallel_blocks(w.chunks.size(), 1,
+                            [&](std::size_t begin, std::size_t, std::size_t) { trace_chunk(w.scene, begin, nullptr); });
+    });
+    report(state, w.rays);
+}
+
+/// The same rays in the same order, on the same threads, with nothing but Embree's calls.
+void BM_BareEmbree(benchmark::State& state, const std::string& file) {
+    const Workload& w = workload(file);
+    const auto scene = static_cast<RTCScene>(w.scene.scene->accelerator().native_handle());
+    with_threads(0, [&] {
+        for (auto _ : state)
+            parallel_blocks(w.chunks.size(), 1,
+                            [&](std::size_t begin, std::size_t, std::size_t) { replay(scene, w.chunks[begin]); });
+    });
+    report(state, w.rays);
+}
+
+/// Closest-hit rays from random points in the box of the scene into random directions: the rate by which figures
+/// measured on other machines are scaled.
+void BM_BareEmbreeIncoherent(benchmark::State& state) {
+    const Workload& w = workload("cornell-box.xml");
+    const auto scene = static_cast<RTCScene>(w.scene.scene->accelerator().native_handle());
+    constexpr std::size_t chunks = 256, rays_per_chunk = 4096;
+    static std::vector<RayLog> logs;
+    if (logs.empty()) {
+        logs.resize(chunks);
+        const Bounds& b = w.scene.scene->bounds();
+        for (std::size_t i = 0; i < chunks * rays_per_chunk; ++i) {
+            const Sampler u(PointSet::independent, 1, i, 0);
+            const Vec3 at = Vec3(u.get_1d(0), u.get_1d(1), u.get_1d(2));
+            logs[i / rays_per_chunk].entries.push_back(
+                {Ray{b.lower + at.cwiseProduct(b.upper - b.lower), square_to_sphere(u.get_2d(3))}, false});
+        }
+    }
+    with_threads(0, [&] {
+        for (auto _ : state)
+            parallel_blocks(chunks, 1,
+                            [&](std::size_t begin, std::size_t, std::size_t) { replay(scene, logs[begin]); });
+    });
+    report(state, chunks * rays_per_chunk);
+}
+
+}  // namespace
+
+BENCHMARK_CAPTURE(BM_PathTracer, cornell_box, "cornell-box.xml")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_BareEmbree, cornell_box, "cornell-box.xml")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_PathTracer, cornell_glass, "cornell-glass.xml")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_BareEmbree, cornell_glass, "cornell-glass.xml")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_BareEmbreeIncoherent)->Name("BM_BareEmbree/incoherent")->UseRealTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace gib

@@ -1,0 +1,242 @@
+#include "common/parallel.h"
+#include "methods/density_estimate.h"
+#include "tests/scene_fixtures.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gib {
+namespace {
+
+using test::scene_of;
+
+std::vector<Photon> random_photons(std::size_t n, std::uint64_t seed, float z_extent) {
+    std::vector<Photon> photons(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Sampler u(PointSet::independent, seed, i, 0);
+        const Vec2 xy = u.get_2d(0);
+        photons[i] = {Vec3(xy.x(), xy.y(), z_extent * u.get_1d(1)), Color::Ones(), encode_direction(Vec3(0, 0, 1)),
+                      encode_normal(Vec3(0, 0, 1)), 2};
+    }
+    return photons;
+}
+
+const auto accept_all = [](const Photon&, float) { return true; };
+
+TEST(Photon, DirectionsSurviveStorageWithinTheStatedAngle) {
+    for (std::uint64_t i = 0; i < 100000; ++i) {
+        const Vec3 w = square_to_sphere(Sampler(PointSet::independent, 1, i, 0).get_2d(0));
+        EXPECT_LT((decode_direction(encode_direction(w)) - w).norm(), 1e-4f);
+        EXPECT_LT((decode_normal(encode_normal(w)) - w).norm(), 0.02f);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        for (float sign : {-1.f, 1.f}) {
+            const Vec3 w = sign * Vec3::Unit(axis);
+            EXPECT_EQ(decode_direction(encode_direction(w)), w);
+            EXPECT_EQ(decode_normal(encode_normal(w)), w);
+        }
+}
+
+TEST(PhotonMap, FindsTheSameNeighboursAsASearchOverAll) {
+    for (std::size_t n : {0u, 1u, 7u, 8u, 9u, 1000u, 5003u}) {
+        const PhotonMap map(random_photons(n, n, 1.f));
+        ASSERT_EQ(map.size(), n);
+        std::vector<PhotonMap::Neighbour> found, all(n);
+        for (std::uint64_t q = 0; q < 40; ++q) {
+            const Sampler u(PointSet::independent, 99, q, 0);
+            const Vec3 p(2 * u.get_1d(0) - 0.5f, u.get_1d(1), u.get_1d(2));
+            for (std::size_t k : {1u, 5u, 50u, 300u})
+                for (float r : {0.05f, 0.3f, 10.f}) {
+                    map.nearest(p, k, r, accept_all, found);
+                    std::vector<PhotonMap::Neighbour> expected;
+                    for (std::uint32_t i = 0; i < n; ++i)
+                        if (const float d2 = (map[i].p - p).squaredNorm(); d2 <= r * r) expected.push_back({d2, i});
+                    std::sort(expected.begin(), expected.end());
+                    if (expected.size() > k) expected.resize(k);
+                    if (found.size() == k) {
+                        EXPECT_EQ(found.back(), expected.back());
+                    }
+                    std::sort(found.begin(), found.end());
+                    EXPECT_EQ(found, expected) << n << ' ' << k << ' ' << r;
+                }
+        }
+    }
+}
+
+TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
+    auto photons = random_photons(2000, 5, 0.f);
+    for (std::size_t i = 0; i < photons.size(); i += 2)
+        photons[i].edges = 9;
+    const PhotonMap map(photons);
+    std::vector<PhotonMap::Neighbour> found;
+    map.nearest(
+        {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
+    EXPECT_EQ(found.size(), 50u);
+    for (const auto& f : found)
+        EXPECT_LT(map[f.photon].edges, 9);
+}
+
+TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
+    const auto photons = random_photons(200000, 3, 1.f);
+    const auto order = [&](int threads) {
+        std::vector<float> xs;
+        with_threads(threads, [&] {
+            const PhotonMap map(photons);
+            for (std::size_t i = 0; i < map.size(); ++i)
+                xs.push_back(map[i].p.x());
+        });
+        return xs;
+    };
+    const auto one = order(1);
+    EXPECT_EQ(one, order(2));
+    EXPECT_EQ(one, order(5));
+}
+
+TEST(Kernel, EachIntegratesToOneOverItsDisc) {
+    for (std::size_t i = 0; i < kernel_names.size(); ++i) {
+        const auto kernel = static_cast<Kernel>(i);
+        const double r = 2.5;
+        double integral = 0, below_half = 0;
+        constexpr int n = 200000;
+        for (int j = 0; j < n; ++j) {
+            const double d = r * (j + 0.5) / n;
+            const double ring =
+                static_cast<double>(kernel_weight(kernel, static_cast<float>(d * d), static_cast<float>(r))) * 2 *
+                std::numbers::pi * d * r / n;
+            integral += ring;
+            if (d < static_cast<double>(kernel_radius(kernel, 0.5f)) * r) below_half += ring;
+        }
+        EXPECT_NEAR(integral, 1, 1e-4) << kernel_names[i];
+        EXPECT_NEAR(below_half, 0.5, 1e-3) << kernel_names[i];
+        EXPECT_NEAR(kernel_radius(kernel, 0.f), 0.f, 1e-3f);
+        EXPECT_NEAR(kernel_radius(kernel, 1.f), 1.f, 1e-3f);
+    }
+}
+
+/// A white diffuse square [-s, s]^2 in z = 0 under an orthographic camera, for look-ups on it.
+LoadedScene plane(float s) {
+    return scene_of(test::scene_xml(
+        "<sensor type='orthographic'><transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/>"
+        "</transform>" +
+        test::box_film(4) + "</sensor><shape type='rectangle'><transform name='to_world'><scale value='" +
+        std::to_string(s) + "'/></transform>" + test::diffuse(1.0) + "</shape>"));
+}
+
+SurfaceHit hit_at(const Scene& scene, float x, float y) { return *scene.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)}); }
+
+/// The mean of estimates on uniform photons of density 1 [W/area], divided by the truth f E = 1 / pi: many independent
+/// maps, in each of which the look-ups are farther apart than their discs.
+double relative_density(const DensityEstimator& estimator, std::uint64_t look_ups) {
+    static const LoadedScene scene = plane(2.f);
+    constexpr std::size_t n = 20000;
+    const float spacing = 2.5f * std::sqrt(static_cast<float>(estimator.k) / (pi * n));
+    const auto per_side = static_cast<std::size_t>(1.f / spacing) - 1;
+    const std::size_t maps = look_ups / (per_side * per_side) + 1;
+    std::vector<double> means(maps);
+    parallel_blocks(maps, 1, [&](std::size_t number, std::size_t, std::size_t) {
+        RayQueries rays(*scene.scene);
+        std::vector<PhotonMap::Neighbour> found;
+        auto photons = random_photons(n, 1000 + number, 0.f);
+        for (auto& p : photons)
+            p.power = Color::Constant(1.f / n);
+        const PhotonMap map(std::move(photons));
+        double sum = 0;
+        for (std::size_t i = 0; i < per_side * per_side; ++i) {
+            const float x = static_cast<float>(i % per_side + 1) / static_cast<float>(per_side + 1);
+            const float y = static_cast<float>(i / per_side + 1) / static_cast<float>(per_side + 1);
+            const Sampler u(PointSet::independent, number, i, 0);
+            sum += static_cast<double>(estimator.reflected_radiance(map, rays, hit_at(*scene.scene, x, y),
+                                                                    Vec3(0, 0, 1), 100, u, 0, found)[0]);
+        }
+        means[number] = sum / static_cast<double>(per_side * per_side);
+    });
+    return std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(maps) * std::numbers::pi;
+}
+
+// The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel, so 4e5, 6e4, 2.1e4 and 6e3 look-ups
+// put 0.3 % at three standard errors or more (alpha < 0.003 each). k photons instead of k - 1 would be off by 25, 5, 2
+// and 0.5 %.
+TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
+    const std::vector<std::pair<std::size_t, std::uint64_t>> cases = {
+        {5, 400000}, {20, 60000}, {50, 24000}, {200, 8000}};
+    for (const auto& [k, look_ups] : cases)
+        EXPECT_NEAR(relative_density({Kernel::uniform, k, 1.f, DiscArea::plain}, look_ups), 1.0, 0.003) << k;
+}
+
+// Other kernels weigh photons unequally, which raises the deviation by less than 1.3.
+TEST(DensityEstimate, EveryKernelIsUnbiasedOnUniformPhotons) {
+    for (Kernel kernel : {Kernel::cone, Kernel::gaussian, Kernel::epanechnikov})
+        EXPECT_NEAR(relative_density({kernel, 50, 1.f, DiscArea::plain}, 40000), 1.0, 0.003)
+            << kernel_names[static_cast<std::size_t>(kernel)];
+}
+
+TEST(DensityEstimate, FewerThanKPhotonsAreDividedByTheLargestDisc) {
+    const LoadedScene scene = plane(2.f);
+    RayQueries rays(*scene.scene);
+    auto photons = random_photons(3, 1, 0.f);
+    photons[0].p = Vec3(0.1f, 0, 0);
+    photons[1].p = Vec3(0, -0.2f, 0);
+    photons[2].p = Vec3(1.5f, 0, 0);
+    const PhotonMap map(photons);
+    std::vector<PhotonMap::Neighbour> found;
+    const DensityEstimator e{Kernel::uniform, 10, 0.5f, DiscArea::plain};
+    const Color L = e.reflected_radiance(map, rays, hit_at(*scene.scene, 0, 0), Vec3(0, 0, 1), 100,
+                                         Sampler(PointSet::independent, 1, 0, 0), 0, found);
+    EXPECT_NEAR(L[0], 2.f / (pi * 0.25f) / pi, 1e-6f);
+}
+
+TEST(DensityEstimate, PhotonsOfTooLongPathsDoNotCount) {
+    const LoadedScene scene = plane(2.f);
+    RayQueries rays(*scene.scene);
+    auto photons = random_photons(4000, 1, 0.f);
+    const PhotonMap map(photons);
+    std::vector<PhotonMap::Neighbour> found;
+    const DensityEstimator e{Kernel::uniform, 10, 0.5f, DiscArea::plain};
+    const auto at = [&](int edges) {
+        return e.reflected_radiance(map, rays, hit_at(*scene.scene, 0.5f, 0.5f), Vec3(0, 0, 1), edges,
+                                    Sampler(PointSet::independent, 1, 0, 0), 0, found)[0];
+    };
+    EXPECT_GT(at(2), 0.f);
+    EXPECT_EQ(at(1), 0.f);
+}
+
+/// The mean share over many probes.
+float mean_share(const Scene& scene, float x, float y, float r) {
+    RayQueries rays(scene);
+    const DensityEstimator e{Kernel::uniform, 10, 1.f, DiscArea::surface};
+    float sum = 0;
+    constexpr int n = 4000;
+    for (std::uint64_t i = 0; i < n; ++i)
+        sum += e.share_on_surface(rays, hit_at(scene, x, y), Vec3(0, 0, 1), r,
+                                  Sampler(PointSet::independent, 4, i, 0).get_2d(0));
+    return sum / n;
+}
+
+// At distance a from a straight edge the disc of radius r keeps 1 - (acos(s) - s sqrt(1 - s^2)) / pi, s = a / r.
+TEST(DensityEstimate, DiscIsCutWhereTheSurfaceEnds) {
+    const LoadedScene scene = plane(1.f);
+    EXPECT_EQ(mean_share(*scene.scene, 0, 0, 0.1f), 1.f);
+    for (float s : {0.f, 0.3f, 0.7f}) {
+        const float expected = 1.f - (std::acos(s) - s * std::sqrt(1.f - s * s)) / pi;
+        EXPECT_NEAR(mean_share(*scene.scene, 1.f - 0.1f * s - 1e-5f, 0, 0.1f), expected, 0.01f) << s;
+    }
+    EXPECT_NEAR(mean_share(*scene.scene, 1.f - 1e-5f, 1.f - 1e-5f, 0.1f), 0.25f, 0.01f);
+}
+
+TEST(DensityEstimate, DiscIsCutWhereAWallStandsOnTheSurface) {
+    const LoadedScene scene = scene_of(test::scene_xml(
+        "<sensor type='orthographic'>" + test::box_film(4) + "</sensor><shape type='rectangle'>" + test::diffuse(1.0) +
+        "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate x='0.5'/>"
+        "</transform>" +
+        test::diffuse(1.0) + "</shape>"));
+    // The scene is recentred: the wall stands at x = 0.5 of the file.
+    const float wall = 0.5f - 0.f;
+    const float shift = -scene.scene->bounds().center().x();
+    for (float s : {0.05f, 0.5f}) {
+        const float expected = 1.f - (std::acos(s) - s * std::sqrt(1.f - s * s)) / pi;
+        EXPECT_NEAR(mean_share(*scene.scene, wall - 0.1f * s + shift, 0, 0.1f), expected, 0.015f) << s;
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,109 @@
+#include "methods/photon_mapper.h"
+
+#include "experiments/statistics.h"
+#include "tests/scene_fixtures.h"
+
+#include <iostream>
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::render;
+
+PhotonMapperSettings settings(std::uint64_t photons) {
+    return {photons, photons, 50, 50, 0.1, Kernel::uniform, DiscArea::surface, 17};
+}
+
+struct Rendered {
+    ComponentImages image;
+    RunCounts counts;
+};
+
+Rendered render_for(const Scene& scene, const Effects& effects) {
+    StageTimes stages;
+    const auto run = start_photon_mapper(scene, settings(20000), effects, 1, stages);
+    for (std::uint32_t pass = 0; pass < 4; ++pass)
+        run->advance(pass);
+    return {run->image(), run->counts()};
+}
+
+TEST(PhotonMapper, SkippingWhatASceneDoesNotCallForChangesNoPixelAndSavesRays) {
+    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const auto planned = render_for(*scene.scene, effects_of(*scene.scene));
+    const auto everything = render_for(*scene.scene, Effects::all());
+    for (Component c : all_components) {
+        if (planned.image[c]) {
+            EXPECT_EQ(planned.image[c]->rgb, everything.image[c]->rgb) << name_of(c);
+        }
+    }
+    // The caustic map's photons are traced for nothing: one ray each at least.
+    EXPECT_GE(everything.counts.rays, planned.counts.rays + 20000);
+    EXPECT_EQ(planned.counts.photons, 20000u);
+    EXPECT_EQ(everything.counts.photons, 40000u);
+}
+
+TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
+    const auto plan_of = [](const char* file) {
+        const auto& method = find_method("photon_mapper");
+        const auto scene = test::shipped_scene(file);
+        return method.create(ParameterValues(all_parameters(method), {"photon_mapper", {}}), {})->plan(*scene.scene);
+    };
+    const Plan box = plan_of("cornell-box.xml"), glass = plan_of("cornell-glass.xml");
+    EXPECT_FALSE(box.runs("caustic map"));
+    EXPECT_FALSE(box.runs("specular paths"));
+    EXPECT_TRUE(box.runs("global map"));
+    EXPECT_TRUE(glass.runs("caustic map"));
+    EXPECT_TRUE(glass.runs("specular paths"));
+    for (const auto& step : box.steps)
+        EXPECT_NE(step.runs, !step.reason.empty()) << step.pass;
+}
+
+// Every path class is counted once: emission, direct, caustic and indirect light each agree with the path tracer's.
+TEST(PhotonMapper, EveryComponentAgreesWithThePathTracerOnGlass) {
+    const auto scene = test::shipped_scene("cornell-glass.xml", {{}, std::pair{64, 64}});
+    const auto path = render(scene, "path", 2048);
+    const auto photons = render(scene, "photon_mapper photons=1e6", 64);
+    for (Component c : {Component::emission, Component::direct, Component::caustic, Component::indirect})
+        EXPECT_NEAR(mean_of(*photons[c]).mean() / mean_of(*path[c]).mean(), 1.0, 0.02) << name_of(c);
+}
+
+/// A path-traced reference of one component from 16 independently seeded groups.
+ReferenceLayer reference_of(const LoadedScene& scene, Component component, std::uint32_t passes_per_group) {
+    std::vector<Image> groups;
+    for (std::uint64_t g = 0; g < reference_groups; ++g)
+        groups.push_back(*render(scene, "path", passes_per_group, 1'000'000 + g)[component]);
+    return layer_of_groups(std::move(groups));
+}
+
+// With fixed k the look-up radius shrinks as photons^(-1/2): bias^2 at 1e4, 1e5 and 1e6 photons must fall, each below
+// the one before it beyond both 95 % intervals. The maps' light is judged alone: the noise of the light's edge would
+// only widen them.
+TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
+    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const ReferenceLayer reference = reference_of(scene, Component::indirect, 256);
+    std::optional<Estimate> previous;
+    for (const auto& [photons, seeds] : {std::pair{"1e4", 32u}, std::pair{"1e5", 32u}, std::pair{"1e6", 12u}}) {
+        std::vector<Image> replicates;
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+            replicates.push_back(
+                *render(scene, std::string("photon_mapper k=50 photons=") + photons, 16, seed)[Component::indirect]);
+        const auto bias2 = replicate_statistics(replicates, reference, reference.mean, 0.01).bias2;
+        ASSERT_TRUE(bias2 && bias2->interval);
+        std::cout << "photons=" << photons << ": bias^2 " << bias2->value << " [" << bias2->interval->lo << ", "
+                  << bias2->interval->hi << "]\n";
+        if (previous) {
+            EXPECT_LT(bias2->interval->hi, previous->interval->lo) << photons;
+        }
+        previous = bias2;
+    }
+}
+
+TEST(PhotonMapper, AutomaticKGrowsWithThePhotons) {
+    EXPECT_EQ(automatic_k(100000), 50u);
+    EXPECT_EQ(automatic_k(100000000), 5000u);
+    EXPECT_EQ(automatic_k(1), 4u);
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,187 @@
+// `gibench run` as a whole: what it writes, that complete cells are kept, that a failing cell is said, and Ctrl-C.
+
+#include "driver_fixtures.h"
+#include "experiments/csv.h"
+#include "experiments/result_folder.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <spawn.h>
+#include <nlohmann/json.hpp>
+
+extern char** environ;
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunResumeTest : public ::testing::Test {
+protected:
+    RunResumeTest() {
+        folder_.write("tiny.xml", tiny_scene_xml());
+        write_experiment("[4, 8]");
+    }
+    void write_experiment(const std::string& spp, const std::string& reference = "target = '40%'\n") {
+        folder_.write("e.toml", "title = 'Tiny'\nscenes = ['tiny.xml']\nseeds = 2\n[reference]\n" + reference +
+                                    "[[method]]\nname = 'path'\nspp = " + spp + "\n");
+    }
+    ProgramResult run(const std::string& options = "") {
+        return run_gibench("run e.toml --threads 1 " + options, folder_ / "");
+    }
+    /// cell.json by folder, with the time of its writing.
+    std::map<std::string, fs::file_time_type> cells() const {
+        std::map<std::string, fs::file_time_type> times;
+        if (!fs::exists(folder_ / "results/e/cells")) return times;
+        for (const auto& cell : fs::directory_iterator(folder_ / "results/e/cells"))
+            if (fs::exists(cell.path() / "cell.json"))
+                times[cell.path().filename()] = fs::last_write_time(cell.path() / "cell.json");
+        return times;
+    }
+    CsvTable table(const std::string& name) const {
+        return parse_csv(read_file(folder_ / ("results/e/" + name)), name);
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
+    const ProgramResult result = run();
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_THAT(result.out, ::testing::HasSubstr("report.html"));
+    for (const char* name : {"manifest.json", "curves.csv", "table.csv", "table.md", "spectra.csv", "stages.csv",
+                             "report.html", "images/tiny-reference.exr", "images/tiny-path_spp=4.exr"})
+        EXPECT_TRUE(fs::exists(folder_ / ("results/e/" + std::string(name)))) << name;
+    EXPECT_EQ(cells().size(), 4u);
+    EXPECT_EQ(table("curves.csv").rows.size(), 2u * (4 + 6)) << "passes 1 2 3 4, and 6 8 besides, for two seeds";
+    const auto manifest = nlohmann::json::parse(read_file(folder_ / "results/e/manifest.json"));
+    for (const char* key :
+         {"commit", "compiler", "flags", "cpu", "libraries", "scenes", "experiment", "threads", "date", "command_line"})
+        EXPECT_TRUE(manifest.contains(key)) << key;
+    const std::string report = read_file(folder_ / "results/e/report.html");
+    EXPECT_THAT(report, ::testing::HasSubstr("data:image/png;base64,"));
+    EXPECT_THAT(report, ::testing::Not(::testing::HasSubstr("http")));
+    EXPECT_THAT(report, ::testing::Not(::testing::HasSubstr("{{")));
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "results"))
+        EXPECT_NE(entry.path().filename(), "work") << "work folders are removed";
+}
+
+TEST_F(RunResumeTest, CompleteCellsAreNotDoneAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto first = cells();
+    const std::string curves = read_file(folder_ / "results/e/curves.csv");
+    ASSERT_EQ(run().code, 0);
+    EXPECT_EQ(cells(), first);
+    EXPECT_EQ(read_file(folder_ / "results/e/curves.csv"), curves);
+
+    fs::remove_all(folder_ / ("results/e/cells/" + first.begin()->first));
+    ASSERT_EQ(run().code, 0);
+    const auto third = cells();
+    ASSERT_EQ(third.size(), first.size());
+    for (const auto& [name, time] : third) {
+        if (name == first.begin()->first) EXPECT_NE(time, first.at(name));
+        else EXPECT_EQ(time, first.at(name)) << name;
+    }
+    ASSERT_EQ(run("--fresh").code, 0);
+    for (const auto& [name, time] : cells())
+        EXPECT_NE(time, third.at(name)) << name;
+}
+
+TEST_F(RunResumeTest, AnEditedSceneIsDoneAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto first = cells();
+    folder_.write("tiny.xml", tiny_scene_xml() + "<!-- edited -->");
+    folder_.write("tiny.xml", tiny_scene_xml(9));
+    ASSERT_EQ(run().code, 0);
+    for (const auto& [name, time] : cells())
+        EXPECT_NE(time, first.at(name)) << name;
+}
+
+TEST_F(RunResumeTest, ReportIsRebuiltFromStoredResultsAlone) {
+    ASSERT_EQ(run().code, 0);
+    const std::string table = read_file(folder_ / "results/e/table.csv");
+    const std::string report = read_file(folder_ / "results/e/report.html");
+    fs::remove(folder_ / "results/e/table.csv");
+    fs::remove(folder_ / "results/e/report.html");
+    fs::remove_all(folder_ / "results/references");
+    fs::remove(folder_ / "tiny.xml");
+    const ProgramResult result = run_gibench("report results/e", folder_ / "");
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(read_file(folder_ / "results/e/table.csv"), table);
+    EXPECT_EQ(read_file(folder_ / "results/e/report.html"), report);
+}
+
+TEST_F(RunResumeTest, OnlyAndSeedsChooseCells) {
+    ASSERT_EQ(run("--only spp=8 --seeds 1").code, 0);
+    EXPECT_EQ(cells().size(), 1u);
+    EXPECT_EQ(run("--only nothing").code, 2);
+}
+
+TEST_F(RunResumeTest, AFailingCellIsSaidAndTheOthersGoOn) {
+    ASSERT_EQ(run("--only spp=4").code, 0);
+    // A folder where spp=8's first process has to write its record: that cell cannot succeed.
+    const std::string name = [] {
+        CellIdentity identity;
+        identity.scene = "tiny";
+        identity.method = "path spp=8";
+        return identity.folder_name();
+    }();
+    fs::create_directories(folder_ / ("results/e/cells/" + name + "/final.exr/in-the-way"));
+    const ProgramResult result = run();
+    EXPECT_EQ(result.code, 1);
+    EXPECT_THAT(result.err, ::testing::HasSubstr("tiny, path spp=8, seed 1"));
+    EXPECT_EQ(cells().size(), 3u) << "seed 2 and spp=4 are complete";
+    EXPECT_EQ(table("table.csv").rows.at(0).at(1), "path spp=4");
+}
+
+/// A run that goes on by itself, to be interrupted.
+class BackgroundRun {
+public:
+    explicit BackgroundRun(const std::string& folder) {
+        std::string shell = "/bin/sh", flag = "-c";
+        std::string command = "cd '" + folder + "' && exec '" GIB_PROGRAM "' run e.toml --threads 1 >out.txt 2>err.txt";
+        char* arguments[] = {shell.data(), flag.data(), command.data(), nullptr};
+        EXPECT_EQ(posix_spawn(&child_, "/bin/sh", nullptr, nullptr, arguments, environ), 0);
+    }
+    /// Sends the signal; returns the exit code, -1 if it did not exit.
+    int interrupt(int signal) const {
+        kill(child_, signal);
+        int status = 0;
+        waitpid(child_, &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+
+private:
+    pid_t child_ = 0;
+};
+
+template <typename Condition>
+bool comes_true(const Condition& condition) {
+    for (int i = 0; i < 600; ++i) {
+        if (condition()) return true;
+        sleep_seconds(0.05);
+    }
+    return false;
+}
+
+TEST_F(RunResumeTest, InterruptedRunsKeepWhatIsCompleteAndGoOn) {
+    write_experiment("[1, 100000000]");  // the second cell would take hours
+    const BackgroundRun first(folder_ / "");
+    ASSERT_TRUE(comes_true([&] { return cells().size() == 1; }));
+    sleep_seconds(0.3);
+    EXPECT_EQ(first.interrupt(SIGINT), 130);
+    EXPECT_THAT(read_file(folder_ / "err.txt"), ::testing::HasSubstr("interrupted"));
+    EXPECT_EQ(table("curves.csv").rows.size(), 1u) << "tables hold the complete cell";
+
+    const auto before = cells();
+    const std::string curves = read_file(folder_ / "results/e/curves.csv");
+    const BackgroundRun second(folder_ / "");
+    EXPECT_TRUE(
+        comes_true([&] { return read_file(folder_ / "err.txt").find("complete already") != std::string::npos; }));
+    sleep_seconds(0.3);
+    EXPECT_EQ(second.interrupt(SIGTERM), 130);
+    EXPECT_EQ(cells(), before);
+    EXPECT_EQ(read_file(folder_ / "results/e/curves.csv"), curves);
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,101 @@
+// Tables: their fixed columns, and CSV that can be read back.
+
+#include "experiments/tables.h"
+
+#include "experiments/report_plot.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace gib::test {
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+    return std::accumulate(names.begin(), names.end(), std::string(),
+                           [](const std::string& a, const std::string& b) { return a.empty() ? b : a + "," + b; });
+}
+
+Analysis small_analysis() {
+    Analysis analysis;
+    analysis.index.title = "T";
+    analysis.index.scenes = {{"box", "box.xml", "h", "r", "path", 0.01, {}}};
+    analysis.index.methods = {"path spp=1"};
+    Cell cell;
+    cell.scene = "box";
+    cell.method = "path spp=1";
+    cell.prepare_seconds = 0.25;
+    cell.checkpoints.push_back({{1, 0.5, {1000, 77, {2, 0, 3}}, 12}, {{total_name, {1, 2, 3, 4, 5}}}});
+    cell.stages = {{"trace", 0.3}, {"other", 0.2}};
+    analysis.cells.push_back(cell);
+    TableRow row;
+    row.scene = "box";
+    row.method = "path spp=1";
+    row.component = total_name;
+    row.seeds = 1;
+    row.seconds = 0.5;
+    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}};
+    row.effects_missing = "caustics;refraction";
+    analysis.rows.push_back(row);
+    return analysis;
+}
+
+TEST(Tables, HaveTheFixedColumnsInOrder) {
+    const Analysis analysis = small_analysis();
+    using ::testing::StartsWith;
+    EXPECT_THAT(
+        joined(curves_table(analysis).columns),
+        StartsWith(
+            "scene,method,seed,pass,seconds,prepare_seconds,spp,photons,mse,rmse,rel_mse,nonfinite,peak_rss_mib"));
+    EXPECT_THAT(
+        joined(error_table(analysis).columns),
+        StartsWith(
+            "scene,method,component,seeds,seconds,rmse,rmse_lo,rmse_hi,rel_mse,rel_mse_lo,rel_mse_hi,bias2,bias2_lo,"
+            "bias2_hi,variance,noise_centroid,noise_low_ratio,seconds_to_10pct,seconds_to_5pct,seconds_to_2pct,"
+            "seconds_to_1pct,nonfinite,peak_rss_mib,effects_missing"));
+    EXPECT_EQ(joined(stages_table(analysis).columns), "scene,method,seed,stage,seconds");
+    EXPECT_THAT(joined(spectra_table(analysis).columns), StartsWith("scene,method,kind,frequency,power"));
+    for (const char* further : {"variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
+                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi"})
+        EXPECT_THAT(error_table(analysis).columns, ::testing::Contains(further));
+}
+
+TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
+    const Analysis analysis = small_analysis();
+    EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77");
+    const CsvTable table = error_table(analysis);
+    const auto value = [&](const std::string& column) {
+        const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
+        return table.rows.at(0).at(static_cast<std::size_t>(at));
+    };
+    EXPECT_EQ(value("rel_mse"), "0.0016");
+    EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
+    EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
+    EXPECT_EQ(value("effects_missing"), "caustics;refraction");
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 |"));
+}
+
+TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
+    CsvTable table{{"a", "b,c"}, {}};
+    table.add({"x\"y", "line\nbreak"});
+    table.add({"", ""});
+    const CsvTable back = parse_csv(table.text(), "t.csv");
+    EXPECT_EQ(back.columns, table.columns);
+    EXPECT_EQ(back.rows, table.rows);
+    EXPECT_THROW(table.add({"only one"}), std::logic_error);
+    EXPECT_THROW(parse_csv("a,b\n1\n", "t.csv"), InputError);
+    EXPECT_THROW(parse_csv("a\n\"open\n", "t.csv"), InputError);
+}
+
+TEST(Csv, NotANumberIsSeen) { EXPECT_EQ(csv_number(std::nan("")), "nan"); }
+
+TEST(ReportPlot, LeavesOutWhatALogarithmHasNoPlaceFor) {
+    EXPECT_EQ(log_log_plot({{"none", {{0, 1}, {1, -1}}}}, "x", "y"), "");
+    const std::string svg = log_log_plot({{"a<b", {{1, 1}, {0, 1}, {10, std::nan("")}}}}, "x", "y");
+    EXPECT_THAT(svg, ::testing::HasSubstr("a&lt;b"));
+    EXPECT_THAT(svg, ::testing::Not(::testing::HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace gib::test
