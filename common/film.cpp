@@ -1,5 +1,6 @@
 #include "common/film.h"
 
+#include <stdexcept>
 #include <tuple>
 
 namespace gib {
@@ -13,8 +14,11 @@ Film::Film(int width, int height, const std::vector<Component>& accumulated, con
 
 void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample) {
     bool finite = true;
-    for (std::size_t c = 0; c < sums_.size(); ++c)
-        if (!sums_[c].empty()) finite = finite && sample.parts[c].isFinite().all();
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        finite = finite && sample.parts[c].isFinite().all();
+        if (sums_[c].empty() && !is_black(sample.parts[c]))
+            throw std::logic_error("a sample holds light of a component that the plan left out");
+    }
     if (!finite) {
         const std::scoped_lock lock(non_finite_mutex_);
         if (non_finite_.count == 0 ||

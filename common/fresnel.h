@@ -40,7 +40,9 @@ inline Color fresnel_conductor(float cos_i, const Color& eta, const Color& k) {
     const Color r_s = (t1 - t2) / (t1 + t2);
     const Color t3 = cos2 * a2_plus_b2 + sin2 * sin2;
     const Color t4 = t2 * sin2;
-    const Color r_p = r_s * (t3 - t4) / (t3 + t4);
+    // Without any index (eta = k = 0) and straight on, both are zero; everything is reflected at every other angle.
+    const Color sum = t3 + t4;
+    const Color r_p = r_s * (sum > 0.f).select((t3 - t4) / sum.max(std::numeric_limits<float>::min()), Color::Ones());
     return 0.5f * (r_s + r_p);
 }
 

@@ -35,7 +35,8 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     const float sin2 = std::max(1.f - w.z() * w.z(), 0.f);
     const float t = cone.distance * w.z() - safe_sqrt(sqr(sphere.radius) - sqr(cone.distance) * sin2);
     const SurfacePoint q = surface_at(sphere, 0, 0, 0, p + t * wi);
-    return LightSample{wi, t, light.radiance, 1.f / (2.f * pi * cone.one_minus_cos_max), false, offset_origin(q, -wi)};
+    return LightSample{
+        wi, t, light.radiance, 1.f / (2.f * pi * cone.one_minus_cos_max), false, shadow_ray_target(q, p)};
 }
 
 struct LightSampler {
@@ -60,7 +61,7 @@ struct LightSampler {
         const float cos_light = -wi.dot(q.ng);
         if (!(cos_light > 0.f)) return std::nullopt;
         return LightSample{
-            wi, d, light.radiance, d2 / (cos_light * light.surface.area()), false, offset_origin(q, -wi)};
+            wi, d, light.radiance, d2 / (cos_light * light.surface.area()), false, shadow_ray_target(q, p)};
     }
 };
 

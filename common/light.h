@@ -61,4 +61,11 @@ inline Vec3 offset_origin(const SurfacePoint& point, const Vec3& w) {
     return point.p + (w.dot(point.ng) >= 0.f ? point.offset : -point.offset) * point.ng;
 }
 
+/// The end, in front of the emitting side of `light`, of a shadow ray from near `p`. Forming the ray rounds its end by up to an ulp of the larger of
+/// the two positions, which the light's own offset does not know of.
+inline Vec3 shadow_ray_target(const SurfacePoint& light, const Vec3& p) {
+    const float connection = 8.f * unit_roundoff * (p.cwiseAbs().sum() + light.p.cwiseAbs().sum());
+    return light.p + (light.offset + connection) * light.ng;
+}
+
 }  // namespace gib

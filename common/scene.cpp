@@ -11,6 +11,23 @@ Sensor required_sensor(std::optional<Sensor>& sensor) {
     return *std::move(sensor);
 }
 
+/// Proportional to power, but a tenth of the choices goes to all lights alike: what a dim light adds where the bright ones do
+/// not reach would otherwise be found too rarely, and never at all below the resolution of the random numbers.
+std::vector<double> light_weights(const std::vector<Light>& lights) {
+    constexpr double uniform_share = 0.1;
+    std::vector<double> weights;
+    double total = 0;
+    std::size_t shining = 0;
+    for (const auto& light : lights) {
+        weights.push_back(power_of(light).mean());
+        total += weights.back();
+        if (weights.back() > 0) ++shining;
+    }
+    for (double& w : weights)
+        if (w > 0) w = (1 - uniform_share) * w / total + uniform_share / static_cast<double>(shining);
+    return weights;
+}
+
 }  // namespace
 
 Scene::Scene(SceneParts parts) : bsdfs_(std::move(parts.bsdfs)), sensor_(required_sensor(parts.sensor)) {
@@ -29,10 +46,7 @@ Scene::Scene(SceneParts parts) : bsdfs_(std::move(parts.bsdfs)), sensor_(require
     for (const auto& light : parts.point_lights)
         lights_.push_back(light);
 
-    std::vector<double> powers;
-    for (const auto& light : lights_)
-        powers.push_back(power_of(light).mean());
-    light_choice_ = DiscreteDistribution(powers);
+    light_choice_ = DiscreteDistribution(light_weights(lights_));
     accelerator_ = std::make_unique<Accelerator>(shapes_);
 }
 

@@ -60,7 +60,7 @@ public:
 
     /// Whether any light emits anything.
     bool has_light() const { return light_choice_.total() > 0; }
-    /// A light, with probability proportional to its power (mean of the channels), and a point on it.
+    /// A light, chosen by its power (mean of the channels), and a point on it.
     std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
     /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
     float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;

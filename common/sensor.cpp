@@ -75,7 +75,7 @@ Sensor::Sensor(const Parameters& p)
     const double half_height = half_width * p.height / p.width;
     scale_ = Vec2d(-2 * half_width / p.width, -2 * half_height / p.height).cast<float>();
     offset_ =
-        Vec2d(half_width * (1 + 2 * p.principal_point_offset.x()), half_height * (1 + 2 * p.principal_point_offset.y()))
+        Vec2d(half_width * (1 - 2 * p.principal_point_offset.x()), half_height * (1 - 2 * p.principal_point_offset.y()))
             .cast<float>();
 }
 

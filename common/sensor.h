@@ -38,7 +38,8 @@ public:
         float near_clip = 0;  ///< [scene units] along the view direction
         float far_clip = infinity;
         Mat4d to_world = Mat4d::Identity();            ///< camera looks along +z, +y up, +x left
-        Vec2d principal_point_offset = Vec2d::Zero();  ///< in fractions of the film's extents
+        Vec2d principal_point_offset = Vec2d::Zero();  ///< added to film positions, in
+                                                       ///< fractions of the film's extents
         int width = 768, height = 576;
         ReconstructionFilter filter = ReconstructionFilter::gaussian(0.5f);
     };

@@ -23,15 +23,19 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
-/// The point v0 + b1 e1 + b2 e2 of a triangle with its offset. |v0| <= |p| + |e1| + |e2| in each coordinate, so the
-/// rounding of the sum (2 operations on |v0|, 4 on each edge, of which forming it is one) is at most gamma_2 |p| +
-/// gamma_6 (|e1| + |e2|). A ray-triangle test that starts there errs by a few roundings of distances to the vertices,
-/// which are of the size of the edges, and of the origin itself; the constants leave room for both.
-SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& ng) {
+/// The point v0 + b1 e1 + b2 e2 of a triangle with normal n = e1 x e2, not of unit length, and its offset. Both terms bound
+/// distances along the normal, component by component, so that a floor of any size that lies in a coordinate plane needs
+/// none. The first is the rounding of p. The second is that of a ray-triangle test that starts there: it forms (v0 - p) . n,
+/// in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m
+/// (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
+SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& n, float length, bool flip) {
     SurfacePoint s;
     s.p = t.v0 + (b1 * t.e1 + b2 * t.e2);
-    s.ng = ng;
-    s.offset = gamma(8) * ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(24) * (t.e1.cwiseAbs() + t.e2.cwiseAbs()).sum();
+    s.ng = n / (flip ? -length : length);
+    const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
+    const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
+                 a1.x() * a2.y() + a1.y() * a2.x());
+    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * (a1 + a2).dot(m / length);
     return s;
 }
 
@@ -62,7 +66,8 @@ Vec2 sphere_uv(const Vec3& direction) {
 SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
     const Triangle t = triangle_of(mesh, triangle);
     const Vec3 n = t.e1.cross(t.e2);
-    return point_on_triangle(t, u, v, n * ((mesh.flip_normals ? -1.f : 1.f) / n.norm()));
+    // The plain norm would square lengths that are squares of the edges' already.
+    return point_on_triangle(t, u, v, n, n.stableNorm(), mesh.flip_normals);
 }
 
 /// The shading normal between a triangle's vertex normals. Normals that cancel out leave no direction: then the face's.

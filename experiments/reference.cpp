@@ -40,7 +40,7 @@ public:
           key_(reference_key(work.scene.content_hash, work.label)),
           values_(all_parameters(work.method), work.label),
           method_(work.method.create(values_, {work.scene.max_edges})),
-          unresolved_(unresolved_components(work.method, method_->plan(*work.scene.scene), *work.scene.scene)) {}
+          unresolved_(method_->plan(*work.scene.scene).unresolved) {}
 
     FinishedReference make() {
         open();
@@ -253,20 +253,6 @@ std::string stored_reference_identity(const std::string& path) {
 std::uint64_t batch_seed(const std::string& key, std::uint32_t batch) {
     const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
     return 0x8000000000000000ull | combine_keys(base, batch);
-}
-
-std::vector<Component> unresolved_components(const MethodDescription& method, const Plan& plan, const Scene& scene) {
-    const bool point_light = std::any_of(scene.lights().begin(), scene.lights().end(),
-                                         [](const Light& light) { return std::holds_alternative<PointLight>(light); });
-    // From the eye, a point light is found by connecting a diffuse vertex to it, never through a specular one: not S+ L
-    // alone (caustic), nor at the end of a longer path (indirect).
-    const bool blind = method.name == "path" && point_light && plan.called_for.has(Effect::caustics);
-    const auto lacks = [&](Effect effect) { return plan.missing.has(effect); };
-    std::vector<Component> components;
-    if (lacks(Effect::direct_light)) components.push_back(Component::direct);
-    if (lacks(Effect::caustics) || blind) components.push_back(Component::caustic);
-    if (lacks(Effect::diffuse_interreflection) || blind) components.push_back(Component::indirect);
-    return components;
 }
 
 double dominance_of_one_group(const std::vector<Image>& groups) {

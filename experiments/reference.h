@@ -48,9 +48,6 @@ std::string stored_reference_identity(const std::string& path);
 /// The seed of a batch. Its top bit is set: a cell's seeds, which count from 1, cannot meet it.
 std::uint64_t batch_seed(const std::string& key, std::uint32_t batch);
 
-/// Components with paths that the method cannot sample in this scene; their standard error would be wrong.
-std::vector<Component> unresolved_components(const MethodDescription& method, const Plan& plan, const Scene& scene);
-
 /// The share of the groups' scatter that the most deviant group of each pixel carries: about 0.27 for Gaussian noise of
 /// 16 groups, near 1 where rare bright samples make the image. 0 where nothing scatters.
 double dominance_of_one_group(const std::vector<Image>& groups);

@@ -25,6 +25,13 @@ Vec3 lifted(const Vec3& wo_local, Vec3 wi_local) {
     return wi_local;
 }
 
+/// The density of photons is irradiance on the geometric surface, |wi.ng|; what an interpolated normal reflects is |wi.ns|.
+/// The ratio grows without bound for photons that graze the geometry; 10 is where it is cut off, which darkens only them.
+float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
+    if (hit.ns == hit.ng) return 1.f;
+    return std::abs(wi.dot(hit.ns)) / std::max(std::abs(wi.dot(hit.ng)), 0.1f * std::abs(wi.dot(hit.ns)));
+}
+
 Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.dot(s.ng) >= 0.f ? s.ng : Vec3(-s.ng); }
 
 /// Finds out which points of a disc in the tangent plane lie on the surface around its centre. Rays go down to the disc
@@ -128,8 +135,10 @@ Color DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& ray
     Color sum = Color::Zero();
     for (std::size_t i = 0; i < inside; ++i) {
         const Photon& photon = map[found[i].photon];
-        const Vec3 wi_local = lifted(wo_local, hit.shading.to_local(photon.direction()));
-        sum += hit.bsdf->f_local(wo_local, wi_local) * photon.power * kernel_weight(kernel, found[i].distance2, r);
+        const Vec3 wi = photon.direction();
+        const Vec3 wi_local = lifted(wo_local, hit.shading.to_local(wi));
+        const float scale = shading_normal_factor(hit, wi) * kernel_weight(kernel, found[i].distance2, r);
+        sum += hit.bsdf->f_local(wo_local, wi_local) * photon.power * scale;
     }
     if (area == DiscArea::surface && !is_black(sum))
         sum /= share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));

@@ -58,7 +58,21 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
     Plan plan;
     plan.called_for = effects_of(scene);
     plan.missing = plan.called_for - method.simulates;
+    if (plan.missing.has(Effect::direct_light)) plan.unresolved.push_back(Component::direct);
+    if (plan.missing.has(Effect::caustics)) plan.unresolved.push_back(Component::caustic);
+    if (plan.missing.has(Effect::diffuse_interreflection)) plan.unresolved.push_back(Component::indirect);
     return plan;
+}
+
+void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
+    plan.add(std::string(pass_eye_paths), scene.has_light() && max_edges >= 1,
+             scene.has_light() ? "paths of no edges show nothing" : "nothing emits light");
+}
+
+void add_light_sampling(Plan& plan, int max_edges) {
+    const bool lit = plan.called_for.has(Effect::direct_light);
+    plan.add(std::string(pass_light_sampling), lit && max_edges >= 2,
+             lit ? "direct light has two edges, more than the longest path" : "no light can reach a diffuse surface");
 }
 
 Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method) {

@@ -54,6 +54,8 @@ struct Plan {
     };
     Effects called_for;
     Effects missing;  ///< called for, and not simulated by the method
+    /// Components with paths that the method leaves out here; as a reference it cannot judge them.
+    std::vector<Component> unresolved;
     std::vector<Step> steps;
 
     bool runs(std::string_view pass) const;
@@ -115,6 +117,14 @@ int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
 
 /// The plan of a method before its steps: what the scene calls for, and what of it is missing.
 Plan described_plan(const Scene& scene, const MethodDescription& method);
+/// The passes that methods share, by their names in plans and stages.
+inline constexpr std::string_view pass_eye_paths = "eye paths";
+inline constexpr std::string_view pass_light_sampling = "light sampling";
+/// Skipped where nothing emits light, or where no path is allowed.
+void add_eye_paths(Plan& plan, const Scene& scene, int max_edges);
+/// Skipped where no light can reach a diffuse surface, or where its two edges are too many.
+void add_light_sampling(Plan& plan, int max_edges);
+
 /// A film for the method's components: those that `effects` can show are accumulated, the rest stay black.
 Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method);
 

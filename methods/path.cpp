@@ -1,10 +1,10 @@
 // Path tracing: the unbiased reference.
 //
-// Computes: every component of a scene without media, by random walks from the eye. Light is found in two ways, by
-// sampling a point of a light and by following the bsdf's samples, combined by the power heuristic (Veach 1997,
-// section 9.2). Parameters: sampler = sobol | independent; spp, max_depth (shared by all methods). Bias: none, for
-// paths that it can sample. It cannot sample a point light seen through specular surfaces, and finds small lights
-// behind them rarely (heavy tails).
+// Computes: every component of a scene without media, by random walks from the eye. Light is found in two ways, by sampling
+// a point of a light and by following the bsdf's samples, combined by the power heuristic (Veach 1997, section 9.2).
+// Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
+// Bias: none, for paths that it can sample. It cannot sample a point light seen through specular surfaces, and finds small
+// lights behind them rarely (heavy tails).
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
@@ -13,6 +13,7 @@
 #include "methods/direct_light.h"
 #include "methods/method.h"
 
+#include <algorithm>
 #include <atomic>
 
 namespace gib {
@@ -71,6 +72,10 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
         path.scatter(next->lobe);
 
         if (vertex >= first_roulette_vertex) {
+            if (!beta.isFinite().all()) {
+                sample[path.component()] += beta;  // roulette would end the path in silence; the film counts it
+                break;
+            }
             const float survival = survival_probability(beta, eta_scale);
             if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
             beta /= survival;
@@ -83,6 +88,11 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
 
 namespace {
 
+bool has_point_light(const Scene& scene) {
+    return std::any_of(scene.lights().begin(), scene.lights().end(),
+                       [](const Light& light) { return std::holds_alternative<PointLight>(light); });
+}
+
 struct PathSettings {
     PointSet points;
     int max_edges;
@@ -94,8 +104,8 @@ public:
             std::uint64_t seed, StageTimes& stages)
         : scene_(scene),
           settings_(settings),
-          limits_{settings.max_edges, plan.runs("light sampling")},
-          traces_(plan.runs("eye paths")),
+          limits_{settings.max_edges, plan.runs(pass_light_sampling)},
+          traces_(plan.runs(pass_eye_paths)),
           seed_(seed),
           stages_(stages),
           film_(film_for(scene, plan.called_for, description)) {}
@@ -103,7 +113,7 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
-        const auto timer = stages_.time("eye paths");
+        const auto timer = stages_.time(pass_eye_paths);
         const Sensor& sensor = scene_.sensor();
         const auto width = static_cast<std::size_t>(sensor.width());
         parallel_blocks(width * static_cast<std::size_t>(sensor.height()), 256,
@@ -143,8 +153,12 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        plan.add("eye paths", scene.has_light(), "nothing emits light");
-        plan.add("light sampling", plan.called_for.has(Effect::direct_light), "no light can reach a diffuse surface");
+        // A point light is found by connecting a diffuse vertex to it, never through a specular one: neither where S+ L ends a
+        // caustic path, nor at the end of a longer one.
+        if (has_point_light(scene) && plan.called_for.has(Effect::caustics))
+            plan.unresolved = {Component::caustic, Component::indirect};
+        add_eye_paths(plan, scene, settings_.max_edges);
+        add_light_sampling(plan, settings_.max_edges);
         return plan;
     }
 

@@ -2,12 +2,14 @@
 // Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 9.
 //
 // Computes: every component of a scene without media. At the first diffuse surface seen from the eye: direct by light
-// sampling, caustic from the caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D). Light found at the
-// end of specular paths counts only before that surface (emission), so that every path is counted once. Parameters:
-// photons, caustic_photons [emitted], k, radius [fraction of the scene's diagonal], kernel, area; spp, max_depth. Bias:
-// the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
-// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. A pass: one gather sample of every
-// pixel. The maps are filled at the start. Fails: never; a map without photons near a point gives 0 there.
+// sampling, caustic from the caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D). Light found at the end of
+// specular paths counts only before that surface (emission), so that every path is counted once.
+// Parameters: photons, caustic_photons [emitted], k, radius and caustic_radius [fractions of the scene's diagonal], kernel,
+// area; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
+// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
+// A pass: one gather sample of every pixel. The maps are filled at the start.
+// Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
 #include "common/parallel.h"
@@ -22,12 +24,12 @@ namespace gib {
 
 namespace {
 
-constexpr std::string_view pass_direct = "light sampling";
 constexpr std::string_view pass_specular = "specular paths";
 constexpr std::string_view pass_caustic = "caustic map";
 constexpr std::string_view pass_global = "global map";
 
-/// Eye paths among specular surfaces end by roulette from this vertex on, as the path tracer's do.
+/// Eye paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go on
+/// after diffuse surfaces, where a throughput near 1 is rare.
 constexpr int first_roulette_vertex = 8;
 
 /// Where the disc of a look-up is probed: past all dimensions of a path of 2^16 vertices.
@@ -36,18 +38,28 @@ constexpr std::uint32_t global_disc = caustic_disc + 1;
 
 const MethodDescription& description() { return find_method("photon_mapper"); }
 
+/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, surface, surface, eye)
+/// is allowed.
+void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
+             const std::string& why_not_called_for) {
+    std::string reason;
+    if (!called_for) reason = why_not_called_for;
+    else if (photons == 0) reason = "no photons are asked for";
+    else if (max_edges < 3) reason = "its light has three edges or more, more than the longest path";
+    plan.add(std::string(pass), reason.empty(), reason);
+}
+
 Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
     Plan plan = described_plan(scene, description());
-    const bool lit = effects.has(Effect::direct_light);
-    plan.add(std::string(pass_direct), lit, "no light can reach a diffuse surface");
+    plan.called_for = effects;
+    add_eye_paths(plan, scene, settings.max_edges);
+    add_light_sampling(plan, settings.max_edges);
     plan.add(std::string(pass_specular), effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
              "no surface is specular");
-    plan.add(std::string(pass_caustic), effects.has(Effect::caustics) && settings.caustic_photons > 0,
-             effects.has(Effect::caustics) ? "caustic_photons=0"
-                                           : "no light reaches a diffuse surface by way of a specular one");
-    plan.add(
-        std::string(pass_global), effects.has(Effect::diffuse_interreflection) && settings.photons > 0,
-        effects.has(Effect::diffuse_interreflection) ? "photons=0" : "no light is passed between diffuse surfaces");
+    add_map(plan, pass_caustic, effects.has(Effect::caustics), settings.caustic_photons, settings.max_edges,
+            "no light reaches a diffuse surface by way of a specular one");
+    add_map(plan, pass_global, effects.has(Effect::diffuse_interreflection), settings.photons, settings.max_edges,
+            "no light is passed between diffuse surfaces");
     return plan;
 }
 
@@ -61,16 +73,21 @@ public:
           stages_(stages),
           film_(film_for(scene, effects, description())) {
         const Plan plan = photon_mapper_plan(scene, effects, settings);
-        samples_lights_ = plan.runs(pass_direct);
+        traces_ = plan.runs(pass_eye_paths);
+        samples_lights_ = plan.runs(pass_light_sampling);
         follows_specular_ = plan.runs(pass_specular);
         if (plan.runs(pass_caustic)) caustic_map_ = fill(PhotonMapKind::caustic, settings.caustic_photons);
         if (plan.runs(pass_global)) global_map_ = fill(PhotonMapKind::global, settings.photons);
-        const float max_radius = static_cast<float>(settings.radius * static_cast<double>(scene.diagonal()));
-        global_estimator_ = {settings.kernel, settings.k, max_radius, settings.area};
-        caustic_estimator_ = {settings.kernel, settings.caustic_k, max_radius, settings.area};
+        const auto length = [&](double fraction) {
+            return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
+        };
+        global_estimator_ = {settings.kernel, settings.k, length(settings.radius), settings.area};
+        caustic_estimator_ = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area};
     }
 
     Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        if (!traces_) return Progress::converged;
         const auto timer = stages_.time("gather");
         const Sensor& sensor = scene_.sensor();
         const auto width = static_cast<std::size_t>(sensor.width());
@@ -87,7 +104,6 @@ public:
                             }
                             rays_ += rays.count();
                         });
-        passes_ = pass + 1;
         return Progress::more;
     }
 
@@ -133,6 +149,10 @@ private:
             beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
             eta_scale *= sqr(next->eta);
             if (vertex >= first_roulette_vertex) {
+                if (!beta.isFinite().all()) {
+                    sample[Component::emission] += beta;  // roulette would end the path in silence; the film counts it
+                    break;
+                }
                 const float survival = std::min(beta.maxCoeff() * eta_scale, 0.95f);
                 if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
                 beta /= survival;
@@ -164,7 +184,7 @@ private:
     std::uint64_t seed_;
     StageTimes& stages_;
     Film film_;
-    bool samples_lights_, follows_specular_;
+    bool traces_, samples_lights_, follows_specular_;
     PhotonMap caustic_map_, global_map_;
     DensityEstimator caustic_estimator_, global_estimator_;
     std::uint64_t photons_ = 0;
@@ -200,6 +220,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.k = k ? static_cast<std::size_t>(*k) : automatic_k(s.photons);
     s.caustic_k = k ? s.k : automatic_k(s.caustic_photons);
     s.radius = values.number("radius");
+    s.caustic_radius = values.number("caustic_radius");
     const auto kernel = std::find(kernel_names.begin(), kernel_names.end(), values.choice("kernel"));
     s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
     s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
@@ -242,7 +263,22 @@ MethodDescription describe_photon_mapper() {
              1e6,
              {"auto"},
              "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3)"},
-            {"radius", Kind::number, "0.025", "scene diagonals", 0, 1, {}, "largest radius of a look-up"},
+            {"radius",
+             Kind::number,
+             "0.1",
+             "scene diagonals",
+             0,
+             1,
+             {},
+             "largest radius of a look-up in the global map"},
+            {"caustic_radius",
+             Kind::number,
+             "0.025",
+             "scene diagonals",
+             0,
+             1,
+             {},
+             "the same in the caustic map, whose light has sharp edges"},
             {"kernel", Kind::choice, "uniform", "", 0, 0, strings(kernel_names), "weight of a photon by its distance"},
             {"area",
              Kind::choice,

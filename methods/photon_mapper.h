@@ -12,7 +12,8 @@ struct PhotonMapperSettings {
     std::uint64_t caustic_photons;  ///< emitted for the caustic map
     std::size_t k;                  ///< photons in an estimate of the global map
     std::size_t caustic_k;          ///< the same of the caustic map
-    double radius;                  ///< largest look-up radius, as a fraction of the scene's diagonal
+    double radius;                  ///< largest look-up radius in the global map, as a fraction of the scene's diagonal
+    double caustic_radius;          ///< the same in the caustic map
     Kernel kernel;
     DiscArea area;
     int max_edges;

@@ -16,8 +16,8 @@ constexpr std::size_t photons_per_block = 4096;
 constexpr int first_capped_hit = 64;
 constexpr float capped_survival = 0.9f;
 
-/// |wi.ns| |wo.ng| / (|wi.ng| |wo.ns|): what an interpolated normal does to transported power; 1 where both normals
-/// agree. wo is where the photon came from. Source: Veach 1997, section 5.3.
+/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals agree.
+/// wo is where the photon came from. Source: Veach 1997, section 5.3.
 float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Vec3& wi) {
     const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(hit.ns));
     const float denominator = std::abs(wi.dot(hit.ns) * wo.dot(hit.ng));

@@ -42,6 +42,8 @@ TEST(Fresnel, ConductorWithoutAbsorptionIsADielectric) {
     for (float c : {0.05f, 0.3f, 0.7f, 1.f})
         EXPECT_NEAR(fresnel_conductor(c, Color::Constant(1.5f), Color::Zero())[0],
                     fresnel_dielectric(c, 1.5f).reflectance, 1e-5f);
+    // No index at all, straight on: the formula is 0 / 0.
+    EXPECT_EQ(fresnel_conductor(1.f, Color::Zero(), Color::Zero())[0], 1.f);
     // Gold at 630 nm, normal incidence: ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2).
     const float n = 0.197f, k = 3.09f;
     EXPECT_NEAR(fresnel_conductor(1.f, Color::Constant(n), Color::Constant(k))[0],

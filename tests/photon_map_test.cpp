@@ -230,7 +230,7 @@ TEST(DensityEstimate, DiscIsCutWhereAWallStandsOnTheSurface) {
         "</transform>" +
         test::diffuse(1.0) + "</shape>"));
     // The scene is recentred: the wall stands at x = 0.5 of the file.
-    const float wall = 0.5f - 0.f;
+    const float wall = 0.5f;
     const float shift = -scene.scene->bounds().center().x();
     for (float s : {0.05f, 0.5f}) {
         const float expected = 1.f - (std::acos(s) - s * std::sqrt(1.f - s * s)) / pi;

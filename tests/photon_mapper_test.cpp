@@ -1,5 +1,6 @@
 #include "methods/photon_mapper.h"
 
+#include "common/files.h"
 #include "experiments/statistics.h"
 #include "tests/scene_fixtures.h"
 
@@ -12,7 +13,7 @@ using test::mean_of;
 using test::render;
 
 PhotonMapperSettings settings(std::uint64_t photons) {
-    return {photons, photons, 50, 50, 0.1, Kernel::uniform, DiscArea::surface, 17};
+    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17};
 }
 
 struct Rendered {
@@ -97,6 +98,43 @@ TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
         }
         previous = bias2;
     }
+}
+
+TEST(PhotonMapper, ShortPathsNeedNoMaps) {
+    const auto scene = test::shipped_scene("cornell-glass.xml");
+    const auto& method = find_method("photon_mapper");
+    const auto plan_of = [&](const std::string& depth) {
+        const MethodLabel label{"photon_mapper", {{"max_depth", depth}}};
+        return method.create(ParameterValues(all_parameters(method), label), {})->plan(*scene.scene);
+    };
+    EXPECT_FALSE(plan_of("2").runs("caustic map"));
+    EXPECT_FALSE(plan_of("2").runs("global map"));
+    EXPECT_TRUE(plan_of("2").runs("light sampling"));
+    EXPECT_FALSE(plan_of("1").runs("light sampling"));
+    EXPECT_TRUE(plan_of("3").runs("global map"));
+}
+
+// A floor whose interpolated normals lean by 45 degrees under a wall that lights it indirectly: photons count irradiance on the
+// geometric floor, the path tracer's cosine is that of the shading normal.
+TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
+    const std::string folder = ::testing::TempDir();
+    const std::string file = folder + "leaning_floor.obj";
+    write_file(
+        file, "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.7071068 0 0.7071068\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
+    const auto scene = test::scene_of(
+        test::scene_xml("<sensor type='orthographic'><transform name='to_world'><scale value='0.8'/><lookat "
+                        "origin='0,0,5' target='0,0,0' "
+                        "up='0,1,0'/></transform>" +
+                        test::box_film(16) + "</sensor><shape type='obj'><string name='filename' value='" + file +
+                        "'/>" + test::diffuse(0.8) +
+                        "</shape><shape type='rectangle'><transform name='to_world'>"
+                        "<scale value='3'/><rotate y='1' angle='-90'/><translate x='3'/></transform>" +
+                        test::diffuse(0.8) +
+                        "</shape><emitter type='point'><point name='position' x='1' y='0' z='-0.5'/><rgb "
+                        "name='intensity' value='1'/></emitter>"));
+    const auto path = render(scene, "path", 1024);
+    const auto photons = render(scene, "photon_mapper photons=1e6", 16);
+    EXPECT_NEAR(mean_of(*photons[Component::indirect]).mean() / mean_of(*path[Component::indirect]).mean(), 1.0, 0.02);
 }
 
 TEST(PhotonMapper, AutomaticKGrowsWithThePhotons) {

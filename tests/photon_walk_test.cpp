@@ -66,17 +66,31 @@ TEST(PhotonWalk, StoredPhotonsArriveAsDiffuseLight) {
     EXPECT_NEAR(sum / power, 2.0 / 3.0, 4 * 5e-4 + 2e-3 /* quantised normals */);
 }
 
+// A lamp above a black-sided floor beside a mirror: light arrives as L D and as L S D, never as L D ... D.
 TEST(PhotonWalk, MapsHoldTheirOwnPathsOnly) {
-    const auto glass = test::shipped_scene("cornell-glass.xml");
-    const auto caustic = trace_photons(*glass.scene, PhotonMapKind::caustic, 100000, unlimited, 1);
-    const auto global = trace_photons(*glass.scene, PhotonMapKind::global, 100000, unlimited, 1);
-    EXPECT_GT(caustic.photons.size(), 1000u);
+    const auto scene_with = [](const std::string& mirror) {
+        return test::scene_of(test::scene_xml(
+            "<sensor type='orthographic'>" + test::box_film(4) + "</sensor><shape type='rectangle'>" +
+            test::diffuse(0.5) +
+            "</shape><shape type='rectangle'><transform name='to_world'><scale value='0.1'/><rotate x='1' angle='180'/>"
+            "<translate z='1'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf>"
+            "<emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>" +
+            mirror));
+    };
+    const auto both = scene_with(
+        "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/>"
+        "<translate x='-1' z='1'/></transform><bsdf type='conductor'/></shape>");
+    // With three edges at most a photon has two: L S D is a caustic photon, and nothing was scattered diffusely twice.
+    EXPECT_TRUE(trace_photons(*both.scene, PhotonMapKind::global, 50000, 3, 1).photons.empty());
+    const auto caustic = trace_photons(*both.scene, PhotonMapKind::caustic, 50000, 3, 1);
+    EXPECT_GT(caustic.photons.size(), 100u);
     for (const auto& photon : caustic.photons)
-        EXPECT_GE(photon.edges, 2);  // L S D at least
-    for (const auto& photon : global.photons)
-        EXPECT_GE(photon.edges, 2);  // L D D at least
-    const auto box = test::shipped_scene("cornell-box.xml");
-    EXPECT_TRUE(trace_photons(*box.scene, PhotonMapKind::caustic, 100000, unlimited, 1).photons.empty());
+        EXPECT_EQ(photon.edges, 2);
+    // Longer paths L D S D belong to the global map alone.
+    EXPECT_FALSE(trace_photons(*both.scene, PhotonMapKind::global, 50000, unlimited, 1).photons.empty());
+    const auto plain = scene_with("");
+    EXPECT_TRUE(trace_photons(*plain.scene, PhotonMapKind::caustic, 50000, unlimited, 1).photons.empty());
+    EXPECT_TRUE(trace_photons(*plain.scene, PhotonMapKind::global, 50000, unlimited, 1).photons.empty());
 }
 
 TEST(PhotonWalk, PathsAreNotLongerThanTheirLimit) {

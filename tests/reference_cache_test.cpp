@@ -142,7 +142,7 @@ TEST(UnresolvedComponents, ArePathsFromAPointLightThroughSpecularSurfaces) {
         const auto& path = find_method("path");
         const auto method =
             path.create(ParameterValues(all_parameters(path), MethodLabel{"path", {}}), {scene.max_edges});
-        return unresolved_components(path, method->plan(*scene.scene), *scene.scene);
+        return method->plan(*scene.scene).unresolved;
     };
     EXPECT_THAT(unresolved("<emitter type='point'><rgb name='intensity' value='1'/></emitter>"),
                 ::testing::ElementsAre(Component::caustic, Component::indirect));
