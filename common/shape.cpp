@@ -11,6 +11,10 @@ constexpr float gamma(int n) {
     return static_cast<float>(n) * unit_roundoff / (1.f - static_cast<float>(n) * unit_roundoff);
 }
 
+/// A coordinate plane through the origin has no rounding errors, but a ray that starts on it would find it at distance 0: this
+/// fraction of the shape's size takes it off.
+constexpr float off_the_plane = 0x1p-33f;
+
 float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
 
 struct Triangle {
@@ -25,7 +29,7 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
 
 /// The point v0 + b1 e1 + b2 e2 of a triangle with normal n = e1 x e2, not of unit length, and its offset. Both terms bound
 /// distances along the normal, component by component, so that a floor of any size that lies in a coordinate plane needs
-/// none. The first is the rounding of p. The second is that of a ray-triangle test that starts there: it forms (v0 - p) . n,
+/// next to none. The first is the rounding of p. The second is that of a ray-triangle test that starts there: it forms (v0 - p) . n,
 /// in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m
 /// (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
 SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& n, float length, bool flip) {
@@ -35,7 +39,8 @@ SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3
     const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
     const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
                  a1.x() * a2.y() + a1.y() * a2.x());
-    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * (a1 + a2).dot(m / length);
+    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * (a1 + a2).dot(m / length) +
+               off_the_plane * (a1 + a2).sum();
     return s;
 }
 
@@ -52,7 +57,8 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     SurfacePoint s;
     s.p = disk.center + a * disk.du + b * disk.dv;
     s.ng = disk.normal;
-    s.offset = 8.f * unit_roundoff * (sum_abs(disk.center) + sum_abs(disk.du) + sum_abs(disk.dv));
+    const Vec3 extent = disk.du.cwiseAbs() + disk.dv.cwiseAbs();
+    s.offset = gamma(8) * s.ng.cwiseAbs().dot(disk.center.cwiseAbs() + extent) + off_the_plane * extent.sum();
     return s;
 }
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <charconv>
 
 #include <functional>
 #include <iostream>
@@ -63,13 +64,26 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->callback([options, &action] { action = [options] { return run_experiment(*options, std::cout); }; });
 }
 
+/// Whole numbers below 2^63: the rest belong to references, and CLI11 would take -1 for the largest of them.
+CLI::Validator seed_text() {
+    return CLI::Validator(
+        [](std::string& text) {
+            std::uint64_t seed = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+            const bool good =
+                error == std::errc() && end == text.data() + text.size() && seed < (std::uint64_t{1} << 63);
+            return good ? std::string() : "a seed is a whole number from 0 to 2^63 - 1, not '" + text + "'";
+        },
+        "SEED");
+}
+
 void add_render(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
     auto texts = std::make_shared<std::vector<std::string>>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method, "label, such as \"path spp=64\"")->required();
-    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)");
+    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
     add_set(command, *texts);
     command->add_option("-o,--out", options->out, "the image (EXR)")->required();

@@ -43,8 +43,6 @@ void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
 }
 
 void print_plan_lines(const Plan& plan, std::ostream& out) {
-    for (Effect e : plan.called_for.list())
-        out << "called for: " << name_of(e) << "\n";
     for (const auto& step : plan.steps) {
         if (step.runs) out << "runs: " << step.pass << "\n";
         else out << fmt::format("skipped: {} ({})\n", step.pass, step.reason);
@@ -127,6 +125,8 @@ int print_plan(const std::string& scene, const std::string& method,
             chosen.emplace_back(description.name);
     else chosen.emplace_back(method);
     const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    for (Effect e : effects_of(*loaded.scene).list())
+        out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {
         if (method.empty()) out << "method: " << one.label.name << "\n";
         print_plan_lines(one.create(loaded)->plan(*loaded.scene), out);

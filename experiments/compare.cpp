@@ -1,5 +1,7 @@
 #include "experiments/compare.h"
 
+#include "experiments/judgement.h"
+
 #include "common/error.h"
 #include "experiments/spectrum.h"
 
@@ -60,7 +62,7 @@ Json metrics(const Subject& subject, double epsilon) {
     for (const Image& image : subject.tests)
         nonfinite += nonfinite_values(image);
     // A spectrum of images with holes would be one of the holes.
-    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.reference.mean) : std::nullopt;
+    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.r_total) : std::nullopt;
     Json json;
     json["seeds"] = s.seeds;
     json["epsilon"] = epsilon;
@@ -84,6 +86,17 @@ const Image& layer_in(const LayeredImage& file, const std::string& name, const s
     const Image* image = file.find(name);
     if (!image) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
     return *image;
+}
+
+/// The image without the components that the reference does not resolve, where it has them apart.
+Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
+                   const std::string& path) {
+    const Image& total = layer_in(file, "", path);
+    if (reference.unresolved.empty()) return total;
+    ComponentImages parts = components_in(file);
+    const bool has_parts =
+        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
+    return has_parts ? judgement.total_of(parts) : total;
 }
 
 void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {
@@ -130,13 +143,14 @@ int compare(const CompareOptions& options, std::ostream& out) {
     if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
     const Reference reference = read_reference(options.reference);
     require_finite(options.reference, "the image", reference.total);
-    const Image& r = reference.total.mean;
+    const Judgement judgement(reference);
+    const Image& r = judgement.total().mean;
 
     std::vector<LayeredImage> files;
-    Subject total{{}, reference.total, r};
+    Subject total{{}, judgement.total(), r};
     for (const std::string& path : options.tests) {
         files.push_back(read_image(path));
-        total.tests.push_back(layer_in(files.back(), "", path));
+        total.tests.push_back(judged_total(files.back(), reference, judgement, path));
         require_comparable(path, total.tests.back(), options, r);
     }
     Json json = metrics(total, options.epsilon);
@@ -144,9 +158,10 @@ int compare(const CompareOptions& options, std::ostream& out) {
     for (Component c : all_components) {
         const std::string name(name_of(c));
         const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
-        if (!reference[c] || !std::all_of(files.begin(), files.end(), has_it)) continue;
-        require_finite(options.reference, name, *reference[c]);
-        Subject part{{}, *reference[c], r};
+        const ReferenceLayer* layer = judgement.component(c);
+        if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
+        require_finite(options.reference, name, *layer);
+        Subject part{{}, *layer, r};
         for (const LayeredImage& file : files)
             part.tests.push_back(*file.find(name));
         components[name] = metrics(part, options.epsilon);

@@ -42,6 +42,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
     const auto run = work.method.start(work.scene, work.seed, stages);
     double charged = start_watch.seconds();
     result.prepare_seconds = charged;
+    double peak = 0;
 
     for (std::uint32_t pass = 0;; ++pass) {
         const Stopwatch watch;
@@ -53,9 +54,12 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         const bool ends =
             result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
         if (ends || is_checkpoint(passes)) {
-            // The peak is read before the image is taken: copies for the driver are not the method's memory.
-            result.checkpoints.push_back({passes, charged, run->counts(), peak_rss_mib()});
+            // The peak is read before the image is taken, and starts again after it is stored: copies for the driver are not
+            // the method's memory.
+            peak = std::max(peak, peak_rss_mib());
+            result.checkpoints.push_back({passes, charged, run->counts(), peak});
             sink(result.checkpoints.back(), run->image());
+            reset_peak_rss();
         }
         if (observer) observer(passes, charged);
         if (ends) break;
@@ -67,6 +71,11 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
     if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
     return static_cast<std::uint32_t>(sample_count.value_or(16));
+}
+
+void reset_peak_rss() {
+    // Where the kernel does not offer this, the peak goes on to include what storing the checkpoints took.
+    std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 double peak_rss_mib() {

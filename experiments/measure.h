@@ -51,5 +51,7 @@ std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample
 
 /// The largest resident set of this process so far [MiB]; 0 if the system does not say.
 double peak_rss_mib();
+/// Starts the measurement of peak_rss_mib again from the memory in use now.
+void reset_peak_rss();
 
 }  // namespace gib

@@ -113,7 +113,13 @@ void ResultFolder::make(const std::string& path) {
 }
 
 std::string ResultFolder::method_image(const std::string& scene, const std::string& method) const {
-    return fmt::format("{}/images/{}-{}.exr", path_, scene, file_name_of(method));
+    std::string name = file_name_of(method);
+    if (name.size() < method.size()) {  // cut off: labels that begin alike must not share a file
+        ContentHash hash;
+        hash.add(method);
+        name += "-" + hash.hex().substr(0, 6);
+    }
+    return fmt::format("{}/images/{}-{}.exr", path_, scene, name);
 }
 
 void ResultFolder::write_index(const ResultIndex& index) const {

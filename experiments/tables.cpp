@@ -59,8 +59,9 @@ std::vector<std::string> error_row(const TableRow& r) {
     row.push_back(r.effects_missing);
     row.push_back(lower_of(s ? s->variance : std::nullopt));
     row.push_back(upper_of(s ? s->variance : std::nullopt));
-    row.push_back(s ? csv_number(s->rmse_corrected) : "");
-    row.push_back(s ? csv_number(s->rel_mse_corrected) : "");
+    // Undefined where the error is below what the reference resolves.
+    row.push_back(s && std::isfinite(s->rmse_corrected) ? csv_number(s->rmse_corrected) : "");
+    row.push_back(s && std::isfinite(s->rel_mse_corrected) ? csv_number(s->rel_mse_corrected) : "");
     row.push_back(value_of(r.times[4]));
     for (const auto& time : r.times) {
         row.push_back(lower_of(time));
