@@ -27,6 +27,13 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
+/// |n| also where its square leaves float's range: n is a square of lengths already.
+float length_of(const Vec3& n) {
+    const float squared = n.squaredNorm();
+    const bool in_range = squared > 1e-30f && squared < 1e30f;
+    return in_range ? std::sqrt(squared) : n.stableNorm();
+}
+
 /// The point v0 + b1 e1 + b2 e2 of a triangle with normal n = e1 x e2, not of unit length, and its offset. Both terms bound
 /// distances along the normal, component by component, so that a floor of any size that lies in a coordinate plane needs
 /// next to none. The first is the rounding of p. The second is that of a ray-triangle test that starts there: it forms (v0 - p) . n,
@@ -35,11 +42,12 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
 SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& n, float length, bool flip) {
     SurfacePoint s;
     s.p = t.v0 + (b1 * t.e1 + b2 * t.e2);
-    s.ng = n / (flip ? -length : length);
+    const float scale = 1.f / length;
+    s.ng = n * (flip ? -scale : scale);
     const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
     const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
                  a1.x() * a2.y() + a1.y() * a2.x());
-    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * (a1 + a2).dot(m / length) +
+    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * scale * (a1 + a2).dot(m) +
                off_the_plane * (a1 + a2).sum();
     return s;
 }
@@ -72,8 +80,7 @@ Vec2 sphere_uv(const Vec3& direction) {
 SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
     const Triangle t = triangle_of(mesh, triangle);
     const Vec3 n = t.e1.cross(t.e2);
-    // The plain norm would square lengths that are squares of the edges' already.
-    return point_on_triangle(t, u, v, n, n.stableNorm(), mesh.flip_normals);
+    return point_on_triangle(t, u, v, n, length_of(n), mesh.flip_normals);
 }
 
 /// The shading normal between a triangle's vertex normals. Normals that cancel out leave no direction: then the face's.

@@ -50,6 +50,7 @@ TEST_F(CommandLineTest, WrongInputGivesTwoAndWritesNothing) {
                                   "render tiny.xml --method path -o none/a.exr",
                                   "render tiny.xml --method path -o a.txt",
                                   "render tiny.xml --method path --threads 0 -o a.exr",
+                                  "render tiny.xml --method path --seed -1 -o a.exr",
                                   "render tiny.xml --method path --set nothing -o a.exr",
                                   "render tiny.xml --method path --set unknown=1 -o a.exr",
                                   "reference tiny.xml --target 0 -o a.exr",
