@@ -34,8 +34,7 @@ bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
 float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wo_layer,
                           const Vec3& wi, const Vec3& wi_layer) {
     if (!layer.to_layer) return 1.f;
-    const float ratio =
-        transport == Transport::radiance ? wi_layer.z() / wi.z() : wo_layer.z() / wo.z();
+    const float ratio = transport == Transport::radiance ? wi_layer.z() / wi.z() : wo_layer.z() / wo.z();
     return std::abs(ratio);
 }
 
@@ -69,9 +68,10 @@ void Bsdf::prepare() {
     const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
                               layers_[1].flipped && !traits_.transmission;
     if (back_to_back) above_ = 0, below_ = 1;
-    several_lobes_ = (above_ < 0 && !layers_.empty()) || std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) {
-                         return !std::holds_alternative<Diffuse>(l.model) && !std::holds_alternative<Conductor>(l.model);
-                     });
+    several_lobes_ =
+        (above_ < 0 && !layers_.empty()) || std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) {
+            return !std::holds_alternative<Diffuse>(l.model) && !std::holds_alternative<Conductor>(l.model);
+        });
 }
 
 bool Bsdf::two_sided() const {
@@ -130,9 +130,9 @@ std::optional<BsdfSample> Bsdf::sample_local(const Vec3& wo, const Vec2& u_lobe,
                                              Lobes which) const {
     const Layer* only = only_layer(wo.z());
     if (!only) return sample_mixture_local(wo, u_lobe, u, transport, which);
-    auto sample = std::visit(
-        [&](const auto& m) { return m.sample_local(to_layer(*only, wo), u_lobe.x(), u, transport, which); },
-        only->model);
+    auto sample =
+        std::visit([&](const auto& m) { return m.sample_local(to_layer(*only, wo), u_lobe.x(), u, transport, which); },
+                   only->model);
     if (!sample) return sample;
     if (only->flipped) sample->wi.z() = -sample->wi.z();
     if (mixes_kinds_ && which == Lobes::all && !sample->delta) choose_kind(wo, u_lobe.y(), transport, *sample);

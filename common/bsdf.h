@@ -19,8 +19,9 @@ public:
     struct Layer {
         Scattering model;
         float weight = 1.f;
-        bool flipped = false;                               ///< its front is the surface's back
-        std::optional<Eigen::Matrix3f> to_layer = {};  ///< orthogonal, the flip included: from the shading frame to a tilted one
+        bool flipped = false;  ///< its front is the surface's back
+        std::optional<Eigen::Matrix3f> to_layer =
+            {};  ///< orthogonal, the flip included: from the shading frame to a tilted one
     };
 
     static constexpr std::size_t max_layers = 16;
@@ -76,7 +77,7 @@ private:
     float pass_through_ = 0.f;
     LobeTraits traits_, traits_above_, traits_below_;
     bool several_lobes_ = false;
-    bool mixes_kinds_ = false;  ///< diffuse and glossy lobes together
+    bool mixes_kinds_ = false;     ///< diffuse and glossy lobes together
     int above_ = -1, below_ = -1;  ///< the index of only_layer() by side
 };
 

@@ -29,12 +29,14 @@ constexpr bool includes(Lobes which, LobeKind kind) {
 
 /// What lobes a model has, on either side.
 struct LobeTraits {
-    bool diffuse = false;     ///< counts as D; never a delta
-    bool glossy = false;      ///< counts as S, though it is no delta
-    bool rough = false;       ///< neither a delta nor ideally diffuse, whatever it counts as
-    bool delta = false;       ///< counts as S
+    bool diffuse = false;       ///< counts as D; never a delta
+    bool glossy = false;        ///< counts as S, though it is no delta
+    bool rough = false;         ///< neither a delta nor ideally diffuse, whatever it counts as
+    bool delta = false;         ///< counts as S
     bool transmission = false;  ///< light passes to the other side; such a model scatters on both
     bool refraction = false;    ///< and is bent there
+
+    bool anisotropic = false;  ///< depends on where the shading frame's axes point
 
     bool specular() const { return glossy || delta; }
     bool scatters() const { return diffuse || specular(); }
@@ -46,6 +48,7 @@ struct LobeTraits {
         delta |= other.delta;
         transmission |= other.transmission;
         refraction |= other.refraction;
+        anisotropic |= other.anisotropic;
         return *this;
     }
 };
@@ -61,9 +64,7 @@ struct LobeValues {
     Color specular = Color::Zero();
 
     Color sum() const { return diffuse + specular; }
-    Color of(Lobes which) const {
-        return which == Lobes::all ? sum() : which == Lobes::diffuse ? diffuse : specular;
-    }
+    Color of(Lobes which) const { return which == Lobes::all ? sum() : which == Lobes::diffuse ? diffuse : specular; }
     void add(LobeKind kind, const Color& f) { (kind == LobeKind::diffuse ? diffuse : specular) += f; }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions.
+// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they have
+// samples, but neither f nor density.
 
 #include "common/fresnel.h"
 #include "common/scattering.h"
@@ -32,31 +33,29 @@ struct Diffuse {
     }
 };
 
-/// What the delta models share: nothing but their samples.
-struct DeltaModel {
-    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
-    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
-};
-
 /// A smooth interface between two dielectrics; `eta` = interior index / exterior index.
-struct Dielectric : DeltaModel {
+struct Dielectric {
     float eta = 1.f;
     Color specular_reflectance = Color::Ones();
     Color specular_transmittance = Color::Ones();
 
     LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
     std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
 };
 
 /// A thin sheet of a dielectric: what is transmitted goes straight on, and light reflected between its two faces is
 /// summed up, R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R) without absorption. `eta` = index of the sheet / index around it.
-struct ThinDielectric : DeltaModel {
+struct ThinDielectric {
     float eta = 1.f;
     Color specular_reflectance = Color::Ones();
     Color specular_transmittance = Color::Ones();
 
     LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
     std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
     /// Of the whole sheet.
@@ -69,11 +68,13 @@ struct ConductorIndex {
 };
 
 /// A smooth conductor, one-sided. Without an index ("none") a perfect mirror.
-struct Conductor : DeltaModel {
+struct Conductor {
     std::optional<ConductorIndex> index;
     Color specular_reflectance = Color::Ones();
 
     LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
     std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
     Color reflectance(float cos_theta) const;

@@ -3,7 +3,7 @@
 namespace gib {
 
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                          int vertex, LightTechniques techniques, Lobes which) {
+                               int vertex, LightTechniques techniques, Lobes which) {
     const Scene& scene = rays.scene();
     const float u_choice =
         scene.lights().size() > 1 ? sampler.get_1d(dimension::at_vertex(vertex, dimension::light_choice)) : 0.f;
@@ -16,7 +16,8 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
     const float visibility = rays.visibility(hit, *light);
     if (visibility == 0.f) return {};
     const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
-    const float weight = combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
+    const float weight =
+        combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light->Le * (std::abs(wi_local.z()) * weight * visibility / light->pdf_w);
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};

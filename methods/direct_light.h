@@ -16,7 +16,7 @@ enum class LightTechniques {
 /// from a light: f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling, by the kind of lobe.
 /// Source: Veach 1997, sections 8.2 (three-point form) and 9.2 (combination).
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                          int vertex, LightTechniques techniques, Lobes which = Lobes::all);
+                               int vertex, LightTechniques techniques, Lobes which = Lobes::all);
 
 /// The weight of radiance that a bsdf's sample of density `pdf_w` from `previous` found on a light, against light sampling
 /// from there; an infinite density: light sampling could not have found it.

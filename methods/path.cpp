@@ -60,8 +60,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
             const LobeValues direct =
                 sample_direct_light(rays, *hit, wo_local, sampler, vertex, LightTechniques::light_and_bsdf_sampling);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
-            if constexpr (features.glossy)
-                sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
+            if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }
 
         const Vec2 u_lobe = hit->bsdf->several_lobes()
@@ -184,8 +183,8 @@ private:
 
 std::unique_ptr<Method> create_path(const ParameterValues& values, const MethodDefaults& defaults) {
     const bool sobol = values.choice("sampler") == "sobol";
-    return std::make_unique<PathMethod>(sobol ? PointSet::sobol : PointSet::independent,
-                                        max_edges_of(values, defaults), find_method("path"));
+    return std::make_unique<PathMethod>(sobol ? PointSet::sobol : PointSet::independent, max_edges_of(values, defaults),
+                                        find_method("path"));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 #include "methods/photon_mapper.h"
 
 #include "methods/direct_light.h"
-#include "methods/pixel_samples.h"
 #include "methods/photon_walk.h"
+#include "methods/pixel_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -146,10 +146,10 @@ private:
                     beta * sample_direct_light(rays, *hit, wo_local, sampler, vertex,
                                                LightTechniques::light_and_bsdf_sampling, Lobes::specular)
                                .specular;
-            const auto next = hit->bsdf->sample_local(
-                wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
-                sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::radiance,
-                Lobes::specular);
+            const auto next =
+                hit->bsdf->sample_local(wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
+                                        sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)),
+                                        Transport::radiance, Lobes::specular);
             if (!next) break;
             beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
             eta_scale *= sqr(next->eta);
@@ -174,8 +174,10 @@ private:
     void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
                      const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
         if (samples_lights_)
-            sample[Component::direct] += beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler, vertex,
-                                                                    LightTechniques::light_sampling_only, Lobes::diffuse).diffuse;
+            sample[Component::direct] +=
+                beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler, vertex,
+                                           LightTechniques::light_sampling_only, Lobes::diffuse)
+                           .diffuse;
         const int max_photon_edges = settings_.max_edges - (vertex + 1);
         if (caustic_map_.size() > 0)
             sample[Component::caustic] +=
