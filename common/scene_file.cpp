@@ -17,7 +17,7 @@ class SceneBuilder {
 public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash) : ids_(xml.root), files_(xml.files), hash_(hash) {}
 
-    void add_bsdf(const NestedObject& bsdf) { material_index(*bsdf.element); }
+    void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
 
     void add_shape(const NestedObject& object) {
         Properties properties(*object.element, ids_);
@@ -30,7 +30,7 @@ public:
             pending.radiance = parse_area_light(*emitter);
             pending.emitter_where = emitter->where;
         }
-        pending.material = bsdf ? material_index(*bsdf->element) : default_material(emitter.has_value());
+        pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
         bounds_.extend(bounds_of(*pending.shape));
         pending_.push_back(std::move(pending));
     }
@@ -96,9 +96,10 @@ private:
     }
 
     /// A bsdf that several shapes refer to is one material.
-    std::uint32_t material_index(const XmlElement& element) {
-        const auto [it, is_new] = material_of_element_.emplace(&element, static_cast<std::uint32_t>(materials_.size()));
-        if (is_new) materials_.push_back(parse_bsdf(element, ids_));
+    std::uint32_t material_index(const NestedObject& bsdf) {
+        const auto [it, is_new] =
+            material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
+        if (is_new) materials_.push_back(parse_bsdf(bsdf, texture_files_));
         return it->second;
     }
 
@@ -117,6 +118,7 @@ private:
     ContentHash& hash_;
     std::vector<Pending> pending_;
     std::vector<PendingPoint> points_;
+    TextureFiles texture_files_{files_, hash_, ids_};
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];

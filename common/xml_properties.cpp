@@ -67,7 +67,7 @@ void Properties::add_child(const XmlElement& child) {
         throw InputError(where, fmt::format("'{}' is given twice, first at line {}", name, first->where.line));
 }
 
-const std::string& Properties::plugin(std::initializer_list<std::string_view> supported) const {
+const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {
     const XmlAttribute& type = element_.required("type");
     if (std::find(supported.begin(), supported.end(), type.value) == supported.end())
         throw InputError(type.where, fmt::format("the {} '{}' is not supported; supported are: {}", element_.tag,

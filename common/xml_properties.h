@@ -27,7 +27,7 @@ public:
 
     const XmlElement& element() const { return element_; }
     /// The plugin's name. Throws InputError if there is none, or none of the supported ones.
-    const std::string& plugin(std::initializer_list<std::string_view> supported) const;
+    const std::string& plugin(const std::vector<std::string_view>& supported) const;
     const XmlIds& ids() const { return ids_; }
     bool has(const std::string& name) const { return find(name) != nullptr; }
     /// Where a value stands: its attribute, or the plugin's element if the property is not given.
