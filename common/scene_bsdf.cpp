@@ -83,7 +83,8 @@ void read_conductor_index(ModelReader<Model>& model) {
     const auto set_k = [](Model& m, const Color& c) { m.index->k = c; };
     if (has_index || material == "none") {
         if (!has_index) return;
-        if (material != "none") throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
+        if (material != "none")
+            throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
         model.color("eta", 0.f, ColorRange::non_negative, set_eta);
         model.color("k", 1.f, ColorRange::non_negative, set_k);
         return;
@@ -188,10 +189,11 @@ std::vector<NestedObject> nested_bsdfs(Properties& properties, std::size_t lowes
     auto nested = properties.objects("bsdf");
     if (nested.size() >= lowest && nested.size() <= highest) return nested;
     const char* names[] = {"no", "one", "two"};
-    throw InputError(properties.element().where,
-                     fmt::format("{} takes {} bsdf{}, found {}", properties.element().required("type").value,
-                                 lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
-                                 highest == 1 ? "" : "s", nested.size()));
+    throw InputError(
+        properties.element().where,
+        fmt::format("{} takes {} bsdf{}, found {}", properties.element().required("type").value,
+                    lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
+                    highest == 1 ? "" : "s", nested.size()));
 }
 
 Material parse_twosided(Properties& properties, TextureFiles& files) {
@@ -224,7 +226,8 @@ Material parse_bumpmap(Properties& properties, TextureFiles& files) {
     if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
     const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
     const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
-    if (!texture.has_gradient()) throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
+    if (!texture.has_gradient())
+        throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
     return Material(BumpMap{texture, scale, nested});
 }
 
@@ -267,7 +270,8 @@ Material parse_bsdf(const NestedObject& object, TextureFiles& files) {
     for (const BsdfPlugin& plugin : plugins)
         names.push_back(plugin.name);
     const std::string& type = properties.plugin(names);
-    const auto plugin = std::find_if(std::begin(plugins), std::end(plugins), [&](const auto& p) { return p.name == type; });
+    const auto plugin =
+        std::find_if(std::begin(plugins), std::end(plugins), [&](const auto& p) { return p.name == type; });
     try {
         Material material = plugin->parse(properties, files);
         properties.finish();
