@@ -54,12 +54,16 @@ struct FaultDescription {
 /// In the order of Fault.
 const std::vector<FaultDescription>& fault_descriptions();
 
-#if GIB_FAULTS
-/// Whether this mistake is to be made. An unknown name in GIB_FAULT throws std::runtime_error.
-bool injected(Fault fault);
-#else
-constexpr bool injected(Fault) { return false; }
-#endif
+inline constexpr bool faults_built = GIB_FAULTS;
+
+/// Whether GIB_FAULT names this mistake. Throws std::runtime_error if it names none.
+bool is_chosen(Fault fault);
+
+/// Whether this mistake is to be made.
+inline bool injected(Fault fault) {
+    if constexpr (faults_built) return is_chosen(fault);
+    else return false;
+}
 
 /// The factor of a lobe that loses 1 % of its energy under the fault.
 inline float with_loss(Fault fault) { return injected(fault) ? 0.99f : 1.f; }
