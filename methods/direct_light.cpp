@@ -15,7 +15,7 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
     if (is_black(f.of(which))) return {};
     const float visibility = rays.visibility(hit, *light);
     if (visibility == 0.f) return {};
-    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
+    const bool combine = !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight =
         combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light->Le * (std::abs(wi_local.z()) * weight * visibility / light->pdf_w);

@@ -82,7 +82,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
             }
             const float survival = survival_probability(beta, eta_scale);
             if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
-            beta /= survival;
+            if (!injected(Fault::roulette_rescaling)) beta /= survival;
         }
         previous = hit->p;
         ray = hit->spawn_ray(hit->shading.to_world(next->wi));
