@@ -1,5 +1,7 @@
 #include "common/scene_bsdf.h"
 
+#include "common/conductor_index.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
@@ -46,16 +48,23 @@ Dielectric parse_dielectric(Properties& properties) {
             properties.color("specular_transmittance", 1, ColorRange::unit)};
 }
 
-Conductor parse_conductor(Properties& properties) {
-    if (properties.string("material").value_or("none") != "none")
-        throw InputError(properties.where("material"), "conductor materials by name are not supported yet: only none");
-    Conductor conductor;
+/// Empty: a perfect mirror. Throws InputError for a material that is not known, or one beside eta and k.
+std::optional<Conductor::Index> parse_conductor_index(Properties& properties) {
+    const std::string material = properties.string("material").value_or("none");
     const bool has_index = properties.has("eta") || properties.has("k");
     const Conductor::Index index{properties.color("eta", 0, ColorRange::non_negative),
                                  properties.color("k", 1, ColorRange::non_negative)};
-    if (has_index) conductor.index = index;
-    conductor.specular_reflectance = properties.color("specular_reflectance", 1, ColorRange::unit);
-    return conductor;
+    if (material == "none") return has_index ? std::optional(index) : std::nullopt;
+    if (has_index) throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
+    const auto known = conductor_index(material);
+    if (!known)
+        throw InputError(properties.where("material"), fmt::format("there is no material '{}'; known are: none, {}",
+                                                                   material, fmt::join(conductor_names(), ", ")));
+    return Conductor::Index{known->eta, known->k};
+}
+
+Conductor parse_conductor(Properties& properties) {
+    return {parse_conductor_index(properties), properties.color("specular_reflectance", 1, ColorRange::unit)};
 }
 
 Scattering parse_scattering(const XmlElement& element, const XmlIds& ids) {
