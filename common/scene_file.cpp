@@ -3,6 +3,7 @@
 #include "common/scene_bsdf.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
+#include "common/scene_spectrum.h"
 
 #include <fmt/format.h>
 #include <climits>
@@ -43,7 +44,7 @@ public:
         const Mat4d to_world = properties.transform("to_world");
         if (position && properties.has("to_world"))
             throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
-        const Color intensity = properties.color("intensity", 1, ColorRange::non_negative);
+        const Color intensity = properties.color("intensity", 1, ColorRange::emission);
         properties.finish();
         points_.push_back({position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), intensity, emitter.where});
     }
@@ -90,7 +91,7 @@ private:
     Color parse_area_light(const NestedObject& emitter) {
         Properties properties(*emitter.element, ids_);
         properties.plugin({"area"});
-        const Color radiance = properties.color("radiance", 1, ColorRange::non_negative);
+        const Color radiance = properties.color("radiance", 1, ColorRange::emission);
         properties.finish();
         return radiance;
     }
@@ -135,11 +136,15 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     SceneBuilder builder(expanded, hash);
     Properties scene(expanded.root, builder.ids());
     const auto integrator = scene.object("integrator"), sensor = scene.object("sensor");
-    const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter");
+    const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
+               spectra = scene.objects("spectrum");
     scene.finish();
     if (!sensor) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
     ParsedSensor parsed = parse_sensor(*sensor, builder.ids(), options.resolution);
+    // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
+    for (const auto& spectrum : spectra)
+        parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
     for (const auto& bsdf : bsdfs)
         builder.add_bsdf(bsdf);
     for (const auto& shape : shapes)

@@ -2,6 +2,7 @@
 // Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they have
 // samples, but neither f nor density.
 
+#include "common/conductor_index.h"
 #include "common/fault.h"
 #include "common/fresnel.h"
 #include "common/scattering.h"
@@ -67,11 +68,6 @@ struct ThinDielectric {
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
     /// Of the whole sheet.
     float reflectance(float cos_theta) const;
-};
-
-/// The index eta + i k of a conductor relative to the medium outside, per channel.
-struct ConductorIndex {
-    Color eta, k;
 };
 
 /// A smooth conductor, one-sided. Without an index ("none") a perfect mirror.

@@ -86,7 +86,6 @@ Colord albedo(const Material& material, const Vec3& wo) {
         const float pdf = (2.f / 3.f) / (4.f * pi) + (in_cone ? (1.f / 3.f) / (2.f * pi * narrow) : 0.f);
         scattered += (at.f_local(wo, wi).sum() * std::abs(wi.z()) / pdf).cast<double>() / n;
         const auto s = at.sample_local(wo, u.get_2d(3), u.get_2d(4), Transport::radiance);
-        // The eye sees 1 through every refraction too: the box is the same on both sides, and its radiance is not scaled.
         if (s && s->delta) scattered += (s->f * (std::abs(s->wi.z()) / s->pdf_w)).cast<double>() / n;
     }
     const double through = static_cast<double>(at.pass_through());

@@ -119,15 +119,11 @@ TEST(SceneErrors, Colours) {
          {diffuse("<rgb name=\"reflectance\" value=\"0.1 0.2\"/>"), "4:25", "takes one or three numbers, found 2"},
          {diffuse("<rgb name=\"reflectance\" value=\"#ff0000\"/>"), "4:25", "bad number '#ff0000'"},
          {diffuse("<texture name=\"reflectance\" type=\"bitmap\"/>"), "4:1", "'reflectance' cannot be a <texture> yet"},
-         {diffuse("<spectrum name=\"reflectance\" value=\"400:0.1 700:0.2\"/>"), "4:30",
-          "spectra are not supported yet"},
          {"<shape type=\"sphere\"><emitter type=\"area\">\n<rgb name=\"radiance\" value=\"1 -1 1\"/></emitter></shape>",
           "3:22", "'radiance' must not be negative"},
          {ball + "\n<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"butter\"/></bsdf>", "3:48",
           "there is no material 'butter'"},
          {ball + "\n<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"0\"/></bsdf>", "3:47", "must be above 0"},
-         {ball + "\n<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>", "3:48",
-          "not supported yet: only none"},
          {ball + "\n<bsdf type=\"twosided\"/>", "3:1", "one or two bsdfs, found 0"},
          {ball + "\n<bsdf type=\"twosided\"><bsdf type=\"dielectric\"/></bsdf>", "3:23", "must not transmit light"}});
 }
