@@ -12,10 +12,17 @@ constexpr double largest_coordinate = 1.8e18;
 bool mirrors(const Mat4d& to_world) { return to_world.topLeftCorner<3, 3>().determinant() < 0; }
 
 /// Mitsuba's rectangle, disk and vertex normals follow the inverse transpose of to_world, triangles their vertices:
-/// under a mirroring transform those that have a normal of their own keep it.
+/// under a mirroring transform those that have a normal of their own keep it. For a mesh whose uv are given.
 void swap_winding(MeshData& mesh) {
     for (auto& triangle : mesh.triangles)
         std::swap(triangle[1], triangle[2]);
+}
+
+/// The same for a mesh with normals: the order of the vertices stays, because barycentric uv depend on it.
+void keep_front_of_normals(ParsedMesh& mesh) {
+    for (auto& n : mesh.data.normals)
+        n = -n;
+    mesh.flip_normals = !mesh.flip_normals;
 }
 
 /// [-1, 1]^2 in the plane z = 0, front towards +z.
@@ -65,7 +72,7 @@ ParsedSphere parse_sphere(Properties& properties, const Mat4d& to_world) {
         throw InputError(properties.where("to_world"), "the to_world of a sphere must scale uniformly and not shear");
     // Mitsuba reads a mirroring transform as a negative radius, which turns the normals.
     return {linear * center + to_world.topRightCorner<3, 1>(), scale * radius,
-            properties.boolean("flip_normals", false) != mirrors(to_world)};
+            properties.boolean("flip_normals", false) != mirrors(to_world), linear / scale};
 }
 
 /// The unit disk in the plane z = 0, front towards +z.
@@ -96,7 +103,7 @@ ParsedMesh parse_mesh_file(const std::string& type, Properties& properties, cons
         for (auto& uv : mesh.data.uvs)
             uv.y() = 1.f - uv.y();
     if (face_normals) mesh.data.normals.clear();
-    if (!mesh.data.normals.empty() && mirrors(to_world)) swap_winding(mesh.data);
+    if (!mesh.data.normals.empty() && mirrors(to_world)) keep_front_of_normals(mesh);
     transform_mesh(mesh.data, to_world);
     if (!face_normals) compute_normals(mesh.data);
     return mesh;
@@ -127,7 +134,7 @@ Sphere recentred(const ParsedSphere& sphere, const Vec3d& origin, const SourceLo
     check_range((sphere.center - origin).cwiseAbs() + Vec3d::Constant(sphere.radius), where);
     const auto radius = static_cast<float>(sphere.radius);
     if (!(radius > 0)) throw InputError(where, "the sphere's radius is too small");
-    return {(sphere.center - origin).cast<float>(), radius, sphere.flip_normals};
+    return {(sphere.center - origin).cast<float>(), radius, sphere.flip_normals, sphere.axes.cast<float>()};
 }
 
 Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation& where) {

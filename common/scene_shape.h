@@ -15,6 +15,7 @@ struct ParsedSphere {
     Vec3d center;
     double radius;
     bool flip_normals;
+    Eigen::Matrix3d axes;  ///< columns: where its x, y and z point, unit
 };
 struct ParsedDisk {
     Vec3d center, du, dv, normal;

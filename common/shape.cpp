@@ -70,11 +70,16 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     return s;
 }
 
-/// Latitude and longitude as Mitsuba's sphere has them, up to the rotation that its to_world may hold.
-Vec2 sphere_uv(const Vec3& direction) {
-    const float phi = std::atan2(direction.y(), direction.x());
-    const float theta = std::acos(std::clamp(direction.z(), -1.f, 1.f));
-    return {(phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi), theta / pi};
+/// The angle of (x, y) in full turns, from 0 to 1.
+float turns(float x, float y) {
+    const float phi = std::atan2(y, x);
+    return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
+}
+
+/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits near a pole.
+Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
+    const Vec3 d = sphere.axes.transpose() * direction;
+    return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
 }
 
 SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
@@ -150,14 +155,13 @@ SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u,
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         const Vec3 direction = (p_ray - sphere->center).normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
-        return {s, s.ng, sphere_uv(direction)};
+        return {s, s.ng, sphere_uv(*sphere, direction)};
     }
     const auto& disk = std::get<Disk>(shape);
     const Vec3 d = p_ray - disk.center;
     const float a = d.dot(disk.du) / disk.du.squaredNorm(), b = d.dot(disk.dv) / disk.dv.squaredNorm();
-    const float phi = std::atan2(b, a);
     const SurfacePoint s = point_on_disk(disk, a, b);
-    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi))};
+    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), turns(a, b))};
 }
 
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
