@@ -138,19 +138,26 @@ TEST(SurfaceParametrisation, DisksHaveRadiusAndAngle) {
     expect_uv(s, Vec3(0, 0, 0), Vec2(0, 0));
 }
 
+/// Unit tangents, at right angles to each other and to the normal.
+void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
+    const Vec3 u = d.dp_du.normalized(), v = d.dp_dv.normalized();
+    EXPECT_NEAR(u.norm(), 1, 1e-5);
+    EXPECT_NEAR(v.norm(), 1, 1e-5);
+    EXPECT_NEAR(u.dot(v), 0, 1e-5);
+    EXPECT_NEAR(u.dot(at.ng), 0, 1e-5);
+    EXPECT_NEAR(v.dot(at.ng), 0, 1e-5);
+}
+
 TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
-    const Shape sphere = shape_of(shape("sphere", turned)), disk = shape_of(shape("disk", turned));
-    const Vec3 pole = std::get<Sphere>(sphere).axes.col(2);
-    const SurfaceGeometry north = surface_at(sphere, 0, 0, 0, std::get<Sphere>(sphere).center + pole);
-    const SurfaceGeometry center = surface_at(disk, 0, 0, 0, std::get<Disk>(disk).center);
-    for (const auto& [at, d] :
-         {std::pair(north, derivatives_at(sphere, 0, north)), std::pair(center, derivatives_at(disk, 0, center))}) {
-        const Vec3 u = d.dp_du.normalized(), v = d.dp_dv.normalized();
-        EXPECT_NEAR(u.norm(), 1, 1e-5);
-        EXPECT_NEAR(v.norm(), 1, 1e-5);
-        EXPECT_NEAR(u.dot(v), 0, 1e-5);
-        EXPECT_NEAR(u.dot(at.ng), 0, 1e-5);
-        EXPECT_NEAR(v.dot(at.ng), 0, 1e-5);
+    for (const std::string& placed : {std::string(), turned}) {
+        const Shape sphere = shape_of(shape("sphere", placed)), disk = shape_of(shape("disk", placed));
+        const auto& s = std::get<Sphere>(sphere);
+        for (const float side : {1.f, -1.f}) {
+            const SurfaceGeometry pole = surface_at(sphere, 0, 0, 0, s.center + side * s.axes.col(2));
+            expect_basis(pole, derivatives_at(sphere, 0, pole));
+        }
+        const SurfaceGeometry center = surface_at(disk, 0, 0, 0, std::get<Disk>(disk).center);
+        expect_basis(center, derivatives_at(disk, 0, center));
     }
 }
 
