@@ -86,6 +86,31 @@ ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
             properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
 }
 
+/// From p0 to p1, front outside. A mirroring transform does not turn it inside out (Mitsuba takes the normal of the mirrored
+/// parametrisation and flips it).
+ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
+    const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
+                p1 = properties.point("p1").value_or(Vec3d::UnitZ());
+    const double radius = properties.positive("radius", 1);
+    const Vec3d along = (p1 - p0).stableNormalized();
+    if (!(along.norm() > 0.5))
+        throw InputError(properties.where(properties.has("p1") ? "p1" : "p0"), "'p0' and 'p1' are the same point");
+    // Where u is 0 is Mitsuba's choice; the rest of float's rounding is taken off.
+    const Vec3d s0 = Frame(along.cast<float>()).s.cast<double>();
+    const Vec3d s = (s0 - s0.dot(along) * along).normalized(), t = along.cross(s);
+    const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+    Eigen::Matrix3d axes;
+    axes << linear * s, linear * t, linear * along;
+    const double scale = axes.col(0).stableNorm();
+    const Vec3d lengths(scale, scale, axes.col(2).stableNorm());
+    const Eigen::Matrix3d unit = axes * lengths.cwiseInverse().asDiagonal();
+    if (!(unit.transpose() * unit).isIdentity(1e-5))
+        throw InputError(properties.where("to_world"),
+                         "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
+    return {linear * p0 + to_world.topRightCorner<3, 1>(), linear * (p1 - p0), unit.col(0), unit.col(1), scale * radius,
+            properties.boolean("flip_normals", false)};
+}
+
 ParsedMesh parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
                            const FileFinder& files, ContentHash& hash) {
     const bool is_obj = type == "obj";
@@ -146,15 +171,24 @@ Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation
     return result;
 }
 
+Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLocation& where) {
+    check_range((c.base - origin).cwiseAbs() + c.axis.cwiseAbs() + Vec3d::Constant(c.radius), where);
+    const Cylinder result{(c.base - origin).cast<float>(), c.axis.cast<float>(), c.s.cast<float>(), c.t.cast<float>(),
+                          static_cast<float>(c.radius),    c.flip_normals};
+    if (!(result.radius > 0) || !(result.axis.squaredNorm() > 0)) throw InputError(where, "the cylinder is too small");
+    return result;
+}
+
 }  // namespace
 
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash) {
-    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "obj", "ply"});
+    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);
     if (type == "sphere") return parse_sphere(properties, to_world);
     if (type == "disk") return parse_disk(properties, to_world);
+    if (type == "cylinder") return parse_cylinder(properties, to_world);
     return parse_mesh_file(type, properties, to_world, files, hash);
 }
 
@@ -167,11 +201,17 @@ BoundsD bounds_of(const ParsedShape& shape) {
     } else if (const auto* sphere = std::get_if<ParsedSphere>(&shape)) {
         bounds.extend(Vec3d(sphere->center.array() - sphere->radius));
         bounds.extend(Vec3d(sphere->center.array() + sphere->radius));
+    } else if (const auto* disk = std::get_if<ParsedDisk>(&shape)) {
+        const Vec3d extent = (disk->du.cwiseAbs2() + disk->dv.cwiseAbs2()).cwiseSqrt();
+        bounds.extend(disk->center - extent);
+        bounds.extend(disk->center + extent);
     } else {
-        const auto& disk = std::get<ParsedDisk>(shape);
-        const Vec3d extent = (disk.du.cwiseAbs2() + disk.dv.cwiseAbs2()).cwiseSqrt();
-        bounds.extend(disk.center - extent);
-        bounds.extend(disk.center + extent);
+        const auto& cylinder = std::get<ParsedCylinder>(shape);
+        const Vec3d extent = cylinder.radius * (cylinder.s.cwiseAbs2() + cylinder.t.cwiseAbs2()).cwiseSqrt();
+        for (const Vec3d& end : {cylinder.base, Vec3d(cylinder.base + cylinder.axis)}) {
+            bounds.extend(end - extent);
+            bounds.extend(end + extent);
+        }
     }
     return bounds;
 }

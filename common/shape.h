@@ -50,7 +50,15 @@ struct Disk {
     Vec3 normal;
 };
 
-using Shape = std::variant<Mesh, Sphere, Disk>;
+/// The side of a cylinder, without its ends: base + v axis + radius (cos(phi) s + sin(phi) t) with v in [0, 1].
+struct Cylinder {
+    Vec3 base, axis;
+    Vec3 s, t;  ///< unit, at right angles to each other and to the axis
+    float radius;
+    bool flip_normals = false;
+};
+
+using Shape = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 Bounds bounds_of(const Shape& shape);
 /// [scene units^2]
@@ -71,10 +79,11 @@ SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u,
 /// point does not move with the angle, that derivative keeps its direction and is tiny instead of zero.
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
 
-/// The smallest t in (t_min, t_max) at which the ray meets a sphere or a disk. In double: a quadratic's difference of
+/// The smallest t in (t_min, t_max) at which the ray meets a shape that is no mesh. In double: a quadratic's difference of
 /// nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
 std::optional<float> intersect(const Disk& disk, const Ray& ray);
+std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray);
 
 /// Uniform points on a shape, prepared once.
 class AreaSampler {

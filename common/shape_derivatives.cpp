@@ -57,6 +57,13 @@ SurfaceDerivatives derivatives_of(const Disk& disk, std::uint32_t, const Surface
     return {c * disk.du + s * disk.dv, 2.f * pi * std::max(at.uv.x(), least_radius) * (c * disk.dv - s * disk.du)};
 }
 
+/// u is the angle in turns.
+SurfaceDerivatives derivatives_of(const Cylinder& cylinder, std::uint32_t, const SurfaceGeometry& at) {
+    const Vec3 normal = cylinder.flip_normals ? Vec3(-at.ng) : at.ng;
+    const Vec3 around = normal.dot(cylinder.s) * cylinder.t - normal.dot(cylinder.t) * cylinder.s;
+    return {2.f * pi * cylinder.radius * around, cylinder.axis};
+}
+
 }  // namespace
 
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at) {

@@ -92,7 +92,7 @@ TEST(SurfaceParametrisation, DerivativesAreThoseOfThePoint) {
     const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
     std::uint64_t seed = 1;
     for (const std::string& placed : {std::string(), turned, mirrored, turned + flipped}) {
-        for (const std::string type : {"sphere", "disk", "rectangle", "cube"})
+        for (const std::string type : {"sphere", "disk", "cylinder", "rectangle", "cube"})
             EXPECT_LT(worst_difference(shape_of(shape(type, placed)), seed++), 0.01) << type << placed;
         EXPECT_LT(worst_difference(shape_of(shape("obj", file + placed)), seed++), 0.01) << placed;
     }
@@ -146,6 +146,19 @@ void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
     EXPECT_NEAR(u.dot(v), 0, 1e-5);
     EXPECT_NEAR(u.dot(at.ng), 0, 1e-5);
     EXPECT_NEAR(v.dot(at.ng), 0, 1e-5);
+}
+
+TEST(SurfaceParametrisation, CylindersHaveTheAngleAndTheHeight) {
+    const Shape s = shape_of(shape("cylinder",
+                                   "<point name=\"p0\" x=\"0\" y=\"0\" z=\"-2\"/><point name=\"p1\" x=\"0\" y=\"0\" "
+                                   "z=\"2\"/><float name=\"radius\" value=\"3\"/>" +
+                                       flipped));
+    expect_uv(s, Vec3(3, 0, -2), Vec2(0, 0));
+    expect_uv(s, Vec3(0, 3, 1), Vec2(0.25f, 0.75f));
+    expect_uv(s, Vec3(0, -3, 2), Vec2(0.75f, 1));
+    const Shape mirror =
+        shape_of(shape("cylinder", "<transform name=\"to_world\"><scale x=\"1\" y=\"-1\" z=\"4\"/></transform>"));
+    expect_uv(mirror, Vec3(0, 1, 1), Vec2(0.75f, 0.75f));
 }
 
 TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
