@@ -113,17 +113,24 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
 
 ParsedMesh parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
                            const FileFinder& files, ContentHash& hash) {
-    const bool is_obj = type == "obj";
+    const bool is_obj = type == "obj", is_serialized = type == "serialized";
     const auto name = properties.string("filename");
     if (!name) throw InputError(properties.element().where, fmt::format("'{}' needs a 'filename'", type));
-    const bool face_normals = properties.boolean("face_normals", false);
-    const bool flip_v = properties.boolean("flip_tex_coords", is_obj);
+    bool face_normals = properties.boolean("face_normals", false);
+    const bool flip_v = !is_serialized && properties.boolean("flip_tex_coords", is_obj);
+    const int index = is_serialized ? properties.integer("shape_index", 0).value_or(0) : 0;
     ParsedMesh mesh;
     mesh.flip_normals = properties.boolean("flip_normals", false);
     const std::string path = files.find(*name, properties.element_where("filename"));
     const std::string content = read_file(path);
     hash.add(content);
-    mesh.data = is_obj ? parse_obj(content, path) : parse_ply(content, path);
+    if (is_serialized) {
+        SerializedMesh serialized = parse_serialized(content, path, index);
+        mesh.data = std::move(serialized.data);
+        face_normals |= serialized.face_normals;
+    } else {
+        mesh.data = is_obj ? parse_obj(content, path) : parse_ply(content, path);
+    }
     if (flip_v)
         for (auto& uv : mesh.data.uvs)
             uv.y() = 1.f - uv.y();
@@ -182,7 +189,8 @@ Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLoc
 }  // namespace
 
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash) {
-    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply"});
+    const std::string& type =
+        properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);

@@ -29,7 +29,7 @@ using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk, ParsedCyl
 
 using BoundsD = Eigen::AlignedBox3d;
 
-/// rectangle, cube, sphere, disk, cylinder, obj or ply with its own parameters; those that every shape takes are the caller's.
+/// rectangle, cube, sphere, disk, cylinder, obj, ply or serialized with its own parameters; those that every shape takes are the caller's.
 /// The bytes of mesh files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash);
 
