@@ -27,7 +27,8 @@ struct AnalyticShape {
 
 std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return intersect(*sphere, ray);
-    return intersect(std::get<Disk>(shape), ray);
+    if (const auto* disk = std::get_if<Disk>(&shape)) return intersect(*disk, ray);
+    return intersect(std::get<Cylinder>(shape), ray);
 }
 
 Ray ray_of(const RTCRay& r) {

@@ -68,7 +68,7 @@ TEST(SceneErrors, Parameters) {
 
 TEST(SceneErrors, Plugins) {
     expect_errors({{"<shape type=\"teapot\"/>", "2:8",
-                    "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, obj, ply"},
+                    "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, cylinder"},
                    {"<shape/>", "2:1", "needs the attribute 'type'"},
                    {ball + "<bsdf id=\"a\" type=\"phong\"/>", "2:36",
                     "the bsdf 'phong' is not supported; supported are: diffuse"},
@@ -108,6 +108,19 @@ TEST(SceneErrors, Properties) {
          {sphere("<bsdf type=\"diffuse\"/><bsdf type=\"diffuse\"/>"), "3:23", "only one <bsdf>"}});
 }
 
+TEST(SceneErrors, Cylinders) {
+    const auto cylinder = [](const std::string& body) { return "<shape type=\"cylinder\">\n" + body + "</shape>"; };
+    expect_errors(
+        {{cylinder("<point name=\"p1\" value=\"0\"/>"), "3:18", "'p0' and 'p1' are the same point"},
+         {cylinder("<point name=\"p0\" value=\"0 0 1\"/>"), "3:18", "'p0' and 'p1' are the same point"},
+         {cylinder("<point name=\"p0\" value=\"0 1\"/>"), "3:18", "one or three numbers"},
+         {cylinder("<float name=\"radius\" value=\"0\"/>"), "3:22", "'radius' must be above 0"},
+         {cylinder("<float name=\"radius\" value=\"1e30\"/>"), "2:1", "coordinates above"},
+         {cylinder("<float name=\"length\" value=\"1\"/>"), "3:1",
+          "does not take a parameter 'length'; it takes: <bsdf>, <emitter>, silhouette_sampling_weight, to_world, p0, "
+          "p1, radius, flip_normals"}});
+}
+
 TEST(SceneErrors, Colours) {
     const auto diffuse = [](const std::string& property) {
         return ball + "\n<bsdf type=\"diffuse\">\n" + property + "</bsdf>";
@@ -143,7 +156,9 @@ TEST(SceneErrors, Transforms) {
                    {move("<lookat origin=\"0 0 0\" target=\"0 0 1\" up=\"0 0 2\"/>"), "4:1", "parallel"},
                    {move("<float name=\"x\" value=\"1\"/>"), "4:1", "<transform> cannot hold <float>"},
                    {move("<scale x=\"2\"/>"), "3:1", "must scale uniformly"},
-                   {move("<matrix value=\"1 1 0  0 1 0  0 0 1\"/>", "disk"), "3:1", "must not shear"}});
+                   {move("<matrix value=\"1 1 0  0 1 0  0 0 1\"/>", "disk"), "3:1", "must not shear"},
+                   {move("<scale x=\"2\"/>", "cylinder"), "3:1", "must scale alike in all directions across its axis"},
+                   {move("<matrix value=\"1 0 1  0 1 0  0 0 1\"/>", "cylinder"), "3:1", "not shear"}});
 }
 
 TEST(SceneErrors, References) {
