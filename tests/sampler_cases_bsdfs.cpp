@@ -12,8 +12,8 @@ namespace {
 
 Bsdf bsdf_of(const std::string& xml) {
     const LoadedScene scene = load("<shape type='rectangle'>" + xml + "</shape>");
-    const MaterialPoint point{{0.25f, 0.25f}, Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(),
-                              frame_along(Vec3::UnitZ(), Vec3::UnitX())};
+    const MaterialPoint point{
+        {0.25f, 0.25f}, Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), frame_along(Vec3::UnitZ(), Vec3::UnitX())};
     return scene.scene->material_of_shape(0).at(point);
 }
 
