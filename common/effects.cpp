@@ -11,6 +11,7 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::refraction, "refraction", "light that passes a dielectric boundary and is bent"},
         {Effect::caustics, "caustics", "light that specular surfaces concentrate on diffuse ones"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
+        {Effect::environment_light, "environment_light", "light from all around, infinitely far away"},
     };
     return descriptions;
 }
@@ -43,6 +44,7 @@ Effects effects_of(const Scene& scene) {
         if (has_smooth_normals(scene.shapes()[i])) effects.add(Effect::smooth_normals);
     }
     if (specular) effects.add(Effect::specular_reflection);
+    if (scene.environment()) effects.add(Effect::environment_light);
     if (!scene.has_light()) return effects;
     if (diffuse) {
         effects.add(Effect::direct_light);

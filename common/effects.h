@@ -9,7 +9,15 @@
 
 namespace gib {
 
-enum class Effect { direct_light, diffuse_interreflection, specular_reflection, refraction, caustics, smooth_normals };
+enum class Effect {
+    direct_light,
+    diffuse_interreflection,
+    specular_reflection,
+    refraction,
+    caustics,
+    smooth_normals,
+    environment_light
+};
 
 struct EffectDescription {
     Effect effect;
