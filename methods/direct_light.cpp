@@ -12,10 +12,11 @@ Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& w
     if (!light) return Color::Zero();
     const Vec3 wi_local = hit.shading.to_local(light->wi);
     const Color f = hit.bsdf->f_local(wo_local, wi_local);
-    if (is_black(f) || !rays.visible(hit, *light)) return Color::Zero();
+    const Color f_Le = f * light->Le;
+    if (is_black(f_Le) || !rays.visible(hit, *light)) return Color::Zero();
     const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight = combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local)) : 1.f;
-    return f * light->Le * (std::abs(wi_local.z()) * weight / light->pdf_w);
+    return f_Le * (std::abs(wi_local.z()) * weight / light->pdf_w);
 }
 
 }  // namespace gib

@@ -3,8 +3,8 @@
 // Computes: every component of a scene without media, by random walks from the eye. Light is found in two ways, by sampling
 // a point of a light and by following the bsdf's samples, combined by the power heuristic (Veach 1997, section 9.2).
 // Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
-// Bias: none, for paths that it can sample. It cannot sample a point light seen through specular surfaces, and finds small
-// lights behind them rarely (heavy tails).
+// Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
+// surfaces, and finds small lights behind them rarely (heavy tails).
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
@@ -28,6 +28,12 @@ constexpr int first_roulette_vertex = 3;
 /// scaling of refractions, which is undone on the way out.
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
+/// Radiance from beyond the scene, found by the bsdf's sample, with its weight against light sampling from `previous`.
+Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w) {
+    const float weight = std::isfinite(pdf_w) ? power_heuristic(pdf_w, scene.environment_pdf_w(previous, w)) : 1.f;
+    return weight * scene.environment_radiance(w);
+}
+
 /// The weight of radiance that the bsdf's sample found on a light, against light sampling from `previous`.
 float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
     if (!std::isfinite(pdf_w)) return 1.f;
@@ -45,7 +51,11 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
     PathClass path;
     for (int vertex = 0; vertex < limits.max_edges; ++vertex) {
         const auto hit = rays.intersect(ray);
-        if (!hit) break;
+        if (!hit) {
+            if (rays.scene().environment())
+                sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, ray.d);
+            break;
+        }
         const Vec3 wo = -ray.d;
 
         const Color Le = hit->Le(wo);
@@ -88,10 +98,7 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
 
 namespace {
 
-bool has_point_light(const Scene& scene) {
-    return std::any_of(scene.lights().begin(), scene.lights().end(),
-                       [](const Light& light) { return std::holds_alternative<PointLight>(light); });
-}
+bool has_delta_light(const Scene& scene) { return std::any_of(scene.lights().begin(), scene.lights().end(), is_delta); }
 
 struct PathSettings {
     PointSet points;
@@ -153,9 +160,9 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A point light is found by connecting a diffuse vertex to it, never through a specular one: neither where S+ L ends a
+        // A point, spot or directional light is found by connecting a diffuse vertex to it, never through a specular one: neither where S+ L ends a
         // caustic path, nor at the end of a longer one.
-        if (has_point_light(scene) && plan.called_for.has(Effect::caustics))
+        if (has_delta_light(scene) && plan.called_for.has(Effect::caustics))
             plan.unresolved = {Component::caustic, Component::indirect};
         add_eye_paths(plan, scene, settings_.max_edges);
         add_light_sampling(plan, settings_.max_edges);

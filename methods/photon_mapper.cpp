@@ -131,7 +131,10 @@ private:
         float eta_scale = 1.f;  // product of eta^2 that beta was divided by at refractions
         for (int vertex = 0; vertex < settings_.max_edges; ++vertex) {
             const auto hit = rays.intersect(ray);
-            if (!hit) break;
+            if (!hit) {
+                if (scene_.environment()) sample[Component::emission] += beta * scene_.environment_radiance(ray.d);
+                break;
+            }
             const Vec3 wo = -ray.d;
             sample[Component::emission] += beta * hit->Le(wo);
             if (vertex + 1 >= settings_.max_edges) break;
