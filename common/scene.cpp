@@ -37,18 +37,28 @@ Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_
         bounds_.add(bounds_of(object.shape));
         shapes_.push_back(std::move(object.shape));
         std::uint32_t light = no_light;
-        if (object.radiance && !is_black(*object.radiance)) {
+        if (object.radiance && !is_black(object.radiance->maximum())) {
             light = static_cast<std::uint32_t>(lights_.size());
-            lights_.push_back(AreaLight{shape, *object.radiance, AreaSampler(shapes_.back())});
+            lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
         }
         surfaces_.push_back({object.material, light});
         has_holes_ |= materials_[object.material].has_holes();
     }
-    for (const auto& light : parts.point_lights)
-        lights_.push_back(light);
+    const BoundingSphere sphere(bounds_);
+    for (auto& light : parts.lights)
+        add_light(std::move(light), sphere);
 
     light_choice_ = DiscreteDistribution(light_weights(lights_));
     accelerator_ = std::make_unique<Accelerator>(shapes_);
+}
+
+void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
+    if (auto* directional = std::get_if<DirectionalLight>(&light)) directional->scene = sphere;
+    if (auto* constant = std::get_if<ConstantEnvironment>(&light)) constant->scene = sphere;
+    if (auto* mapped = std::get_if<MappedEnvironment>(&light)) mapped->scene = sphere;
+    if (is_environment(light) && power_of(light).maxCoeff() > 0)
+        environment_ = static_cast<std::uint32_t>(lights_.size());
+    lights_.push_back(std::move(light));
 }
 
 std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
@@ -89,6 +99,11 @@ std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, co
 
 float Scene::light_pdf_w(const Vec3& p, const SurfaceHit& hit) const {
     return light_choice_.probability(hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
+}
+
+float Scene::environment_pdf_w(const Vec3&, const Vec3& w) const {
+    if (!environment_) return 0.f;
+    return light_choice_.probability(*environment_) * gib::environment_pdf_w(lights_[*environment_], w);
 }
 
 EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {

@@ -1,11 +1,13 @@
 #include "common/scene_file.h"
 
 #include "common/scene_bsdf.h"
+#include "common/scene_emitter.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
 #include "common/scene_spectrum.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <climits>
 #include <filesystem>
 
@@ -16,7 +18,8 @@ namespace {
 /// Collects the objects of a <scene>.
 class SceneBuilder {
 public:
-    SceneBuilder(const ExpandedXml& xml, ContentHash& hash) : ids_(xml.root), files_(xml.files), hash_(hash) {}
+    SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
+        : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
     void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
 
@@ -28,7 +31,7 @@ public:
         pending.shape = parse_shape(properties, files_, hash_);
         properties.finish();
         if (emitter) {
-            pending.radiance = parse_area_light(*emitter);
+            pending.radiance = parse_area_emitter(*emitter, textures_);
             pending.emitter_where = emitter->where;
         }
         pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
@@ -36,18 +39,7 @@ public:
         pending_.push_back(std::move(pending));
     }
 
-    void add_emitter(const NestedObject& emitter) {
-        Properties properties(*emitter.element, ids_);
-        if (properties.plugin({"point", "area"}) == "area")
-            throw InputError(emitter.where, "an area emitter must stand in a shape");
-        const auto position = properties.point("position");
-        const Mat4d to_world = properties.transform("to_world");
-        if (position && properties.has("to_world"))
-            throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
-        const Color intensity = properties.color("intensity", 1, ColorRange::emission);
-        properties.finish();
-        points_.push_back({position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), intensity, emitter.where});
-    }
+    void add_emitter(const NestedObject& emitter) { emitters_.push_back(emitter); }
 
     /// Moves the scene's centre to the origin: float holds positions near it best.
     SceneParts finish(const XmlElement& root, Sensor sensor) {
@@ -61,12 +53,7 @@ public:
                 throw InputError(p.emitter_where, "an area emitter on a shape without area");
             parts.objects.push_back(std::move(object));
         }
-        for (const auto& point : points_) {
-            const Vec3 position = (point.position - parts.origin).cast<float>();
-            if (!(position.lpNorm<Eigen::Infinity>() <= 1e18f))
-                throw InputError(point.where, "the emitter is too far away");
-            parts.point_lights.push_back({position, point.intensity});
-        }
+        parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
         parts.sensor = std::move(sensor);
         return parts;
@@ -80,27 +67,24 @@ private:
         std::optional<ParsedShape> shape;
         SourceLocation emitter_where;
         std::uint32_t material;
-        std::optional<Color> radiance;
-    };
-    struct PendingPoint {
-        Vec3d position;
-        Color intensity;
-        SourceLocation where;
+        std::optional<Texture> radiance;
     };
 
-    Color parse_area_light(const NestedObject& emitter) {
-        Properties properties(*emitter.element, ids_);
-        properties.plugin({"area"});
-        const Color radiance = properties.color("radiance", 1, ColorRange::emission);
-        properties.finish();
-        return radiance;
+    std::vector<Light> parse_emitters(const Vec3d& origin) {
+        std::vector<Light> lights;
+        for (const auto& emitter : emitters_) {
+            lights.push_back(parse_emitter(emitter, textures_, origin));
+            if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
+                throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
+        }
+        return lights;
     }
 
     /// A bsdf that several shapes refer to is one material.
     std::uint32_t material_index(const NestedObject& bsdf) {
         const auto [it, is_new] =
             material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
-        if (is_new) materials_.push_back(parse_bsdf(bsdf, texture_files_));
+        if (is_new) materials_.push_back(parse_bsdf(bsdf, textures_));
         return it->second;
     }
 
@@ -117,9 +101,9 @@ private:
     XmlIds ids_;
     const FileFinder& files_;
     ContentHash& hash_;
+    TextureFiles textures_;
     std::vector<Pending> pending_;
-    std::vector<PendingPoint> points_;
-    TextureFiles texture_files_{files_, hash_, ids_};
+    std::vector<NestedObject> emitters_;
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];

@@ -12,7 +12,7 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
     if (!light) return {};
     const Vec3 wi_local = hit.shading.to_local(light->wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
-    if (is_black(f.of(which))) return {};
+    if (is_black(f.of(which) * light->Le)) return {};
     const float visibility = rays.visibility(hit, *light);
     if (visibility == 0.f) return {};
     const bool combine =
@@ -35,7 +35,10 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
     Ray ray = hit.spawn_ray(hit.shading.to_world(next->wi));
     while (!is_black(beta)) {
         const auto light = rays.intersect(ray);
-        if (!light) break;
+        if (!light) {
+            found.add(next->lobe, beta * escaped_radiance(rays.scene(), hit.p, next->pdf_w, ray.d));
+            break;
+        }
         const Color Le = light->Le(-ray.d);
         if (!is_black(Le))
             found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), hit.p, next->pdf_w, *light));
@@ -43,6 +46,12 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
         ray = light->spawn_ray(ray.d);
     }
     return found;
+}
+
+Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w) {
+    if (!scene.environment()) return Color::Zero();
+    const float weight = std::isfinite(pdf_w) ? power_heuristic(pdf_w, scene.environment_pdf_w(previous, w)) : 1.f;
+    return weight * scene.environment_radiance(w);
 }
 
 float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {

@@ -124,7 +124,10 @@ private:
         std::uint32_t holes = 0;
         for (int vertex = 0; vertex < settings_.max_edges;) {
             const auto hit = rays.intersect(ray);
-            if (!hit) break;
+            if (!hit) {
+                sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, ray.d);
+                break;
+            }
             const Vec3 wo = -ray.d;
             const Color Le = hit->Le(wo);
             if (!is_black(Le))
