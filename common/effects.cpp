@@ -46,6 +46,11 @@ Effects effects_of(const Scene& scene) {
         if (material.is_bumped()) effects.add(Effect::bump_maps);
         if (has_smooth_normals(scene.shapes()[i])) effects.add(Effect::smooth_normals);
     }
+    for (const Light& light : scene.lights()) {
+        const auto* area = std::get_if<AreaLight>(&light);
+        const auto* spot = std::get_if<SpotLight>(&light);
+        if ((area && area->texture) || (spot && spot->is_textured())) effects.add(Effect::textures);
+    }
     if (lobes.specular()) effects.add(Effect::specular_reflection);
     if (lobes.refraction) effects.add(Effect::refraction);
     if (lobes.rough) effects.add(Effect::glossy_lobes);

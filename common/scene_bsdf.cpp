@@ -179,6 +179,10 @@ Material parse_phong(Properties& properties, TextureFiles& files) {
     model.number("exponent", 30.f, ColorRange::non_negative, [](Phong& m, float n) { m.exponent = n; });
     model.diffuse_reflectance();
     model.reflectance(0.2f);
+    // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
+    if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
+        throw InputError(properties.element().where,
+                         "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
     return std::move(model).material();
 }
 

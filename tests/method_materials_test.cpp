@@ -71,11 +71,8 @@ LoadedScene plate_in_furnace(const std::string& material, double degrees) {
 /// samples, which the laws of bsdf_laws_test.cpp tie to the integral of f.
 Colord albedo(const Material& material, const Vec3& wo) {
     constexpr std::uint32_t n = 1 << 16;
-    const MaterialPoint point{{0.25f, 0.25f},
-                              Vec3::UnitZ(),
-                              Vec3::UnitX(),
-                              Vec3::UnitY(),
-                              frame_along(Vec3::UnitZ(), Vec3::UnitX())};
+    const MaterialPoint point{
+        {0.25f, 0.25f}, Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), frame_along(Vec3::UnitZ(), Vec3::UnitX())};
     const Bsdf at = material.at(point);
     Colord scattered = Colord::Zero();
     for (std::uint32_t i = 0; i < n; ++i) {
