@@ -16,9 +16,10 @@ namespace gib {
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
     const Bsdf* bsdf;
-    const AreaLight* emitter;  ///< null: not a light
-    std::uint32_t light;       ///< index of the emitter among the scene's lights
-    Frame shading;             ///< around ns
+    const AreaLight* emitter;                  ///< null: not a light
+    std::uint32_t light;                       ///< index of the emitter among the scene's lights
+    Frame shading;                             ///< around ns
+    std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
 
     /// [W/(sr m^2)] emitted towards wo.
     Color Le(const Vec3& wo) const { return emitter && ng.dot(wo) > 0.f ? emitter->radiance : Color(Color::Zero()); }
@@ -33,6 +34,8 @@ struct SceneParts {
         std::optional<Color> radiance;  ///< of an area light
     };
     std::vector<Object> objects;
+    std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
+    std::vector<Instance> instances;
     std::vector<Bsdf> bsdfs;
     std::vector<PointLight> point_lights;
     std::optional<Sensor> sensor;  ///< required
@@ -46,7 +49,9 @@ public:
     explicit Scene(SceneParts parts);
 
     const Sensor& sensor() const { return sensor_; }
+    /// Those of groups too, once each.
     const std::vector<Shape>& shapes() const { return shapes_; }
+    const std::vector<Instance>& instances() const { return groups_.instances; }
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Bsdf>& bsdfs() const { return bsdfs_; }
     const Bsdf& bsdf_of_shape(std::size_t shape) const { return bsdfs_[surfaces_[shape].bsdf]; }
@@ -56,6 +61,8 @@ public:
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const;
+    /// At what intersect() returned.
+    SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
     /// Whether any light emits anything.
@@ -76,8 +83,12 @@ private:
         std::uint32_t light;
     };
 
+    void add(SceneParts::Object&& object);
+    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray) const;
+
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_
+    InstancedGroups groups_;
     std::vector<Bsdf> bsdfs_;
     std::vector<Light> lights_;
     DiscreteDistribution light_choice_;
