@@ -92,8 +92,8 @@ std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     if (!i) return std::nullopt;
     const Surface& surface = surfaces_[i->shape];
     const Material& material = materials_[surface.material];
-    SurfaceHit hit{geometry_at(*i, ray), material.constant(), nullptr, surface.light, Frame(), i->shape, i->primitive,
-                   i->instance};
+    SurfaceHit hit{geometry_at(*i, ray), material.constant(), nullptr, surface.light, Frame(), i->shape,
+                   i->primitive,         i->instance};
     if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit.shading = Frame(hit.ns);
     if (!hit.bsdf || material.follows_uv()) resolve_material(material, hit);

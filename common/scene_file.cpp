@@ -21,6 +21,7 @@ public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
         : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
+    void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
     void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
 
     void add_shape(const NestedObject& object) {
@@ -209,7 +210,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     Properties scene(expanded.root, builder.ids());
     const auto integrator = scene.object("integrator"), sensor = scene.object("sensor");
     const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
-               spectra = scene.objects("spectrum");
+               spectra = scene.objects("spectrum"), textures = scene.objects("texture");
     scene.finish();
     if (!sensor) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
@@ -217,6 +218,8 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
     for (const auto& spectrum : spectra)
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
+    for (const auto& texture : textures)
+        builder.check_texture(texture);
     for (const auto& bsdf : bsdfs)
         builder.add_bsdf(bsdf);
     for (const auto& shape : shapes)

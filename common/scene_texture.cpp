@@ -34,7 +34,7 @@ Texture parse_bitmap(Properties& properties, TextureFiles& files) {
     texture.to_uv = parse_to_uv(properties);
     const bool raw = properties.boolean("raw", false);
     // Mitsuba's, for its memory and its graphics processors: texels are 32-bit floats here.
-    properties.choice("format", "auto", {"auto", "variant", "fp16"});
+    properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
     properties.boolean("accel", true);
     texture.bitmap = files.bitmap(*name, properties.element_where("filename"), raw);
     return Texture(std::move(texture));

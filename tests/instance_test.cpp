@@ -326,7 +326,7 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
         parts.groups = {{{loaded.scene->shapes()[0], 0, std::nullopt}}};
         for (const Mat4d& place : places)
             parts.instances.push_back(*make_instance(0, place));
-        parts.bsdfs = loaded.scene->bsdfs();
+        parts.materials = loaded.scene->materials();
         parts.sensor = loaded.scene->sensor();
         const Scene scene(std::move(parts));
         EXPECT_EQ(scene.instances().size(), count);
