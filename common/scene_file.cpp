@@ -208,13 +208,16 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     const ExpandedXml expanded = expand_xml(xml, path, options.parameters, hash);
     SceneBuilder builder(expanded, hash);
     Properties scene(expanded.root, builder.ids());
-    const auto integrator = scene.object("integrator"), sensor = scene.object("sensor");
+    const auto integrator = scene.object("integrator");
+    const auto sensors = scene.objects("sensor");
     const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
                spectra = scene.objects("spectrum"), textures = scene.objects("texture");
+    for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
+        scene.objects(part_of_sensor);  // a sensor may refer to them
     scene.finish();
-    if (!sensor) throw InputError(expanded.root.where, "the scene has no sensor");
+    if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
-    ParsedSensor parsed = parse_sensor(*sensor, builder.ids(), options.resolution);
+    ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
     // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
     for (const auto& spectrum : spectra)
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
