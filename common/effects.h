@@ -18,7 +18,8 @@ enum class Effect {
     glossy_lobes,
     textures,
     bump_maps,
-    smooth_normals
+    smooth_normals,
+    environment_light
 };
 
 struct EffectDescription {

@@ -1,8 +1,21 @@
 #include "common/light.h"
 
+#include "common/sampler.h"
+
 namespace gib {
 
 namespace {
+
+/// The mean of a texture over a surface. Deterministic points: whoever asks for the power of a light gets the same answer.
+Color mean_over_surface(const Texture& texture, const AreaSampler& surface, const Shape& shape) {
+    constexpr std::uint32_t points = 1u << 16;
+    Colord sum = Colord::Zero();
+    for (std::uint32_t i = 0; i < points; ++i)
+        sum += texture.color(surface.sample_geometry(shape, Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).uv)
+                   .cast<double>();
+    // A texture that is dark but for what no point met keeps a chance to be chosen.
+    return sum.maxCoeff() > 0 ? Color((sum / points).cast<float>()) : texture.mean();
+}
 
 /// The directions from p to a sphere that it lies outside of.
 struct SphereCone {
@@ -34,9 +47,16 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     // The near intersection along wi; rays at the rim touch.
     const float sin2 = std::max(1.f - w.z() * w.z(), 0.f);
     const float t = cone.distance * w.z() - safe_sqrt(sqr(sphere.radius) - sqr(cone.distance) * sin2);
-    const SurfacePoint q = surface_at(sphere, 0, 0, 0, p + t * wi);
+    const SurfaceGeometry q = surface_at(sphere, 0, 0, 0, p + t * wi);
     return LightSample{
-        wi, t, light.radiance, 1.f / (2.f * pi * cone.one_minus_cos_max), false, shadow_ray_target(q, p)};
+        wi, t, light.radiance_at(q.uv), 1.f / (2.f * pi * cone.one_minus_cos_max), false, shadow_ray_target(q, p)};
+}
+
+/// Where the shadow ray of a light at infinity may end.
+LightSample distant_sample(const BoundingSphere& scene, const Vec3& p, const Vec3& wi, const Color& Le, float pdf_w,
+                           bool delta) {
+    const float distance = scene.distance_past(p);
+    return {wi, distance, Le, pdf_w, delta, p + distance * wi};
 }
 
 struct LightSampler {
@@ -44,35 +64,145 @@ struct LightSampler {
     const Vec3& p;
     const Vec2& u;
 
-    std::optional<LightSample> operator()(const PointLight& light) const {
-        const Vec3 to_light = light.position - p;
-        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2);
-        if (!(d2 > 0.f)) return std::nullopt;
-        return LightSample{to_light / d, d, light.intensity / d2, 1.f, true, light.position};
-    }
-
     std::optional<LightSample> operator()(const AreaLight& light) const {
         const Shape& shape = shapes[light.shape];
         if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, std::get<Sphere>(shape), *cone, p, u);
-        const SurfacePoint q = light.surface.sample(shape, u);
+        if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
+        const SurfaceGeometry q = light.surface.sample_geometry(shape, u);
+        return seen_from_front(light, q, light.texture->color(q.uv));
+    }
+
+    std::optional<LightSample> operator()(const PointLight& light) const {
+        return from_point(light.position, [&](const Vec3&) { return light.intensity; });
+    }
+
+    std::optional<LightSample> operator()(const SpotLight& light) const {
+        return from_point(light.position(), [&](const Vec3& w) { return light.intensity(w); });
+    }
+
+    std::optional<LightSample> operator()(const DirectionalLight& light) const {
+        return distant_sample(light.scene, p, -light.direction, light.irradiance, 1.f, true);
+    }
+
+    std::optional<LightSample> operator()(const ConstantEnvironment& light) const {
+        return distant_sample(light.scene, p, square_to_sphere(u), light.radiance, uniform_sphere_pdf_w, false);
+    }
+
+    std::optional<LightSample> operator()(const MappedEnvironment& light) const {
+        const EnvironmentMap::Sample sample = light.map->sample(u);
+        return distant_sample(light.scene, p, sample.w, sample.radiance, sample.pdf_w, false);
+    }
+
+private:
+    std::optional<LightSample> seen_from_front(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
         const Vec3 to_light = q.p - p;
         const float d2 = to_light.squaredNorm(), d = std::sqrt(d2);
         const Vec3 wi = to_light / d;
         const float cos_light = -wi.dot(q.ng);
         if (!(cos_light > 0.f)) return std::nullopt;
-        return LightSample{
-            wi, d, light.radiance, d2 / (cos_light * light.surface.area()), false, shadow_ray_target(q, p)};
+        return LightSample{wi, d, Le, d2 / (cos_light * light.surface.area()), false, shadow_ray_target(q, p)};
+    }
+
+    template <typename Intensity>
+    std::optional<LightSample> from_point(const Vec3& position, Intensity intensity) const {
+        const Vec3 to_light = position - p;
+        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2);
+        if (!(d2 > 0.f)) return std::nullopt;
+        const Vec3 wi = to_light / d;
+        const Color I = intensity(-wi);
+        if (is_black(I)) return std::nullopt;
+        return LightSample{wi, d, I / d2, 1.f, true, position};
+    }
+};
+
+struct EmissionSampler {
+    const std::vector<Shape>& shapes;
+    const Vec2& u_position;
+    const Vec2& u_direction;
+
+    EmissionSample operator()(const AreaLight& light) const {
+        const Shape& shape = shapes[light.shape];
+        if (!light.texture) return from_surface(light, light.surface.sample(shape, u_position), light.radiance);
+        const SurfaceGeometry q = light.surface.sample_geometry(shape, u_position);
+        return from_surface(light, q, light.texture->color(q.uv));
+    }
+
+    EmissionSample operator()(const PointLight& light) const {
+        return {Ray{light.position, square_to_sphere(u_direction)}, 4.f * pi * light.intensity, Vec3::Zero()};
+    }
+
+    EmissionSample operator()(const SpotLight& light) const {
+        const SpotLight::Direction sample = light.sample(u_direction);
+        return {Ray{light.position(), sample.w}, sample.power, Vec3::Zero()};
+    }
+
+    EmissionSample operator()(const DirectionalLight& light) const {
+        return from_infinity(light.scene, -light.direction, light.irradiance);
+    }
+
+    EmissionSample operator()(const ConstantEnvironment& light) const {
+        return from_infinity(light.scene, square_to_sphere(u_direction), light.radiance / uniform_sphere_pdf_w);
+    }
+
+    EmissionSample operator()(const MappedEnvironment& light) const {
+        const EnvironmentMap::Sample sample = light.map->sample(u_direction);
+        return from_infinity(light.scene, sample.w, sample.radiance / sample.pdf_w);
+    }
+
+private:
+    /// Uniform on the surface and cosine-weighted: Le cos / (pdf_a pdf_w) = Le A pi.
+    EmissionSample from_surface(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
+        const Vec3 w = Frame(q.ng).to_world(square_to_cosine_hemisphere(u_direction));
+        return {Ray{offset_origin(q, w), w}, pi * light.surface.area() * Le, q.ng};
+    }
+
+    /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.
+    EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Color& irradiance) const {
+        const Vec2 d = scene.radius * square_to_disk(u_position);
+        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w}, scene.area() * irradiance,
+                Vec3::Zero()};
+    }
+};
+
+struct PowerOf {
+    Colord operator()(const AreaLight& light) const {
+        return std::numbers::pi * light.surface.area() * light.radiance.cast<double>();
+    }
+    Colord operator()(const PointLight& light) const { return 4 * std::numbers::pi * light.intensity.cast<double>(); }
+    Colord operator()(const SpotLight& light) const { return light.power(); }
+    Colord operator()(const DirectionalLight& light) const {
+        return cross_section(light.scene) * light.irradiance.cast<double>();
+    }
+    Colord operator()(const ConstantEnvironment& light) const {
+        return cross_section(light.scene) * 4 * std::numbers::pi * light.radiance.cast<double>();
+    }
+    Colord operator()(const MappedEnvironment& light) const {
+        return cross_section(light.scene) * light.map->integral();
+    }
+
+private:
+    /// In double: a vanishing scene must not make its lights vanish.
+    static double cross_section(const BoundingSphere& scene) {
+        return std::numbers::pi * sqr(static_cast<double>(scene.radius));
     }
 };
 
 }  // namespace
 
-Colord power_of(const Light& light) {
-    if (const auto* point = std::get_if<PointLight>(&light))
-        return 4 * std::numbers::pi * point->intensity.cast<double>();
-    const auto& area = std::get<AreaLight>(light);
-    return std::numbers::pi * area.surface.area() * area.radiance.cast<double>();
+BoundingSphere::BoundingSphere(const Bounds& bounds) {
+    // The margin covers the rounding of the box and of the points on the disk; a scene without extent keeps a disk.
+    center = bounds.center();
+    radius = std::max(0.5f * bounds.diagonal() * 1.00001f, 1e-15f);
 }
+
+AreaLight::AreaLight(std::uint32_t shape_index, const Shape& of, const Texture& emitted)
+    : shape(shape_index), radiance(emitted.mean()), surface(of) {
+    if (emitted.constant()) return;
+    texture = emitted;
+    radiance = mean_over_surface(emitted, surface, of);
+}
+
+Colord power_of(const Light& light) { return std::visit(PowerOf(), light); }
 
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Shape>& shapes, const Vec3& p,
                                         const Vec2& u) {
@@ -87,15 +217,19 @@ float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, cons
     return cos_light > 0.f ? d2 / (cos_light * light.surface.area()) : 0.f;
 }
 
+Color environment_radiance(const Light& environment, const Vec3& w) {
+    if (const auto* constant = std::get_if<ConstantEnvironment>(&environment)) return constant->radiance;
+    return std::get<MappedEnvironment>(environment).map->radiance(w);
+}
+
+float environment_pdf_w(const Light& environment, const Vec3& w) {
+    if (std::holds_alternative<ConstantEnvironment>(environment)) return uniform_sphere_pdf_w;
+    return std::get<MappedEnvironment>(environment).map->pdf_w(w);
+}
+
 EmissionSample sample_emission(const Light& light, const std::vector<Shape>& shapes, const Vec2& u_position,
                                const Vec2& u_direction) {
-    if (const auto* point = std::get_if<PointLight>(&light))
-        return {Ray{point->position, square_to_sphere(u_direction)}, 4.f * pi * point->intensity, Vec3::Zero()};
-    const auto& area = std::get<AreaLight>(light);
-    const SurfacePoint q = area.surface.sample(shapes[area.shape], u_position);
-    // Uniform on the surface and cosine-weighted: Le cos / (pdf_a pdf_w) = Le A pi for every sample.
-    const Vec3 w = Frame(q.ng).to_world(square_to_cosine_hemisphere(u_direction));
-    return {Ray{offset_origin(q, w), w}, pi * area.surface.area() * area.radiance, q.ng};
+    return std::visit(EmissionSampler{shapes, u_position, u_direction}, light);
 }
 
 }  // namespace gib

@@ -2,19 +2,41 @@
 // Emitters: a closed set, sampled from a point that they light (LightSample) or as the start of a light path
 // (EmissionSample).
 
+#include "common/environment_map.h"
 #include "common/shape.h"
+#include "common/spot_light.h"
+#include "common/texture.h"
 
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
 
 namespace gib {
 
-/// A surface that emits `radiance` [W/(sr m^2)] in every direction of its front side.
+/// A ball around all surfaces, which the power of lights at infinity refers to.
+struct BoundingSphere {
+    Vec3 center = Vec3::Zero();
+    float radius = 1.f;
+
+    BoundingSphere() = default;
+    explicit BoundingSphere(const Bounds& bounds);
+    float area() const { return pi * sqr(radius); }  ///< of its cross-section [scene units^2]
+    /// Outside of it, seen from p towards the unit vector w.
+    float distance_past(const Vec3& p) const { return 1.01f * ((p - center).norm() + radius); }
+};
+
+/// A surface that emits in every direction of its front side, alike.
 struct AreaLight {
+    /// Throws nothing; the shape has an area.
+    AreaLight(std::uint32_t shape_index, const Shape& shape, const Texture& emitted);
+
     std::uint32_t shape;  ///< index into the scene's shapes
-    Color radiance;
+    Color radiance;       ///< [W/(sr m^2)]; with a texture its mean over the surface
     AreaSampler surface;
+    std::optional<Texture> texture;  ///< of the radiance, where it is not constant
+
+    Color radiance_at(const Vec2& uv) const { return texture ? texture->color(uv) : radiance; }
 };
 
 /// `intensity` [W/sr] in every direction.
@@ -23,13 +45,45 @@ struct PointLight {
     Color intensity;
 };
 
-using Light = std::variant<AreaLight, PointLight>;
+/// Light from infinitely far away, along one direction.
+struct DirectionalLight {
+    Vec3 direction;    ///< in which it travels, unit
+    Color irradiance;  ///< [W/m^2] on a surface across
+    BoundingSphere scene;
+};
+
+/// The same radiance [W/(sr m^2)] from every direction, infinitely far away.
+struct ConstantEnvironment {
+    Color radiance;
+    BoundingSphere scene;
+};
+
+/// Radiance from an image, infinitely far away.
+struct MappedEnvironment {
+    std::shared_ptr<const EnvironmentMap> map;
+    BoundingSphere scene;
+};
+
+using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, ConstantEnvironment, MappedEnvironment>;
+
+/// It lies at infinity in every direction, so that rays which leave the scene find it.
+inline bool is_environment(const Light& light) {
+    return std::holds_alternative<ConstantEnvironment>(light) || std::holds_alternative<MappedEnvironment>(light);
+}
+
+/// It shines from one point or in one direction: only light sampling finds it.
+inline bool is_delta(const Light& light) {
+    return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light) ||
+           std::holds_alternative<DirectionalLight>(light);
+}
 
 /// A point of a light as seen from a point that it may light.
 struct LightSample {
-    Vec3 wi;  ///< from the lit point to the light, unit
-    float distance;
-    Color Le;     ///< emitted radiance towards the point; for a point light intensity / distance^2, with pdf_w = choice
+    Vec3 wi;         ///< from the lit point to the light, unit
+    float distance;  ///< of a light at infinity: past the scene's surfaces
+    /// Emitted radiance towards the point; may be black. For point and spot lights intensity / distance^2, for directional
+    /// ones the irradiance, with pdf_w = choice.
+    Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< no other technique can hit it
     Vec3 target;  ///< the end of the shadow ray, in front of the light's surface
@@ -38,20 +92,25 @@ struct LightSample {
 /// The start of a light path with its share of power.
 struct EmissionSample {
     Ray ray;
-    Color power;  ///< emitted power / density [W]: the mean over samples is the light's power
-    Vec3 normal;  ///< geometric normal at the origin; zero for a point light
+    Color power;  ///< emitted power / density [W]: the mean over samples is the light's power; may be black
+    Vec3 normal;  ///< geometric normal at the origin; zero for a light without a surface
 };
 
-/// [W] per channel.
+/// [W] per channel; of lights at infinity: what passes the scene's bounding sphere.
 Colord power_of(const Light& light);
 
-/// Uniform over the light; over the visible cone for a sphere seen from outside. pdf_w without the choice of the light.
-/// Empty where nothing is emitted towards p.
+/// Uniform over the light; over the visible cone for a sphere seen from outside; EnvironmentMap's density. pdf_w without the
+/// choice of the light. Empty where the light cannot be seen from p.
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Shape>& shapes, const Vec3& p,
                                         const Vec2& u);
 
 /// Density [1/sr] with which sample_light from `p` would have found the point `hit` of the area light.
 float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit);
+
+/// [W/(sr m^2)] that an environment sends towards a viewer who looks along the unit vector w.
+Color environment_radiance(const Light& environment, const Vec3& w);
+/// Density [1/sr] with which sample_light finds the direction w.
+float environment_pdf_w(const Light& environment, const Vec3& w);
 
 EmissionSample sample_emission(const Light& light, const std::vector<Shape>& shapes, const Vec2& u_position,
                                const Vec2& u_direction);

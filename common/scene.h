@@ -19,10 +19,13 @@ struct SurfaceHit : SurfaceGeometry {
     const AreaLight* emitter;  ///< null: not a light
     std::uint32_t light;       ///< index of the emitter among the scene's lights
     Frame shading;             ///< around ns; its first axis along dp_du where the material follows uv
+    std::uint32_t shape, primitive, instance;        ///< what was hit, for what is computed on demand
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
     /// [W/(sr m^2)] emitted towards wo.
-    Color Le(const Vec3& wo) const { return emitter && ng.dot(wo) > 0.f ? emitter->radiance : Color(Color::Zero()); }
+    Color Le(const Vec3& wo) const {
+        return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
+    }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 };
 
@@ -30,12 +33,14 @@ struct SurfaceHit : SurfaceGeometry {
 struct SceneParts {
     struct Object {
         Shape shape;
-        std::uint32_t material;         ///< index into materials
-        std::optional<Color> radiance;  ///< of an area light
+        std::uint32_t material;           ///< index into materials
+        std::optional<Texture> radiance;  ///< of an area light
     };
     std::vector<Object> objects;
+    std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
+    std::vector<Instance> instances;
     std::vector<Material> materials;
-    std::vector<PointLight> point_lights;
+    std::vector<Light> lights;     ///< all but the area lights; at most one environment
     std::optional<Sensor> sensor;  ///< required
     Vec3d origin = Vec3d::Zero();  ///< the file's coordinates of the scene's own origin: shapes and lights are given
                                    ///< relative to it, the sensor in the file's coordinates
@@ -47,7 +52,9 @@ public:
     explicit Scene(SceneParts parts);
 
     const Sensor& sensor() const { return sensor_; }
+    /// Those of groups too, once each.
     const std::vector<Shape>& shapes() const { return shapes_; }
+    const std::vector<Instance>& instances() const { return groups_.instances; }
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Material>& materials() const { return materials_; }
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
@@ -59,6 +66,8 @@ public:
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const;
+    /// At what intersect() returned.
+    SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
     /// Whether any light emits anything.
@@ -67,25 +76,39 @@ public:
     std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
     /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
     float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;
+    /// What rays that leave the scene see; null: nothing.
+    const Light* environment() const { return environment_ ? &lights_[*environment_] : nullptr; }
+    /// [W/(sr m^2)] seen along the unit vector w by a ray that hits nothing.
+    Color environment_radiance(const Vec3& w) const {
+        return environment_ ? gib::environment_radiance(lights_[*environment_], w) : Color(Color::Zero());
+    }
+    /// Density [1/sr] with which sample_light from `p` finds the direction w; 0 without an environment.
+    float environment_pdf_w(const Vec3& p, const Vec3& w) const;
     /// The start of a light path; power is divided by the probability of choosing its light.
     EmissionSample sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const;
     /// [W] of all lights together, per channel.
     Colord emitted_power() const;
 
 private:
+    void add_light(Light&& light, const BoundingSphere& sphere);
+
     static constexpr std::uint32_t no_light = ~0u;
     struct Surface {
         std::uint32_t material;
         std::uint32_t light;
     };
-    void resolve_material(const Material& material, std::uint32_t shape, std::uint32_t primitive,
-                          SurfaceHit& hit) const;
+    void resolve_material(const Material& material, SurfaceHit& hit) const;
+
+    void add(SceneParts::Object&& object);
+    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_
+    InstancedGroups groups_;
     std::vector<Material> materials_;
     bool has_holes_ = false;
     std::vector<Light> lights_;
+    std::optional<std::uint32_t> environment_;  ///< index among the lights
     DiscreteDistribution light_choice_;
     Sensor sensor_;
     Bounds bounds_;

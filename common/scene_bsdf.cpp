@@ -153,6 +153,39 @@ Material parse_roughconductor(Properties& properties, TextureFiles& files) {
     return std::move(model).material();
 }
 
+Material parse_plastic(Properties& properties, TextureFiles& files) {
+    ModelReader<Plastic> model(properties, files);
+    model->eta = parse_relative_index(properties, "polypropylene");
+    model->nonlinear = properties.boolean("nonlinear", false);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_roughplastic(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughPlastic> model(properties, files);
+    model->eta = parse_relative_index(properties, "polypropylene");
+    model->nonlinear = properties.boolean("nonlinear", false);
+    read_distribution(model, true);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_phong(Properties& properties, TextureFiles& files) {
+    ModelReader<Phong> model(properties, files);
+    model.number("exponent", 30.f, ColorRange::non_negative, [](Phong& m, float n) { m.exponent = n; });
+    model.diffuse_reflectance();
+    model.reflectance(0.2f);
+    // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
+    if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
+        throw InputError(properties.element().where,
+                         "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+    return std::move(model).material();
+}
+
 NestedMaterial parse_nested(const NestedObject& object, TextureFiles& files) {
     return std::make_shared<const Material>(parse_bsdf(object, files));
 }
@@ -223,6 +256,9 @@ constexpr BsdfPlugin plugins[] = {
     {"roughdielectric", parse_roughdielectric},
     {"conductor", parse_conductor},
     {"roughconductor", parse_roughconductor},
+    {"plastic", parse_plastic},
+    {"roughplastic", parse_roughplastic},
+    {"phong", parse_phong},
     {"twosided", parse_twosided},
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},

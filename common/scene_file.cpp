@@ -1,11 +1,13 @@
 #include "common/scene_file.h"
 
 #include "common/scene_bsdf.h"
+#include "common/scene_emitter.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
 #include "common/scene_spectrum.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <climits>
 #include <filesystem>
 
@@ -16,57 +18,32 @@ namespace {
 /// Collects the objects of a <scene>.
 class SceneBuilder {
 public:
-    SceneBuilder(const ExpandedXml& xml, ContentHash& hash) : ids_(xml.root), files_(xml.files), hash_(hash) {}
+    SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
+        : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
     void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
 
     void add_shape(const NestedObject& object) {
-        Properties properties(*object.element, ids_);
-        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
-        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
-        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
-        pending.shape = parse_shape(properties, files_, hash_);
-        properties.finish();
-        if (emitter) {
-            pending.radiance = parse_area_light(*emitter);
-            pending.emitter_where = emitter->where;
+        if (is_shape(object, "shapegroup")) {
+            group_index(*object.element);
+        } else if (is_shape(object, "instance")) {
+            add_instance(object);
+        } else {
+            bounds_.extend(add_shape(object, pending_));
         }
-        pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
-        bounds_.extend(bounds_of(*pending.shape));
-        pending_.push_back(std::move(pending));
     }
 
-    void add_emitter(const NestedObject& emitter) {
-        Properties properties(*emitter.element, ids_);
-        if (properties.plugin({"point", "area"}) == "area")
-            throw InputError(emitter.where, "an area emitter must stand in a shape");
-        const auto position = properties.point("position");
-        const Mat4d to_world = properties.transform("to_world");
-        if (position && properties.has("to_world"))
-            throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
-        const Color intensity = properties.color("intensity", 1, ColorRange::emission);
-        properties.finish();
-        points_.push_back({position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), intensity, emitter.where});
-    }
+    void add_emitter(const NestedObject& emitter) { emitters_.push_back(emitter); }
 
     /// Moves the scene's centre to the origin: float holds positions near it best.
     SceneParts finish(const XmlElement& root, Sensor sensor) {
-        if (pending_.empty()) throw InputError(root.where, "the scene is empty: it has no shape");
+        if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
         SceneParts parts;
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
-        for (auto& p : pending_) {
-            SceneParts::Object object{recentred(std::move(*p.shape), parts.origin, p.where), p.material, p.radiance};
-            if (p.radiance && !(area_of(object.shape) > 0))
-                throw InputError(p.emitter_where, "an area emitter on a shape without area");
-            parts.objects.push_back(std::move(object));
-        }
-        for (const auto& point : points_) {
-            const Vec3 position = (point.position - parts.origin).cast<float>();
-            if (!(position.lpNorm<Eigen::Infinity>() <= 1e18f))
-                throw InputError(point.where, "the emitter is too far away");
-            parts.point_lights.push_back({position, point.intensity});
-        }
+        parts.objects = recentred_objects(pending_, parts.origin);
+        place_instances(parts);
+        parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
         parts.sensor = std::move(sensor);
         return parts;
@@ -80,27 +57,119 @@ private:
         std::optional<ParsedShape> shape;
         SourceLocation emitter_where;
         std::uint32_t material;
-        std::optional<Color> radiance;
+        std::optional<Texture> radiance;
     };
-    struct PendingPoint {
-        Vec3d position;
-        Color intensity;
+    /// A shapegroup. Its own origin is the centre of its bounds.
+    struct PendingGroup {
+        std::vector<Pending> members;
+        BoundsD bounds;
+        std::optional<std::uint32_t> index;  ///< in the scene, once an instance has shown it
+    };
+    struct PendingInstance {
         SourceLocation where;
+        std::uint32_t group;
+        Mat4d to_world;
     };
 
-    Color parse_area_light(const NestedObject& emitter) {
-        Properties properties(*emitter.element, ids_);
-        properties.plugin({"area"});
-        const Color radiance = properties.color("radiance", 1, ColorRange::emission);
+    static bool is_shape(const NestedObject& object, std::string_view plugin) {
+        const XmlAttribute* type = object.element->find("type");
+        return type && type->value == plugin;
+    }
+
+    /// A shape that has a surface, appended to `to`. Returns its bounds.
+    BoundsD add_shape(const NestedObject& object, std::vector<Pending>& to) {
+        Properties properties(*object.element, ids_);
+        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
+        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
+        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
+        pending.shape = parse_shape(properties, files_, hash_);
         properties.finish();
-        return radiance;
+        if (emitter) {
+            pending.radiance = parse_area_emitter(*emitter, textures_);
+            pending.emitter_where = emitter->where;
+        }
+        pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
+        to.push_back(std::move(pending));
+        return bounds_of(*to.back().shape);
+    }
+
+    /// The group of a <shape type="shapegroup">, which is read at its first mention.
+    std::uint32_t group_index(const XmlElement& element) {
+        if (const auto it = group_of_element_.find(&element); it != group_of_element_.end()) return it->second;
+        Properties properties(element, ids_);
+        const auto members = properties.objects("shape");
+        properties.finish();
+        PendingGroup group;
+        for (const auto& member : members) {
+            for (const std::string_view plugin : {"shapegroup", "instance"})
+                if (is_shape(member, plugin))
+                    throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
+            group.bounds.extend(add_shape(member, group.members));
+            if (group.members.back().radiance)
+                throw InputError(group.members.back().emitter_where, "an emitter cannot stand in a shapegroup");
+        }
+        groups_.push_back(std::move(group));
+        return group_of_element_[&element] = static_cast<std::uint32_t>(groups_.size() - 1);
+    }
+
+    void add_instance(const NestedObject& object) {
+        Properties properties(*object.element, ids_);
+        const Mat4d to_world = properties.transform("to_world");
+        const auto group = properties.object("shape");
+        properties.finish();
+        if (!group) throw InputError(object.where, "an instance needs a shapegroup");
+        if (!is_shape(*group, "shapegroup")) throw InputError(group->where, "an instance takes a shapegroup only");
+        const std::uint32_t index = group_index(*group->element);
+        bounds_.extend(transformed(to_world, groups_[index].bounds));
+        instances_.push_back({object.where, index, to_world});
+    }
+
+    static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
+        std::vector<SceneParts::Object> objects;
+        for (auto& p : pending) {
+            SceneParts::Object object{recentred(std::move(*p.shape), origin, p.where), p.material, p.radiance};
+            if (p.radiance && !(area_of(object.shape) > 0))
+                throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            objects.push_back(std::move(object));
+        }
+        return objects;
+    }
+
+    /// Groups that no instance shows, and instances of an empty group, are not in the scene.
+    void place_instances(SceneParts& parts) {
+        for (const auto& instance : instances_) {
+            PendingGroup& group = groups_[instance.group];
+            if (group.bounds.isEmpty()) continue;
+            const Vec3d center = group.bounds.center();
+            if (!group.index) {
+                group.index = static_cast<std::uint32_t>(parts.groups.size());
+                parts.groups.push_back(recentred_objects(group.members, center));
+            }
+            Mat4d to_scene = instance.to_world;
+            to_scene.topRightCorner<3, 1>() += to_scene.topLeftCorner<3, 3>() * center - parts.origin;
+            check_range(transformed(to_scene, BoundsD(group.bounds.min() - center, group.bounds.max() - center)),
+                        instance.where);
+            const auto placed = make_instance(*group.index, to_scene);
+            if (!placed) throw InputError(instance.where, "the to_world of the instance scales by more than 1e12");
+            parts.instances.push_back(*placed);
+        }
+    }
+
+    std::vector<Light> parse_emitters(const Vec3d& origin) {
+        std::vector<Light> lights;
+        for (const auto& emitter : emitters_) {
+            lights.push_back(parse_emitter(emitter, textures_, origin));
+            if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
+                throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
+        }
+        return lights;
     }
 
     /// A bsdf that several shapes refer to is one material.
     std::uint32_t material_index(const NestedObject& bsdf) {
         const auto [it, is_new] =
             material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
-        if (is_new) materials_.push_back(parse_bsdf(bsdf, texture_files_));
+        if (is_new) materials_.push_back(parse_bsdf(bsdf, textures_));
         return it->second;
     }
 
@@ -117,9 +186,12 @@ private:
     XmlIds ids_;
     const FileFinder& files_;
     ContentHash& hash_;
+    TextureFiles textures_;
     std::vector<Pending> pending_;
-    std::vector<PendingPoint> points_;
-    TextureFiles texture_files_{files_, hash_, ids_};
+    std::vector<PendingGroup> groups_;
+    std::map<const XmlElement*, std::uint32_t> group_of_element_;
+    std::vector<PendingInstance> instances_;
+    std::vector<NestedObject> emitters_;
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];

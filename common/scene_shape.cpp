@@ -189,8 +189,8 @@ Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLoc
 }  // namespace
 
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash) {
-    const std::string& type =
-        properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized"});
+    const std::string& type = properties.plugin(
+        {"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);
@@ -222,6 +222,18 @@ BoundsD bounds_of(const ParsedShape& shape) {
         }
     }
     return bounds;
+}
+
+BoundsD transformed(const Mat4d& to_world, const BoundsD& bounds) {
+    if (bounds.isEmpty()) return bounds;
+    const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+    const Vec3d center = linear * bounds.center() + to_world.topRightCorner<3, 1>();
+    const Vec3d extent = linear.cwiseAbs() * (0.5 * bounds.sizes());
+    return {center - extent, center + extent};
+}
+
+void check_range(const BoundsD& bounds, const SourceLocation& where) {
+    check_range(Vec3d(bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs())), where);
 }
 
 Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where) {

@@ -34,6 +34,10 @@ using BoundsD = Eigen::AlignedBox3d;
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);
+/// The box around a box that was moved.
+BoundsD transformed(const Mat4d& to_world, const BoundsD& bounds);
+/// Throws InputError at `where` for a box that ray queries cannot take.
+void check_range(const BoundsD& bounds, const SourceLocation& where);
 
 /// The shape in float, relative to `origin`. Throws InputError at `where` for what float cannot hold.
 Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where);

@@ -270,4 +270,12 @@ SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
     return point_on_disk(std::get<Disk>(shape), d.x(), d.y());
 }
 
+SurfaceGeometry AreaSampler::sample_geometry(const Shape& shape, const Vec2& u) const {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    if (!mesh) return surface_at(shape, 0, 0, 0, sample(shape, u).p);
+    const auto choice = triangles_.sample(u.x());
+    const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
+    return surface_of_mesh(*mesh, static_cast<std::uint32_t>(choice.index), b.x(), b.y());
+}
+
 }  // namespace gib

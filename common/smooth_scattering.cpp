@@ -32,8 +32,8 @@ std::optional<BsdfSample> Dielectric::sample_local(const Vec3& wo, float u_lobe,
     const float r = fresnel.reflectance;
     if (u_lobe < r) {
         if (wo.z() == 0.f) return std::nullopt;
-        return delta_sample(mirrored(wo), specular_reflectance * (r * with_loss(Fault::dielectric_reflection_energy)), r,
-                            1.f);
+        return delta_sample(mirrored(wo), specular_reflectance * (r * with_loss(Fault::dielectric_reflection_energy)),
+                            r, 1.f);
     }
     if (fresnel.cos_t == 0.f || r >= 1.f) return std::nullopt;
     // The delta lobe divides by the cosine of the TRANSMITTED ray. Seen from the eye, the radiance that comes from the
@@ -70,7 +70,8 @@ std::optional<BsdfSample> ThinDielectric::sample_local(const Vec3& wo, float u_l
     const float r = reflectance(wo.z());
     if (u_lobe < r) return delta_sample(mirrored(wo), specular_reflectance * r, r, 1.f);
     if (r >= 1.f) return std::nullopt;
-    return delta_sample(-wo, specular_transmittance * ((1.f - r) * with_loss(Fault::thin_dielectric_energy)), 1.f - r, 1.f);
+    return delta_sample(-wo, specular_transmittance * ((1.f - r) * with_loss(Fault::thin_dielectric_energy)), 1.f - r,
+                        1.f);
 }
 
 ScatteringCoefficients ThinDielectric::coefficients_local(const Vec3& wo) const {

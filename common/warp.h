@@ -42,7 +42,8 @@ inline Vec3 square_to_cosine_hemisphere(const Vec2& u) {
 }
 inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta, 0.f) * inv_pi; }
 
-/// Uniform on the unit sphere, density 1 / (4 pi).
+/// Uniform on the unit sphere.
+inline constexpr float uniform_sphere_pdf_w = 0.25f * inv_pi;
 inline Vec3 square_to_sphere(const Vec2& u) {
     const float z = injected(Fault::sphere_warp) ? std::cos(pi * u.x()) : 1.f - 2.f * u.x();
     const float r = safe_sqrt(1.f - z * z);
@@ -73,6 +74,24 @@ inline Vec2 square_to_triangle(const Vec2& u) {
     }
     return {a, b};
 }
+
+/// x in [0, 1] with a density that is linear from `f0` at 0 to `f1` at 1; both >= 0. Uniform if both are 0.
+inline double sample_linear(double u, double f0, double f1) {
+    // The root of f0 x + (f1 - f0) x^2 / 2 = u (f0 + f1) / 2, in the form that does not cancel for f1 near f0.
+    const double denominator = f0 + std::sqrt((1 - u) * sqr(f0) + u * sqr(f1));
+    return denominator > 0 ? std::min(u * (f0 + f1) / denominator, 1.0) : u;
+}
+
+/// The polar part of a density over directions: f(theta) sin(theta) on [theta0, theta1], f linear from f0 >= 0 to f1 >= 0.
+struct PolarRamp {
+    double theta0, theta1;
+    double f0, f1;
+
+    /// Of f(theta) sin(theta) d theta, with full relative precision for the narrowest intervals.
+    double integral() const;
+    /// theta with that density, to 1e-12 of the interval; not for f0 = f1 = 0.
+    double sample(double u) const;
+};
 
 /// A choice among n items with probabilities proportional to given weights.
 class DiscreteDistribution {

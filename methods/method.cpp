@@ -58,9 +58,12 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
     Plan plan;
     plan.called_for = effects_of(scene);
     plan.missing = plan.called_for - method.simulates;
-    if (plan.missing.has(Effect::direct_light)) plan.unresolved.push_back(Component::direct);
-    if (plan.missing.has(Effect::caustics)) plan.unresolved.push_back(Component::caustic);
-    if (plan.missing.has(Effect::diffuse_interreflection)) plan.unresolved.push_back(Component::indirect);
+    // The environment adds to every component.
+    const bool all = plan.missing.has(Effect::environment_light);
+    if (all) plan.unresolved.push_back(Component::emission);
+    if (all || plan.missing.has(Effect::direct_light)) plan.unresolved.push_back(Component::direct);
+    if (all || plan.missing.has(Effect::caustics)) plan.unresolved.push_back(Component::caustic);
+    if (all || plan.missing.has(Effect::diffuse_interreflection)) plan.unresolved.push_back(Component::indirect);
     return plan;
 }
 

@@ -3,8 +3,8 @@
 // Computes: every component of a scene without media, by random walks from the eye. Light is found in two ways, by sampling
 // a point of a light and by following the bsdf's samples, combined by the power heuristic (Veach 1997, section 9.2).
 // Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
-// Bias: none, for paths that it can sample. It cannot sample a point light seen through specular surfaces, and finds small
-// lights behind them rarely (heavy tails).
+// Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
+// surfaces, and finds small lights behind them rarely (heavy tails).
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
@@ -38,7 +38,11 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
     std::uint32_t holes = 0;
     for (int vertex = 0; vertex < settings.max_edges;) {
         const auto hit = rays.intersect(ray);
-        if (!hit) break;
+        if (!hit) {
+            if (rays.scene().environment())
+                sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, ray.d);
+            break;
+        }
         const Vec3 wo = -ray.d;
 
         const Color Le = hit->Le(wo);
@@ -111,9 +115,11 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
 
 namespace {
 
-bool has_point_light(const Scene& scene) {
-    return std::any_of(scene.lights().begin(), scene.lights().end(),
-                       [](const Light& light) { return std::holds_alternative<PointLight>(light); });
+bool has_delta_light(const Scene& scene) { return std::any_of(scene.lights().begin(), scene.lights().end(), is_delta); }
+
+bool has_delta_lobe(const Scene& scene) {
+    return std::any_of(scene.materials().begin(), scene.materials().end(),
+                       [](const Material& material) { return material.traits().delta; });
 }
 
 class PathRun final : public Run {
@@ -162,9 +168,9 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A point light is found by connecting a diffuse vertex to it, never through a specular one: neither where S+ L ends a
+        // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither where S+ L ends a
         // caustic path, nor at the end of a longer one.
-        if (has_point_light(scene) && plan.called_for.has(Effect::caustics))
+        if (has_delta_light(scene) && has_delta_lobe(scene) && plan.called_for.has(Effect::caustics))
             plan.unresolved = {Component::caustic, Component::indirect};
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);

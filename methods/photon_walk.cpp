@@ -40,6 +40,7 @@ public:
                                                                    sampler.get_2d(dimension::emission_position),
                                                                    sampler.get_2d(dimension::emission_direction));
         Color power = share * start.power;
+        if (is_black(power)) return;  // from a dark texel; it would count as a neighbour in a density estimate
         Ray ray = start.ray;
         result_.balance.emitted += power.cast<double>();
         residual_ = power.cast<double>();

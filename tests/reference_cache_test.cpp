@@ -133,7 +133,7 @@ TEST(BatchSeeds, AreDistinctAndNoCells) {
     EXPECT_EQ(seeds.size(), 4096u);
 }
 
-TEST(UnresolvedComponents, ArePathsFromAPointLightThroughSpecularSurfaces) {
+TEST(UnresolvedComponents, ArePathsFromDeltaLightsThroughSpecularSurfaces) {
     const auto unresolved = [](const std::string& light) {
         const LoadedScene scene = scene_of(scene_xml("<sensor type='perspective'>" + box_film(4) + "</sensor>" + light +
                                                      "<shape type='rectangle'>" + diffuse(0.5) +
@@ -144,8 +144,10 @@ TEST(UnresolvedComponents, ArePathsFromAPointLightThroughSpecularSurfaces) {
             path.create(ParameterValues(all_parameters(path), MethodLabel{"path", {}}), {scene.max_edges});
         return method->plan(*scene.scene).unresolved;
     };
-    EXPECT_THAT(unresolved("<emitter type='point'><rgb name='intensity' value='1'/></emitter>"),
-                ::testing::ElementsAre(Component::caustic, Component::indirect));
+    for (const char* type : {"point", "spot", "directional"})
+        EXPECT_THAT(unresolved(std::string("<emitter type='") + type + "'/>"),
+                    ::testing::ElementsAre(Component::caustic, Component::indirect));
+    EXPECT_THAT(unresolved("<emitter type='constant'/>"), ::testing::IsEmpty());
     EXPECT_THAT(
         unresolved("<shape type='rectangle'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>"),
         ::testing::IsEmpty());

@@ -70,8 +70,8 @@ TEST(SceneErrors, Plugins) {
     expect_errors({{"<shape type=\"teapot\"/>", "2:8",
                     "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, cylinder"},
                    {"<shape/>", "2:1", "needs the attribute 'type'"},
-                   {ball + "<bsdf id=\"a\" type=\"phong\"/>", "2:36",
-                    "the bsdf 'phong' is not supported; supported are: diffuse"},
+                   {ball + "<bsdf id=\"a\" type=\"hair\"/>", "2:36",
+                    "the bsdf 'hair' is not supported; supported are: diffuse"},
                    {ball + "<emitter type=\"sky\"/>", "2:32", "the emitter 'sky' is not supported"},
                    {"<shape type=\"sphere\"><emitter type=\"point\"/></shape>", "2:31", "supported are: area"},
                    {ball + "<emitter type=\"area\"/>", "2:23", "must stand in a shape"},
@@ -121,6 +121,38 @@ TEST(SceneErrors, Cylinders) {
           "p1, radius, flip_normals"}});
 }
 
+TEST(SceneErrors, Instances) {
+    const std::string group = "<shape type=\"shapegroup\" id=\"g\">" + ball + "</shape>\n";
+    const auto in_group = [](const std::string& body) { return "<shape type=\"shapegroup\">\n" + body + "</shape>"; };
+    const auto instance = [&](const std::string& body) {
+        return group + "<shape type=\"instance\">\n" + body + "</shape>";
+    };
+    expect_errors(
+        {{group + "<shape type=\"instance\"/>", "3:1", "an instance needs a shapegroup"},
+         {instance(ball), "4:1", "an instance takes a shapegroup only"},
+         {instance("<ref id=\"h\"/>"), "4:6", "there is no object with the id 'h'"},
+         {instance("<ref id=\"g\"/><ref id=\"g\"/>"), "4:14", "only one <shape>"},
+         {instance("<ref id=\"g\"/><bsdf type=\"diffuse\"/>"), "4:14", "does not take a <bsdf>"},
+         {instance("<ref id=\"g\"/><float name=\"scale\" value=\"2\"/>"), "4:14",
+          "shape 'instance' does not take a parameter 'scale'; it takes: to_world, <shape>"},
+         {instance("<ref id=\"g\"/><transform name=\"to_world\"><scale value=\"0\"/></transform>"), "4:14",
+          "the transform is singular"},
+         {instance("<ref id=\"g\"/><transform name=\"to_world\"><scale value=\"1e-30\"/></transform>"), "3:1",
+          "scales by more than 1e12"},
+         {instance("<ref id=\"g\"/><transform name=\"to_world\"><scale value=\"1e30\"/></transform>"), "3:1",
+          "coordinates above"},
+         {in_group("<shape type=\"instance\"/>"), "3:1", "a shapegroup cannot hold a shape 'instance'"},
+         {in_group("<shape type=\"shapegroup\"/>"), "3:1", "a shapegroup cannot hold a shape 'shapegroup'"},
+         {in_group("<bsdf type=\"diffuse\"/>"), "3:1", "shape 'shapegroup' does not take a <bsdf>; it takes: <shape>"},
+         {in_group("<transform name=\"to_world\"/>"), "3:1", "does not take a parameter 'to_world'"},
+         {in_group("<shape type=\"sphere\">\n<emitter type=\"area\"/></shape>"), "4:1",
+          "an emitter cannot stand in a shapegroup"},
+         {in_group("<shape type=\"teapot\"/>"), "3:8", "the shape 'teapot' is not supported"},
+         {group, "1:1", "the scene is empty"},
+         {in_group("") + "<shape type=\"instance\"><shape type=\"shapegroup\"/></shape>", "1:1",
+          "the scene is empty"}});
+}
+
 TEST(SceneErrors, Colours) {
     const auto diffuse = [](const std::string& property) {
         return ball + "\n<bsdf type=\"diffuse\">\n" + property + "</bsdf>";
@@ -131,7 +163,7 @@ TEST(SceneErrors, Colours) {
          {diffuse("<rgb name=\"reflectance\" value=\"-0.1\"/>"), "4:25", "must be between 0 and 1"},
          {diffuse("<rgb name=\"reflectance\" value=\"0.1 0.2\"/>"), "4:25", "takes one or three numbers, found 2"},
          {diffuse("<rgb name=\"reflectance\" value=\"#ff0000\"/>"), "4:25", "bad number '#ff0000'"},
-         {diffuse("<texture name=\"reflectance\" type=\"bitmap\"/>"), "4:1", "'reflectance' cannot be a <texture> yet"},
+         {diffuse("<texture name=\"reflectance\" type=\"bitmap\"/>"), "4:1", "'bitmap' needs a 'filename'"},
          {"<shape type=\"sphere\"><emitter type=\"area\">\n<rgb name=\"radiance\" value=\"1 -1 1\"/></emitter></shape>",
           "3:22", "'radiance' must not be negative"},
          {ball + "\n<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"butter\"/></bsdf>", "3:48",
