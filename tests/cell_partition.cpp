@@ -6,7 +6,7 @@ namespace gib::test {
 
 namespace {
 
-constexpr std::size_t points_per_box = 32;
+constexpr std::size_t points_per_box = 16;
 /// No box is wider than these parts of the domain: density where no sample fell must be noticed.
 const Vec2d largest_box(1.0 / 16, 1.0 / 16);
 

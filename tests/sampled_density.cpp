@@ -75,7 +75,7 @@ SamplerCase plane_case(std::string name, Domain domain, std::function<Vec2(const
 namespace {
 
 constexpr int fine_levels = 10, coarse_levels = 4;
-constexpr std::uint64_t pilot_samples = 1 << 18;
+constexpr std::uint64_t pilot_samples = 1 << 17;
 
 /// FNV-1a.
 std::uint64_t seed_of(const std::string& name) {

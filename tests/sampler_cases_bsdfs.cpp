@@ -65,18 +65,87 @@ double LocalBsdf::pdf(const Vec3& wo, const Vec3& wi) const { return static_cast
 
 Color LocalBsdf::f(const Vec3& wo, const Vec3& wi) const { return bsdf_.f_local(wo, wi).sum(); }
 
-std::vector<BsdfModel> bsdf_models() {
+namespace {
+
+std::string number(const std::string& name, double value) {
+    return fmt::format("<float name='{}' value='{}'/>", name, value);
+}
+
+std::string bsdf(const std::string& type, const std::string& parameters) {
+    return "<bsdf type='" + type + "'>" + parameters + "</bsdf>";
+}
+
+std::string reflectance(const std::string& rgb) { return "<rgb name='reflectance' value='" + rgb + "'/>"; }
+
+std::string microfacets(const std::string& distribution, double alpha) {
+    return "<string name='distribution' value='" + distribution + "'/>" + number("alpha", alpha);
+}
+
+const std::string mirror_index = "<string name='material' value='none'/>";
+const std::string glass_index = number("int_ior", 1.5) + number("ext_ior", 1);
+
+std::vector<BsdfModel> smooth_models() {
     return {
-        {"diffuse", "<bsdf type='diffuse'><rgb name='reflectance' value='0.2, 0.5, 0.8'/></bsdf>", 1, 0.5},
-        {"white diffuse", "<bsdf type='diffuse'><rgb name='reflectance' value='1'/></bsdf>", 1, 1.0},
-        {"two-sided diffuse",
-         "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='0.75'/></bsdf></bsdf>", 1, 0.75,
-         true},
-        {"dielectric",
-         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>", 1.5,
-         1.0, true},
-        {"mirror", "<bsdf type='conductor'><string name='material' value='none'/></bsdf>", 1, 1.0},
+        {"diffuse", bsdf("diffuse", reflectance("0.2, 0.5, 0.8")), 1, 0.5},
+        {"white diffuse", bsdf("diffuse", reflectance("1")), 1, 1.0},
+        {"two-sided diffuse", bsdf("twosided", bsdf("diffuse", reflectance("0.75"))), 1, 0.75, true},
+        {"dielectric", bsdf("dielectric", glass_index), 1.5, 1.0, true},
+        {"thindielectric", bsdf("thindielectric", glass_index), 1, 1.0, true},
+        {"mirror", bsdf("conductor", mirror_index), 1, 1.0},
     };
+}
+
+std::vector<BsdfModel> rough_models() {
+    std::vector<BsdfModel> models;
+    for (const std::string distribution : {"beckmann", "ggx"}) {
+        for (double alpha : {0.01, 0.1, 0.5, 1.0}) {
+            const std::string name = fmt::format("{} alpha={}", distribution, alpha);
+            const std::string facets = microfacets(distribution, alpha);
+            models.push_back({"roughconductor " + name, bsdf("roughconductor", mirror_index + facets)});
+            if (alpha < 1)
+                models.push_back(
+                    {"roughdielectric " + name, bsdf("roughdielectric", glass_index + facets), 1.5, {}, true});
+        }
+        const std::string stretched = "<string name='distribution' value='" + distribution + "'/>" +
+                                      number("alpha_u", 0.05) + number("alpha_v", 0.4);
+        models.push_back({"roughconductor " + distribution + " stretched",
+                          bsdf("twosided", bsdf("roughconductor", number("eta", 0.2) + number("k", 3.9) + stretched)),
+                          1,
+                          {},
+                          true});
+        models.push_back({"roughdielectric " + distribution + " stretched",
+                          bsdf("roughdielectric", glass_index + stretched),
+                          1.5,
+                          {},
+                          true});
+    }
+    return models;
+}
+
+std::vector<BsdfModel> mixed_models() {
+    const std::string diffuse = bsdf("diffuse", reflectance("0.5"));
+    const std::string rough = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.05));
+    return {
+        {"blend of diffuse and glossy", bsdf("blendbsdf", number("weight", 0.3) + diffuse + rough)},
+        {"blend of diffuse and mirror",
+         bsdf("blendbsdf", number("weight", 0.3) + diffuse + bsdf("conductor", mirror_index)), 1, 0.65},
+        {"blend of diffuse and glass",
+         bsdf("blendbsdf",
+              number("weight", 0.5) + diffuse + bsdf("roughdielectric", glass_index + microfacets("ggx", 0.2))),
+         1.5,
+         {},
+         true},
+    };
+}
+
+}  // namespace
+
+std::vector<BsdfModel> bsdf_models() {
+    std::vector<BsdfModel> models = smooth_models();
+    for (auto make : {rough_models, mixed_models})
+        for (BsdfModel& model : make())
+            models.push_back(std::move(model));
+    return models;
 }
 
 std::vector<SamplerCase> bsdf_cases() {
