@@ -111,9 +111,15 @@ float MicrofacetDistribution::visible_area(const Vec3& w) const {
 }
 
 Vec3 MicrofacetDistribution::sample_visible(const Vec3& wo, const Vec2& u) const {
-    const Vec3 wo_std = Vec3(along_u() * wo.x(), along_v() * wo.y(), wo.z()).normalized();
+    const Vec3 from = injected(Fault::visible_normal_warp) ? Vec3(0, 0, 1) : wo;
+    const Vec3 wo_std = Vec3(along_u() * from.x(), along_v() * from.y(), from.z()).normalized();
     const Vec3 m_std = type == MicrofacetType::ggx ? ggx_visible_normal(wo_std, u) : beckmann_visible_normal(wo_std, u);
     return Vec3(along_u() * m_std.x(), along_v() * m_std.y(), m_std.z()).normalized();
+}
+
+Refraction refracted(const Vec3& wo, const Vec3& m, float cos_o, float cos_i, float eta_ti) {
+    const float length = std::abs((eta_ti - 1.f) * (eta_ti + 1.f)) / (cos_o + eta_ti * cos_i);
+    return {(std::copysign(length, 1.f - eta_ti) * m - wo).normalized(), length};
 }
 
 Facet reflecting_facet(const Vec3& wo, const Vec3& wi) {
@@ -121,7 +127,7 @@ Facet reflecting_facet(const Vec3& wo, const Vec3& wi) {
     const double length = h.norm();
     // wo.h = 1 + wo.wi = |h|^2 / 2.
     const auto cosine = static_cast<float>(0.5 * length);
-    return {(h / length).cast<float>(), cosine, cosine, 0.25f};
+    return {(h / length).cast<float>(), cosine, cosine, reflection_jacobian(cosine)};
 }
 
 std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_ti) {
@@ -130,11 +136,10 @@ std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_
     if (h.z() < 0) h = -h;
     const double length = h.norm();
     if (!(h.z() > 0)) return std::nullopt;
-    const double cos_o = o.dot(h) / length, cos_i = -i.dot(h) / length;
-    if (!(cos_o > 0 && cos_i > 0)) return std::nullopt;
-    const double jacobian = sqr(static_cast<double>(eta_ti) / length) * cos_o * cos_i;
-    return Facet{(h / length).cast<float>(), static_cast<float>(cos_o), static_cast<float>(cos_i),
-                 static_cast<float>(jacobian)};
+    const auto cos_o = static_cast<float>(o.dot(h) / length), cos_i = static_cast<float>(-i.dot(h) / length);
+    if (!(cos_o > 0.f && cos_i > 0.f)) return std::nullopt;
+    return Facet{(h / length).cast<float>(), cos_o, cos_i,
+                 refraction_jacobian(cos_o, cos_i, eta_ti, static_cast<float>(length))};
 }
 
 }  // namespace gib

@@ -7,6 +7,7 @@
 // Microfacet-Based BSDFs using the Distribution of Visible Normals".
 
 #include "common/components.h"
+#include "common/fault.h"
 #include "common/math.h"
 
 #include <array>
@@ -62,6 +63,25 @@ struct Facet {
     float cos_i;     ///< |wi.m|
     float jacobian;  ///< wo.m times the solid angle of m over that of wi: has a limit where wo.m = 0
 };
+
+/// The direction that a facet mirrors wo into; cos_o = wo.m.
+inline Vec3 reflected(const Vec3& wo, const Vec3& m, float cos_o) { return (2.f * cos_o * m - wo).normalized(); }
+
+/// The direction that a facet refracts wo into; cos_i = |wi.m| > 0 by Snell's law. wo + eta_ti wi points along m, and
+/// its length |cos_o - eta_ti cos_i| is |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
+struct Refraction {
+    Vec3 wi;
+    float length;  ///< of wo + eta_ti wi
+};
+Refraction refracted(const Vec3& wo, const Vec3& m, float cos_o, float cos_i, float eta_ti);
+
+/// The jacobian of a facet that reflects.
+inline float reflection_jacobian(float cos_o) { return injected(Fault::reflection_jacobian) ? 0.25f * cos_o : 0.25f; }
+
+/// The jacobian of a facet that refracts.
+inline float refraction_jacobian(float cos_o, float cos_i, float eta_ti, float length) {
+    return cos_o * cos_i * sqr((injected(Fault::refraction_jacobian) ? 1.f : eta_ti) / length);
+}
 
 /// The mirror facet for wo.z > 0 and wi.z > 0. Walter et al. 2007, equations 13 and 14.
 Facet reflecting_facet(const Vec3& wo, const Vec3& wi);

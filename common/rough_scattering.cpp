@@ -23,8 +23,6 @@ ScatteringCoefficients of_kind(LobeKind kind, const Color& coefficient) {
 
 Vec3 on_side(const Vec3& w, bool below) { return below ? Vec3(w.x(), w.y(), -w.z()) : w; }
 
-Vec3 reflected(const Vec3& wo, const Vec3& m, float cos_o) { return (2.f * cos_o * m - wo).normalized(); }
-
 }  // namespace
 
 LobeTraits RoughConductor::traits() const {
@@ -32,8 +30,8 @@ LobeTraits RoughConductor::traits() const {
 }
 
 Color RoughConductor::reflectance(float cos_o) const {
-    return index ? Color(specular_reflectance * fresnel_conductor(std::min(cos_o, 1.f), index->eta, index->k))
-                 : specular_reflectance;
+    const Color tint = specular_reflectance * with_loss(Fault::rough_conductor_energy);
+    return index ? Color(tint * fresnel_conductor(std::min(cos_o, 1.f), index->eta, index->k)) : tint;
 }
 
 LobeValues RoughConductor::f_local(const Vec3& wo, const Vec3& wi, Transport) const {
@@ -60,7 +58,7 @@ std::optional<BsdfSample> RoughConductor::sample_local(const Vec3& wo, float, co
     const float cos_o = wo.dot(m);
     const Vec3 wi = reflected(wo, m, cos_o);
     if (!(cos_o > 0.f && wi.z() > 0.f)) return std::nullopt;
-    const float pdf_w = distribution.density(m) * 0.25f / distribution.visible_area(wo);
+    const float pdf_w = distribution.density(m) * reflection_jacobian(cos_o) / distribution.visible_area(wo);
     return BsdfSample{wi, reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)), pdf_w, false, kind, 1.f};
 }
 
@@ -90,8 +88,11 @@ std::optional<RoughDielectric::Event> RoughDielectric::event(const Vec3& wo, con
     return Event{reflects, eta_ti, pdf_w, distribution.visible_area(on_side(wi, wi.z() < 0.f))};
 }
 
+Color RoughDielectric::reflection() const { return specular_reflectance * with_loss(Fault::rough_reflection_energy); }
+
 Color RoughDielectric::transmission(Transport transport, float eta_ti) const {
-    return transport == Transport::radiance ? Color(specular_transmittance / sqr(eta_ti)) : specular_transmittance;
+    const float scale = transport == Transport::radiance ? 1.f / sqr(eta_ti) : 1.f;
+    return specular_transmittance * (scale * with_loss(Fault::rough_refraction_energy));
 }
 
 LobeTraits RoughDielectric::traits() const {
@@ -107,7 +108,7 @@ LobeTraits RoughDielectric::traits() const {
 LobeValues RoughDielectric::f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
     LobeValues f;
     if (const std::optional<Event> e = event(wo, wi)) {
-        const Color tint = e->reflects ? specular_reflectance : transmission(transport, e->eta_ti);
+        const Color tint = e->reflects ? reflection() : transmission(transport, e->eta_ti);
         f.add(kind_of_roughness(distribution.roughness()), tint * (e->pdf_w / e->area_i));
     }
     return f;
@@ -139,19 +140,15 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
     if (u_lobe < fresnel.reflectance) {
         const Vec3 i = reflected(o, m, cos_o);
         if (!(i.z() > 0.f)) return std::nullopt;
-        const float pdf_w = fresnel.reflectance * facets * 0.25f;
+        const float pdf_w = fresnel.reflectance * facets * reflection_jacobian(cos_o);
         return BsdfSample{
-            on_side(i, below), specular_reflectance * (pdf_w / distribution.visible_area(i)), pdf_w, false, kind, 1.f};
+            on_side(i, below), reflection() * (pdf_w / distribution.visible_area(i)), pdf_w, false, kind, 1.f};
     }
     const float cos_i = -fresnel.cos_t;
     if (!(cos_i > 0.f)) return std::nullopt;
-    // |wo + eta_ti wi| = |cos_o - eta_ti cos_i|, and by Snell's law (eta_ti cos_i)^2 - cos_o^2 = eta_ti^2 - 1: no
-    // cancellation.
-    const float sum = cos_o + eta_ti * cos_i;
-    const float length = std::abs((eta_ti - 1.f) * (eta_ti + 1.f)) / sum;
-    const Vec3 i = (std::copysign(length, 1.f - eta_ti) * m - o).normalized();
+    const auto [i, length] = refracted(o, m, cos_o, cos_i, eta_ti);
     if (!(i.z() < 0.f)) return std::nullopt;
-    const float pdf_w = (1.f - fresnel.reflectance) * facets * cos_o * cos_i * sqr(eta_ti / length);
+    const float pdf_w = (1.f - fresnel.reflectance) * facets * refraction_jacobian(cos_o, cos_i, eta_ti, length);
     const Color f = transmission(transport, eta_ti) * (pdf_w / distribution.visible_area(on_side(i, true)));
     return BsdfSample{on_side(i, below), f, pdf_w, false, kind, eta_ti};
 }

@@ -63,7 +63,8 @@ struct RoughDielectric {
 private:
     struct Event;
     std::optional<Event> event(const Vec3& wo, const Vec3& wi) const;
-    /// The light that a refraction lets through, over its power: what the lobe is multiplied by.
+    /// What the lobes are multiplied by.
+    Color reflection() const;
     Color transmission(Transport transport, float eta_ti) const;
 };
 
