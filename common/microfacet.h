@@ -67,8 +67,8 @@ struct Facet {
 /// The direction that a facet mirrors wo into; cos_o = wo.m.
 inline Vec3 reflected(const Vec3& wo, const Vec3& m, float cos_o) { return (2.f * cos_o * m - wo).normalized(); }
 
-/// The direction that a facet refracts wo into; cos_i = |wi.m| > 0 by Snell's law. wo + eta_ti wi points along m, and its length
-/// |cos_o - eta_ti cos_i| is |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
+/// The direction that a facet refracts wo into; cos_i = |wi.m| > 0 by Snell's law. wo + eta_ti wi points along m, and
+/// its length |cos_o - eta_ti cos_i| is |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
 struct Refraction {
     Vec3 wi;
     float length;  ///< of wo + eta_ti wi

@@ -9,8 +9,8 @@ namespace {
 
 Vec3 mirrored(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
 
-/// cos^n of the angle between two unit vectors, 0 beyond a right angle. 1 - cos is half their squared distance: this keeps the
-/// digits of a small angle, on which a high power depends.
+/// cos^n of the angle between two unit vectors, 0 beyond a right angle. 1 - cos is half their squared distance: this
+/// keeps the digits of a small angle, on which a high power depends.
 float cosine_power(const Vec3& a, const Vec3& b, float n) {
     const float one_minus_cos = 0.5f * (a - b).squaredNorm();
     return one_minus_cos < 1.f ? std::exp(n * std::log1p(-one_minus_cos)) : 0.f;

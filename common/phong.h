@@ -6,11 +6,11 @@
 namespace gib {
 
 /// With alpha the angle between wi and the mirror direction of wo, one-sided:
-///     f = rho_d / pi + rho_s (n + 2) / (2 pi) cos(alpha)^n                      (Lafortune and Willems 1994, equation 8)
-/// At normal incidence the second lobe reflects rho_s; at others less, as a part of it lies below the surface. Its samples have
-/// the density (n + 1) / (2 pi) cos(alpha)^n (ibid., equation 12), whose part below the surface is missing from the integral of
-/// pdf_w. A lobe is chosen by its mean reflectance. The glossy one counts as one of roughness sqrt(2 / (n + 2)), the Beckmann
-/// distribution of about its width.
+///     f = rho_d / pi + rho_s (n + 2) / (2 pi) cos(alpha)^n                    (Lafortune and Willems 1994, equation 8)
+/// At normal incidence the second lobe reflects rho_s; at others less, as a part of it lies below the surface. Its
+/// samples have the density (n + 1) / (2 pi) cos(alpha)^n (ibid., equation 12), whose part below the surface is missing
+/// from the integral of pdf_w. A lobe is chosen by its mean reflectance. The glossy one counts as one of roughness
+/// sqrt(2 / (n + 2)), the Beckmann distribution of about its width.
 struct Phong {
     Color diffuse_reflectance = Color::Constant(0.5f);
     Color specular_reflectance = Color::Constant(0.2f);

@@ -27,8 +27,8 @@ LobeChoice choose_lobe(float transmittance, const Color& coat_color, const Color
     return {coat / (coat + base), base / (coat + base)};
 }
 
-/// Of a function of the facet's normal and its cosine with wo. Normals in the two halves of the unit square are mirror images: one
-/// half is enough.
+/// Of a function of the facet's normal and its cosine with wo. Normals in the two halves of the unit square are mirror
+/// images: one half is enough.
 template <typename F>
 double mean_over_visible_normals(const MicrofacetDistribution& distribution, const Vec3& wo, int size, F&& f) {
     // Midpoint rule in t with u = t^2 (3 - 2 t): ends where slopes grow without bounds are approached smoothly.

@@ -17,25 +17,6 @@ std::string name_of(const MicrofacetDistribution& d, double degrees) {
            ' ' + std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
 }
 
-/// A sample's own figures are those of f_local and pdf_w_local, and its weight is at most 1.
-template <typename Model>
-void expect_samples_agree(const Model& model, const Vec3& wo, float tolerance, const std::string& name) {
-    for (std::uint32_t i = 0; i < 2000; ++i) {
-        const Sampler u(PointSet::sobol, 9, 2, i);
-        const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), Transport::power, Lobes::all);
-        if (!s) continue;
-        ASSERT_FALSE(s->delta);
-        const float pdf = model.pdf_w_local(wo, s->wi, Lobes::all);
-        ASSERT_GT(pdf, 0.f) << name;
-        EXPECT_NEAR(s->wi.norm(), 1.f, 1e-6f);
-        EXPECT_NEAR(pdf / s->pdf_w, 1.f, tolerance) << name << " u " << u.get_2d(1).transpose();
-        const float weight = s->f[0] * std::abs(s->wi.z()) / s->pdf_w;
-        EXPECT_NEAR(model.f_local(wo, s->wi, Transport::power).sum()[0] * std::abs(s->wi.z()) / pdf, weight, 1e-4f)
-            << name;
-        EXPECT_LE(weight, 1.f + 1e-5f) << name;
-    }
-}
-
 TEST(RoughScattering, SamplesCarryTheirOwnValueAndDensityAndWeighAtMostOne) {
     for (auto type : types)
         for (auto [au, av] : {std::pair(0.05f, 0.3f), std::pair(0.5f, 0.5f), std::pair(1.f, 0.2f)})
@@ -206,41 +187,13 @@ TEST(RoughScattering, AnInterfaceWithoutAnIndexChangesNothing) {
 }
 
 TEST(RoughScattering, NothingIsEverNaN) {
-    std::vector<Vec3> directions = {Vec3(0, 0, 1),  Vec3(0, 0, -1),     Vec3(1, 0, 0),
-                                    Vec3(0, -1, 0), Vec3(1, 0, 1e-30f), Vec3(-1, 0, -1e-38f)};
-    for (double degrees : {1e-3, 45.0, 89.0, 89.999, 90.001, 135.0, 179.999})
-        for (double phi : {0.0, 2.0, std::numbers::pi})
-            directions.push_back(direction_at(degrees, phi));
-    const auto check = [&](const auto& model, const std::string& name) {
-        for (const Vec3& wo : directions) {
-            EXPECT_TRUE(model.coefficients_local(wo).of(Lobes::all).allFinite());
-            for (const Vec3& wi : directions)
-                for (Vec3 v : {wi, Vec3(wo), Vec3(-wo), mirrored_direction(wo)}) {
-                    const Color f = model.f_local(wo, v, Transport::radiance).sum();
-                    EXPECT_TRUE(f.allFinite() && (f >= 0.f).all())
-                        << name << ": " << wo.transpose() << ", " << v.transpose();
-                    const float pdf = model.pdf_w_local(wo, v, Lobes::all);
-                    EXPECT_TRUE(std::isfinite(pdf) && pdf >= 0.f)
-                        << name << ": " << wo.transpose() << ", " << v.transpose();
-                }
-            for (std::uint32_t i = 0; i < 200; ++i) {
-                const Sampler u(PointSet::independent, 4, 4, i);
-                const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), Transport::radiance, Lobes::all);
-                if (!s) continue;
-                EXPECT_TRUE(s->wi.allFinite() && s->f.allFinite() && std::isfinite(s->pdf_w))
-                    << name << ": " << wo.transpose();
-                EXPECT_GT(s->pdf_w, 0.f);
-                EXPECT_NE(s->wi.z(), 0.f);
-            }
-        }
-    };
     for (auto type : types)
         for (float alpha : {0.f, 1e-4f, 0.01f, 1.f}) {
             const MicrofacetDistribution d{type, alpha, alpha};
-            check(mirror(d), name_of(d, 0));
-            check(RoughConductor{ConductorIndex{Color::Zero(), Color::Zero()}, d}, name_of(d, 0));
+            expect_finite(mirror(d), name_of(d, 0));
+            expect_finite(RoughConductor{ConductorIndex{Color::Zero(), Color::Zero()}, d}, name_of(d, 0));
             for (float eta : {1.5f, 0.5f, 1.f, 1.0001f, 1.f + 1e-7f})
-                check(glass(d, eta), name_of(d, 0) + " eta " + std::to_string(eta));
+                expect_finite(glass(d, eta), name_of(d, 0) + " eta " + std::to_string(eta));
         }
 }
 
