@@ -15,6 +15,9 @@ enum class Effect {
     specular_reflection,
     refraction,
     caustics,
+    glossy_lobes,
+    textures,
+    bump_maps,
     smooth_normals,
     environment_light
 };
