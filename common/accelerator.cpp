@@ -27,7 +27,8 @@ struct AnalyticShape {
 
 std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return intersect(*sphere, ray);
-    return intersect(std::get<Disk>(shape), ray);
+    if (const auto* disk = std::get_if<Disk>(&shape)) return intersect(*disk, ray);
+    return intersect(std::get<Cylinder>(shape), ray);
 }
 
 Ray ray_of(const RTCRay& r) {
@@ -49,17 +50,48 @@ void set_ray(RTCRay& r, const Ray& ray) {
     r.flags = 0;
 }
 
-void analytic_bounds(const RTCBoundsFunctionArguments* args) {
-    const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
-    const Bounds b = bounds_of(*a->shape);
+void set_bounds(RTCBounds& bounds, const Bounds& b) {
     // Hits are found in double: the box must hold them after rounding to float.
     const Vec3 margin = 4.f * unit_roundoff * (b.lower.cwiseAbs() + b.upper.cwiseAbs() + (b.upper - b.lower));
-    args->bounds_o->lower_x = b.lower.x() - margin.x();
-    args->bounds_o->lower_y = b.lower.y() - margin.y();
-    args->bounds_o->lower_z = b.lower.z() - margin.z();
-    args->bounds_o->upper_x = b.upper.x() + margin.x();
-    args->bounds_o->upper_y = b.upper.y() + margin.y();
-    args->bounds_o->upper_z = b.upper.z() + margin.z();
+    bounds.lower_x = b.lower.x() - margin.x();
+    bounds.lower_y = b.lower.y() - margin.y();
+    bounds.lower_z = b.lower.z() - margin.z();
+    bounds.upper_x = b.upper.x() + margin.x();
+    bounds.upper_y = b.upper.y() + margin.y();
+    bounds.upper_z = b.upper.z() + margin.z();
+}
+
+void query(RTCScene scene, RTCRayHit& rayhit) {
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene, &rayhit);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &rayhit);
+#endif
+}
+
+void query(RTCScene scene, RTCRay& ray) {
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(scene, &ray);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+#endif
+}
+
+void commit(RTCScene scene, std::size_t primitives) {
+    const auto build = [&] { rtcJoinCommitScene(scene); };
+    if (primitives <= serial_build_limit) tbb::task_arena(1).execute(build);
+    else build();
+}
+
+void analytic_bounds(const RTCBoundsFunctionArguments* args) {
+    const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
+    set_bounds(*args->bounds_o, bounds_of(*a->shape));
 }
 
 void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
@@ -82,33 +114,93 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
     if (intersect_analytic(*a->shape, ray_of(*ray))) ray->tfar = -infinity;
 }
 
+/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree of
+/// their group. Embree's own instances invert the map in float, with an error that grows with its condition; no useful
+/// bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
+struct InstanceSet {
+    const std::vector<Instance>* instances = nullptr;
+    struct Group {
+        RTCScene scene;
+        Bounds bounds;
+        std::uint32_t first_shape;
+    };
+    std::vector<Group> groups;
+
+    const Instance& at(unsigned i) const { return (*instances)[i]; }
+    const Group& group_of(unsigned i) const { return groups[at(i).group]; }
+};
+
+void instance_bounds(const RTCBoundsFunctionArguments* args) {
+    const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
+    set_bounds(*args->bounds_o, transformed(set->at(args->primID), set->group_of(args->primID).bounds));
+}
+
+void instance_intersect(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
+    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
+    RTCRayHit in_group;
+    set_ray(in_group.ray, carried_to_group(set->at(args->primID), ray_of(rayhit->ray)));
+    query(set->group_of(args->primID).scene, in_group);
+    if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+    rayhit->ray.tfar = in_group.ray.tfar;
+    rayhit->hit = in_group.hit;
+    rayhit->hit.instID[0] = args->primID;
+}
+
+void instance_occluded(const RTCOccludedFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
+    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
+    RTCRay in_group;
+    set_ray(in_group, carried_to_group(set->at(args->primID), ray_of(*ray)));
+    query(set->group_of(args->primID).scene, in_group);
+    if (in_group.tfar < 0.f) ray->tfar = -infinity;
+}
+
 }  // namespace
 
 struct Accelerator::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     std::vector<AnalyticShape> analytic;
+    InstanceSet instanced;
 
     ~State() {
         if (scene) rtcReleaseScene(scene);
+        for (const auto& group : instanced.groups)
+            rtcReleaseScene(group.scene);
         if (device) rtcReleaseDevice(device);
     }
-    void attach(const Mesh& mesh, unsigned id);
-    void attach(const AnalyticShape& shape);
+    RTCScene new_scene() const;
+    void attach(RTCScene to, const Mesh& mesh, unsigned id);
+    void attach(RTCScene to, const AnalyticShape& shape);
+    void attach_instances(unsigned id);
+    /// Attaches shapes [begin, end), numbered from 0, and returns how many primitives they have.
+    std::size_t attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end);
+    void add_group(const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end);
 };
 
-void Accelerator::State::attach(const Mesh& mesh, unsigned id) {
+RTCScene Accelerator::State::new_scene() const {
+    RTCScene result = rtcNewScene(device);
+    // Robust: rays through shared edges and vertices hit one of the triangles, so that closed meshes are closed.
+    rtcSetSceneFlags(result, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(result, RTC_BUILD_QUALITY_HIGH);
+    return result;
+}
+
+void Accelerator::State::attach(RTCScene to, const Mesh& mesh, unsigned id) {
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(), 0,
                                sizeof(mesh.vertices[0]), mesh.vertices.size() - 1);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                sizeof(mesh.triangles[0]), mesh.triangles.size());
     rtcCommitGeometry(g);
-    rtcAttachGeometryByID(scene, g, id);
+    rtcAttachGeometryByID(to, g, id);
     rtcReleaseGeometry(g);
 }
 
-void Accelerator::State::attach(const AnalyticShape& shape) {
+void Accelerator::State::attach(RTCScene to, const AnalyticShape& shape) {
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(g, 1);
     rtcSetGeometryUserData(g, const_cast<AnalyticShape*>(&shape));
@@ -116,60 +208,79 @@ void Accelerator::State::attach(const AnalyticShape& shape) {
     rtcSetGeometryIntersectFunction(g, analytic_intersect);
     rtcSetGeometryOccludedFunction(g, analytic_occluded);
     rtcCommitGeometry(g);
-    rtcAttachGeometryByID(scene, g, shape.id);
+    rtcAttachGeometryByID(to, g, shape.id);
     rtcReleaseGeometry(g);
 }
 
-Accelerator::Accelerator(const std::vector<Shape>& shapes) : state_(std::make_unique<State>()) {
-    state_->device = rtcNewDevice(nullptr);
-    if (!state_->device) throw RunError("Embree could not create a device");
-    state_->scene = rtcNewScene(state_->device);
-    // Robust: rays through shared edges and vertices hit one of the triangles, so that closed meshes are closed.
-    rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(state_->scene, RTC_BUILD_QUALITY_HIGH);
-    state_->analytic.reserve(shapes.size());  // Embree keeps the addresses
+void Accelerator::State::attach_instances(unsigned id) {
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(instanced.instances->size()));
+    rtcSetGeometryUserData(g, &instanced);
+    rtcSetGeometryBoundsFunction(g, instance_bounds, nullptr);
+    rtcSetGeometryIntersectFunction(g, instance_intersect);
+    rtcSetGeometryOccludedFunction(g, instance_occluded);
+    rtcCommitGeometry(g);
+    rtcAttachGeometryByID(scene, g, id);
+    rtcReleaseGeometry(g);
+}
+
+std::size_t Accelerator::State::attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin,
+                                       std::uint32_t end) {
     std::size_t primitives = 0;
-    for (unsigned id = 0; id < shapes.size(); ++id) {
-        const auto* mesh = std::get_if<Mesh>(&shapes[id]);
-        if (mesh) state_->attach(*mesh, id);
-        else state_->attach(state_->analytic.emplace_back(AnalyticShape{&shapes[id], id}));
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const auto* mesh = std::get_if<Mesh>(&shapes[i]);
+        if (mesh) attach(to, *mesh, i - begin);
+        else attach(to, analytic.emplace_back(AnalyticShape{&shapes[i], i - begin}));
         primitives += mesh ? mesh->triangles.size() : 1;
     }
-    const auto build = [&] { rtcJoinCommitScene(state_->scene); };
-    if (primitives <= serial_build_limit) tbb::task_arena(1).execute(build);
-    else build();
+    return primitives;
+}
+
+void Accelerator::State::add_group(const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end) {
+    auto& group = instanced.groups.emplace_back(InstanceSet::Group{new_scene(), Bounds(), begin});
+    for (std::uint32_t i = begin; i < end; ++i)
+        group.bounds.add(bounds_of(shapes[i]));
+    commit(group.scene, attach(group.scene, shapes, begin, end));
+}
+
+Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups& groups)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.device = rtcNewDevice(nullptr);
+    if (!s.device) throw RunError("Embree could not create a device");
+    s.scene = s.new_scene();
+    s.analytic.reserve(shapes.size());  // Embree keeps the addresses
+    s.instanced.instances = &groups.instances;
+    for (std::size_t g = 0; g + 1 < groups.begin.size(); ++g)
+        s.add_group(shapes, groups.begin[g], groups.begin[g + 1]);
+    const auto top_shapes = groups.begin.empty() ? static_cast<std::uint32_t>(shapes.size()) : groups.begin[0];
+    const std::size_t primitives = s.attach(s.scene, shapes, 0, top_shapes) + groups.instances.size();
+    if (!groups.instances.empty()) s.attach_instances(top_shapes);
+    commit(s.scene, primitives);
     if (rtcGetDeviceError(state_->device) != RTC_ERROR_NONE) throw RunError("Embree could not build the scene's tree");
 }
 
 Accelerator::~Accelerator() = default;
 
 std::optional<Intersection> Accelerator::intersect(const Ray& ray) const {
-    RTCRayHit query;
-    set_ray(query.ray, ray);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(state_->scene, &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(state_->scene, &context, &query);
-#endif
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return Intersection{query.hit.geomID, query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
+    RTCRayHit rayhit;
+    set_ray(rayhit.ray, ray);
+    query(state_->scene, rayhit);
+    const RTCHit& hit = rayhit.hit;
+    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    Intersection result{hit.geomID, hit.primID, no_instance, rayhit.ray.tfar, hit.u, hit.v};
+    if (hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
+        result.instance = hit.instID[0];
+        result.shape += state_->instanced.group_of(result.instance).first_shape;
+    }
+    return result;
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
-    RTCRay query;
-    set_ray(query, ray);
-#if RTC_VERSION_MAJOR >= 4
-    rtcOccluded1(state_->scene, &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(state_->scene, &context, &query);
-#endif
-    return query.tfar < 0.f;
+    RTCRay occluded;
+    set_ray(occluded, ray);
+    query(state_->scene, occluded);
+    return occluded.tfar < 0.f;
 }
 
 void* Accelerator::native_handle() const { return state_->scene; }

@@ -1,7 +1,7 @@
 #pragma once
 // The one owner of Embree: closest hits and occlusion over a scene's shapes.
 
-#include "common/shape.h"
+#include "common/instance.h"
 
 #include <memory>
 #include <optional>
@@ -9,17 +9,20 @@
 
 namespace gib {
 
+inline constexpr std::uint32_t no_instance = ~0u;
+
 struct Intersection {
     std::uint32_t shape;
     std::uint32_t primitive;
+    std::uint32_t instance;  ///< or no_instance
     float t;
     float u, v;  ///< barycentric weights of a mesh's second and third vertex
 };
 
 class Accelerator {
 public:
-    /// Keeps pointers into `shapes`, which must outlive it and not move. Mesh vertex arrays have their extra element.
-    explicit Accelerator(const std::vector<Shape>& shapes);
+    /// Keeps pointers into `shapes` and `groups`, which must outlive it and not move. Mesh vertex arrays have their extra element.
+    Accelerator(const std::vector<Shape>& shapes, const InstancedGroups& groups);
     ~Accelerator();
     Accelerator(const Accelerator&) = delete;
     Accelerator& operator=(const Accelerator&) = delete;

@@ -2,6 +2,9 @@
 // The material at one point of a surface, all its parameters known: a mixture of scattering models, each of which may
 // be seen from behind or through a tilted normal, and the probability that nothing is there at all.
 
+#include "common/phong.h"
+#include "common/plastic.h"
+#include "common/rough_scattering.h"
 #include "common/smooth_scattering.h"
 
 #include <variant>
@@ -9,7 +12,8 @@
 
 namespace gib {
 
-using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric>;
+using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, RoughConductor, RoughDielectric,
+                                Plastic, RoughPlastic, Phong>;
 
 /// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there with
 /// probability o. Directions are in the shading frame of the hit.

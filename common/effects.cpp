@@ -1,7 +1,5 @@
 #include "common/effects.h"
 
-#include <algorithm>
-
 namespace gib {
 
 const std::vector<EffectDescription>& effect_descriptions() {
@@ -16,6 +14,7 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::textures, "textures", "materials or emitters that vary over a surface"},
         {Effect::bump_maps, "bump_maps", "shading normals tilted by a bump or normal map"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
+        {Effect::depth_of_field, "depth_of_field", "blur of what a lens is not focused on"},
         {Effect::environment_light, "environment_light", "light from all around, infinitely far away"},
     };
     return descriptions;
@@ -48,10 +47,15 @@ Effects effects_of(const Scene& scene) {
         if (material.is_bumped()) effects.add(Effect::bump_maps);
         if (has_smooth_normals(scene.shapes()[i])) effects.add(Effect::smooth_normals);
     }
+    for (const Light& light : scene.lights()) {
+        const auto* area = std::get_if<AreaLight>(&light);
+        const auto* spot = std::get_if<SpotLight>(&light);
+        if ((area && area->texture) || (spot && spot->is_textured())) effects.add(Effect::textures);
+    }
     if (lobes.specular()) effects.add(Effect::specular_reflection);
     if (lobes.refraction) effects.add(Effect::refraction);
     if (lobes.rough) effects.add(Effect::glossy_lobes);
-    if (std::any_of(scene.lights().begin(), scene.lights().end(), is_textured)) effects.add(Effect::textures);
+    if (scene.sensor().has_lens()) effects.add(Effect::depth_of_field);
     if (scene.environment()) effects.add(Effect::environment_light);
     if (!scene.has_light()) return effects;
     if (lobes.diffuse) {

@@ -19,6 +19,7 @@ enum class Effect {
     textures,
     bump_maps,
     smooth_normals,
+    depth_of_field,
     environment_light
 };
 

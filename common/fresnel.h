@@ -14,6 +14,14 @@ struct DielectricFresnel {
     float eta_ti;       ///< index on the transmitted side over index on the incident side
 };
 
+/// Unpolarised reflectance from the cosines on both sides of the interface, both >= 0 and related by Snell's law; not
+/// both 0.
+inline float dielectric_reflectance(float cos_i, float cos_t, float eta_ti) {
+    const float r_s = (cos_i - eta_ti * cos_t) / (cos_i + eta_ti * cos_t);
+    const float r_p = (eta_ti * cos_i - cos_t) / (eta_ti * cos_i + cos_t);
+    return 0.5f * (r_s * r_s + r_p * r_p);
+}
+
 /// `eta` = interior index / exterior index. Total internal reflection is the limit of the same formula, not a special
 /// case of it: cos_t -> 0 gives reflectance -> 1. Source: Born and Wolf, Principles of Optics, section 1.5.2.
 inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
@@ -22,9 +30,7 @@ inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
     const float sin2_t = std::max(1.f - c * c, 0.f) / (eta_ti * eta_ti);
     const float cos_t = safe_sqrt(1.f - sin2_t);
     if (cos_t == 0.f) return {1.f, 0.f, eta_ti};
-    const float r_s = (c - eta_ti * cos_t) / (c + eta_ti * cos_t);
-    const float r_p = (eta_ti * c - cos_t) / (eta_ti * c + cos_t);
-    return {0.5f * (r_s * r_s + r_p * r_p), cos_i >= 0.f ? -cos_t : cos_t, eta_ti};
+    return {dielectric_reflectance(c, cos_t, eta_ti), cos_i >= 0.f ? -cos_t : cos_t, eta_ti};
 }
 
 /// Reflectance of a conductor with index eta + i k relative to the medium outside, per channel, at cos_i in [0, 1].

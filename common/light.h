@@ -77,13 +77,6 @@ inline bool is_delta(const Light& light) {
            std::holds_alternative<DirectionalLight>(light);
 }
 
-/// Its emission varies over a surface or a slide.
-inline bool is_textured(const Light& light) {
-    if (const auto* area = std::get_if<AreaLight>(&light)) return area->texture.has_value();
-    const auto* spot = std::get_if<SpotLight>(&light);
-    return spot && spot->has_slide();
-}
-
 /// A point of a light as seen from a point that it may light.
 struct LightSample {
     Vec3 wi;         ///< from the lit point to the light, unit

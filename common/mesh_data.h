@@ -27,6 +27,14 @@ MeshData parse_obj(std::string_view text, const std::string& file);
 /// Throws InputError at the place in `file`: of binary data, the last line of the header, with the byte offset.
 MeshData parse_ply(std::string_view content, const std::string& file);
 
+struct SerializedMesh {
+    MeshData data;
+    bool face_normals;  ///< the file asks for them
+};
+/// Mesh number `index`, from 0, of a file in Mitsuba's `serialized` format, version 3 or 4 (Mitsuba's documentation of the
+/// plugin). Vertex colours are skipped. Throws InputError for a file that is damaged in any way, its checksum included.
+SerializedMesh parse_serialized(std::string_view content, const std::string& file, int index);
+
 /// Positions by `to_world`, normals by its inverse transpose, to unit length.
 void transform_mesh(MeshData& mesh, const Mat4d& to_world);
 

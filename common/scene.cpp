@@ -33,23 +33,49 @@ std::vector<double> light_weights(const std::vector<Light>& lights) {
 Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_(required_sensor(parts.sensor)) {
     sensor_.translate(-parts.origin);
     for (auto& object : parts.objects) {
-        const auto shape = static_cast<std::uint32_t>(shapes_.size());
         bounds_.add(bounds_of(object.shape));
-        shapes_.push_back(std::move(object.shape));
-        std::uint32_t light = no_light;
-        if (object.radiance && !is_black(object.radiance->maximum())) {
-            light = static_cast<std::uint32_t>(lights_.size());
-            lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
-        }
-        surfaces_.push_back({object.material, light});
-        has_holes_ |= materials_[object.material].has_holes();
+        add(std::move(object));
     }
+    std::vector<Bounds> group_bounds;
+    for (auto& group : parts.groups) {
+        groups_.begin.push_back(static_cast<std::uint32_t>(shapes_.size()));
+        Bounds& bounds = group_bounds.emplace_back();
+        for (auto& object : group) {
+            bounds.add(bounds_of(object.shape));
+            add(std::move(object));
+        }
+    }
+    if (!parts.groups.empty()) groups_.begin.push_back(static_cast<std::uint32_t>(shapes_.size()));
+    groups_.instances = std::move(parts.instances);
+    for (const auto& instance : groups_.instances)
+        bounds_.add(transformed(instance, group_bounds[instance.group]));
     const BoundingSphere sphere(bounds_);
     for (auto& light : parts.lights)
         add_light(std::move(light), sphere);
 
     light_choice_ = DiscreteDistribution(light_weights(lights_));
-    accelerator_ = std::make_unique<Accelerator>(shapes_);
+    accelerator_ = std::make_unique<Accelerator>(shapes_, groups_);
+}
+
+void Scene::add(SceneParts::Object&& object) {
+    const auto shape = static_cast<std::uint32_t>(shapes_.size());
+    shapes_.push_back(std::move(object.shape));
+    std::uint32_t light = no_light;
+    if (object.radiance && !is_black(object.radiance->maximum())) {
+        light = static_cast<std::uint32_t>(lights_.size());
+        lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
+    }
+    surfaces_.push_back({object.material, light});
+    has_holes_ |= materials_[object.material].has_holes();
+}
+
+SurfaceGeometry Scene::geometry_at(const Intersection& i, const Ray& ray) const {
+    const auto on_shape = [&](const Ray& r) {
+        return surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d);
+    };
+    if (i.instance == no_instance) return on_shape(ray);
+    const Instance& instance = groups_.instances[i.instance];
+    return carried_to_scene(instance, on_shape(carried_to_group(instance, ray)));
 }
 
 void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
@@ -66,19 +92,18 @@ std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     if (!i) return std::nullopt;
     const Surface& surface = surfaces_[i->shape];
     const Material& material = materials_[surface.material];
-    SurfaceHit hit{surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d), material.constant(),
-                   nullptr, surface.light, Frame()};
+    SurfaceHit hit{geometry_at(*i, ray), material.constant(), nullptr, surface.light, Frame(), i->shape,
+                   i->primitive,         i->instance};
     if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit.shading = Frame(hit.ns);
-    if (!hit.bsdf || material.follows_uv()) resolve_material(material, i->shape, i->primitive, hit);
+    if (!hit.bsdf || material.follows_uv()) resolve_material(material, hit);
     return hit;
 }
 
-void Scene::resolve_material(const Material& material, std::uint32_t shape, std::uint32_t primitive,
-                             SurfaceHit& hit) const {
+void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
     MaterialPoint point{hit.uv, hit.ng, Vec3::Zero(), Vec3::Zero(), hit.shading};
     if (material.follows_uv()) {
-        const SurfaceDerivatives derivatives = derivatives_at(shapes_[shape], primitive, hit);
+        const SurfaceDerivatives derivatives = derivatives_at(hit);
         point.dp_du = derivatives.dp_du;
         point.dp_dv = derivatives.dp_dv;
         point.shading = frame_along(hit.ns, derivatives.dp_du);
@@ -87,6 +112,13 @@ void Scene::resolve_material(const Material& material, std::uint32_t shape, std:
     if (hit.bsdf) return;
     hit.own_bsdf = std::make_shared<const Bsdf>(material.at(point));
     hit.bsdf = hit.own_bsdf.get();
+}
+
+SurfaceDerivatives Scene::derivatives_at(const SurfaceHit& hit) const {
+    const Shape& shape = shapes_[hit.shape];
+    return hit.instance == no_instance
+               ? gib::derivatives_at(shape, hit.primitive, hit)
+               : gib::derivatives_at(groups_.instances[hit.instance], shape, hit.primitive, hit);
 }
 
 std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {

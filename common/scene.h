@@ -16,9 +16,10 @@ namespace gib {
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
     const Bsdf* bsdf;
-    const AreaLight* emitter;  ///< null: not a light
-    std::uint32_t light;       ///< index of the emitter among the scene's lights
-    Frame shading;             ///< around ns; its first axis along dp_du where the material follows uv
+    const AreaLight* emitter;                  ///< null: not a light
+    std::uint32_t light;                       ///< index of the emitter among the scene's lights
+    Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
+    std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
     /// [W/(sr m^2)] emitted towards wo.
@@ -36,6 +37,8 @@ struct SceneParts {
         std::optional<Texture> radiance;  ///< of an area light
     };
     std::vector<Object> objects;
+    std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
+    std::vector<Instance> instances;
     std::vector<Material> materials;
     std::vector<Light> lights;     ///< all but the area lights; at most one environment
     std::optional<Sensor> sensor;  ///< required
@@ -49,7 +52,9 @@ public:
     explicit Scene(SceneParts parts);
 
     const Sensor& sensor() const { return sensor_; }
+    /// Those of groups too, once each.
     const std::vector<Shape>& shapes() const { return shapes_; }
+    const std::vector<Instance>& instances() const { return groups_.instances; }
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Material>& materials() const { return materials_; }
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
@@ -61,6 +66,8 @@ public:
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const;
+    /// At what intersect() returned.
+    SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
     /// Whether any light emits anything.
@@ -90,11 +97,14 @@ private:
         std::uint32_t material;
         std::uint32_t light;
     };
-    void resolve_material(const Material& material, std::uint32_t shape, std::uint32_t primitive,
-                          SurfaceHit& hit) const;
+    void resolve_material(const Material& material, SurfaceHit& hit) const;
+
+    void add(SceneParts::Object&& object);
+    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_
+    InstancedGroups groups_;
     std::vector<Material> materials_;
     bool has_holes_ = false;
     std::vector<Light> lights_;

@@ -1,5 +1,8 @@
 #include "common/scene_bsdf.h"
 
+#include "common/conductor_index.h"
+#include "common/dielectric_index.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
@@ -8,100 +11,280 @@ namespace gib {
 
 namespace {
 
-struct NamedIndex {
-    std::string_view name;
-    double index;
-};
-
-/// Indices of refraction at 589 nm and 0 to 20 degrees Celsius, after Hecht, Optics, 4th edition: the names that
-/// Mitsuba has.
-constexpr NamedIndex named_indices[] = {
-    {"vacuum", 1.0},      {"helium", 1.000036},        {"hydrogen", 1.000132},
-    {"air", 1.000277},    {"carbon dioxide", 1.00045}, {"water", 1.3330},
-    {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
-    {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
-    {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
-    {"pyrex", 1.470},     {"acrylic glass", 1.49},     {"polypropylene", 1.49},
-    {"bk7", 1.5046},      {"sodium chloride", 1.544},  {"amber", 1.55},
-    {"pet", 1.5750},      {"diamond", 2.419}};
-
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
     if (properties.has(name) && !properties.is_string(name)) return properties.positive(name, 1);
     std::string wanted = properties.string(name).value_or(fallback);
     std::transform(wanted.begin(), wanted.end(), wanted.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
-    std::vector<std::string_view> names;
-    for (const auto& entry : named_indices) {
-        if (entry.name == wanted) return entry.index;
-        names.push_back(entry.name);
-    }
+    if (const auto index = dielectric_index(wanted)) return *index;
     throw InputError(properties.where(name), fmt::format("'{}': there is no material '{}'; known are: {}", name, wanted,
-                                                         fmt::join(names, ", ")));
+                                                         fmt::join(dielectric_names(), ", ")));
 }
 
-double parse_relative_index(Properties& properties) {
-    const double interior = parse_index(properties, "int_ior", "bk7"),
-                 exterior = parse_index(properties, "ext_ior", "air");
-    return interior / exterior;
+/// Inside over outside.
+float parse_relative_index(Properties& properties, const std::string& interior = "bk7") {
+    return static_cast<float>(parse_index(properties, "int_ior", interior) / parse_index(properties, "ext_ior", "air"));
+}
+
+/// Reads the parameters of a model: those that are constant into the model, the others as textures beside it.
+template <typename Model>
+class ModelReader {
+public:
+    ModelReader(Properties& properties, TextureFiles& files) : properties_(properties), files_(files) {}
+
+    Model* operator->() { return &model_; }
+    Properties& properties() { return properties_; }
+
+    /// `Set` is a lambda without captures that puts a colour into the model.
+    template <typename Set>
+    void color(const std::string& name, float fallback, ColorRange range, Set set) {
+        const Texture texture = parse_textured(properties_, name, fallback, range, files_);
+        set(model_, texture.maximum());
+        if (texture.constant()) return;
+        parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
+    }
+    /// The same for a number.
+    template <typename Set>
+    void number(const std::string& name, float fallback, ColorRange range, Set set) {
+        const Texture texture = parse_textured_number(properties_, name, fallback, range, files_);
+        set(model_, texture.constant() ? texture.value(Vec2::Zero()) : texture.maximum().maxCoeff());
+        if (texture.constant()) return;
+        parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
+    }
+    void reflectance(float fallback = 1.f) {
+        color("specular_reflectance", fallback, ColorRange::unit,
+              [](Model& m, const Color& c) { m.specular_reflectance = c; });
+    }
+    void transmittance() {
+        color("specular_transmittance", 1.f, ColorRange::unit,
+              [](Model& m, const Color& c) { m.specular_transmittance = c; });
+    }
+    void diffuse_reflectance() {
+        color("diffuse_reflectance", 0.5f, ColorRange::unit,
+              [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
+    }
+    Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
+
+private:
+    Properties& properties_;
+    TextureFiles& files_;
+    Model model_;
+    std::vector<TexturedParameter> parameters_;
+};
+
+/// Without a material and an index a perfect mirror.
+template <typename Model>
+void read_conductor_index(ModelReader<Model>& model) {
+    Properties& properties = model.properties();
+    const std::string material = properties.string("material").value_or("none");
+    const bool has_index = properties.has("eta") || properties.has("k");
+    if (has_index) model->index = ConductorIndex{Color::Zero(), Color::Ones()};
+    const auto set_eta = [](Model& m, const Color& c) { m.index->eta = c; };
+    const auto set_k = [](Model& m, const Color& c) { m.index->k = c; };
+    if (has_index || material == "none") {
+        if (!has_index) return;
+        if (material != "none")
+            throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
+        model.color("eta", 0.f, ColorRange::non_negative, set_eta);
+        model.color("k", 1.f, ColorRange::non_negative, set_k);
+        return;
+    }
+    model->index = conductor_index(material);
+    if (!model->index)
+        throw InputError(properties.where("material"), fmt::format("there is no material '{}'; known are: none, {}",
+                                                                   material, fmt::join(conductor_names(), ", ")));
+}
+
+/// distribution, alpha or alpha_u and alpha_v, and sample_visible, which changes no image.
+template <typename Model>
+void read_distribution(ModelReader<Model>& model, bool isotropic = false) {
+    Properties& properties = model.properties();
+    properties.boolean("sample_visible", true);
+    const std::string type = properties.choice("distribution", "beckmann", {"beckmann", "ggx"});
+    model->distribution.type = type == "ggx" ? MicrofacetType::ggx : MicrofacetType::beckmann;
+    const auto set_u = [](Model& m, float alpha) { m.distribution.alpha_u = alpha; };
+    const auto set_v = [](Model& m, float alpha) { m.distribution.alpha_v = alpha; };
+    const auto set_both = [](Model& m, float alpha) { m.distribution.alpha_u = m.distribution.alpha_v = alpha; };
+    const bool has_u = properties.has("alpha_u"), has_v = properties.has("alpha_v");
+    if (isotropic || (!has_u && !has_v)) return model.number("alpha", 0.1f, ColorRange::non_negative, set_both);
+    if (properties.has("alpha") || !has_u || !has_v)
+        throw InputError(properties.element().where, "give either 'alpha' or both 'alpha_u' and 'alpha_v'");
+    model.number("alpha_u", 0.1f, ColorRange::non_negative, set_u);
+    model.number("alpha_v", 0.1f, ColorRange::non_negative, set_v);
+}
+
+Material parse_diffuse(Properties& properties, TextureFiles& files) {
+    ModelReader<Diffuse> model(properties, files);
+    model.color("reflectance", 0.5f, ColorRange::unit, [](Diffuse& m, const Color& c) { m.reflectance = c; });
+    return std::move(model).material();
 }
 
 /// dielectric and thindielectric.
 template <typename Model>
-Scattering parse_dielectric(Properties& properties) {
-    Model model;
-    model.eta = static_cast<float>(parse_relative_index(properties));
-    model.specular_reflectance = properties.color("specular_reflectance", 1, ColorRange::unit);
-    model.specular_transmittance = properties.color("specular_transmittance", 1, ColorRange::unit);
-    return model;
+Material parse_dielectric(Properties& properties, TextureFiles& files) {
+    ModelReader<Model> model(properties, files);
+    model->eta = parse_relative_index(properties);
+    model.reflectance();
+    model.transmittance();
+    return std::move(model).material();
 }
 
-Scattering parse_conductor(Properties& properties) {
-    if (properties.string("material").value_or("none") != "none")
-        throw InputError(properties.where("material"), "conductor materials by name are not supported yet: only none");
-    Conductor conductor;
-    const bool has_index = properties.has("eta") || properties.has("k");
-    const ConductorIndex index{properties.color("eta", 0, ColorRange::non_negative),
-                               properties.color("k", 1, ColorRange::non_negative)};
-    if (has_index) conductor.index = index;
-    conductor.specular_reflectance = properties.color("specular_reflectance", 1, ColorRange::unit);
-    return conductor;
+Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughDielectric> model(properties, files);
+    model->eta = parse_relative_index(properties);
+    read_distribution(model);
+    model.reflectance();
+    model.transmittance();
+    return std::move(model).material();
 }
 
-Scattering parse_diffuse(Properties& properties) {
-    return Diffuse{properties.color("reflectance", 0.5f, ColorRange::unit)};
+Material parse_conductor(Properties& properties, TextureFiles& files) {
+    ModelReader<Conductor> model(properties, files);
+    read_conductor_index(model);
+    model.reflectance();
+    return std::move(model).material();
 }
 
-Material parse_twosided(Properties& properties, const XmlIds& ids) {
-    const auto nested = properties.objects("bsdf");
-    if (nested.empty() || nested.size() > 2)
+Material parse_roughconductor(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughConductor> model(properties, files);
+    read_conductor_index(model);
+    read_distribution(model);
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_plastic(Properties& properties, TextureFiles& files) {
+    ModelReader<Plastic> model(properties, files);
+    model->eta = parse_relative_index(properties, "polypropylene");
+    model->nonlinear = properties.boolean("nonlinear", false);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_roughplastic(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughPlastic> model(properties, files);
+    model->eta = parse_relative_index(properties, "polypropylene");
+    model->nonlinear = properties.boolean("nonlinear", false);
+    read_distribution(model, true);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_phong(Properties& properties, TextureFiles& files) {
+    ModelReader<Phong> model(properties, files);
+    model.number("exponent", 30.f, ColorRange::non_negative, [](Phong& m, float n) { m.exponent = n; });
+    model.diffuse_reflectance();
+    model.reflectance(0.2f);
+    // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
+    if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
         throw InputError(properties.element().where,
-                         fmt::format("twosided takes one or two bsdfs, found {}", nested.size()));
+                         "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+    return std::move(model).material();
+}
+
+NestedMaterial parse_nested(const NestedObject& object, TextureFiles& files) {
+    return std::make_shared<const Material>(parse_bsdf(object, files));
+}
+
+/// The bsdfs inside one that takes `count`. Throws InputError for another number.
+std::vector<NestedObject> nested_bsdfs(Properties& properties, std::size_t lowest, std::size_t highest) {
+    auto nested = properties.objects("bsdf");
+    if (nested.size() >= lowest && nested.size() <= highest) return nested;
+    const char* names[] = {"no", "one", "two"};
+    throw InputError(
+        properties.element().where,
+        fmt::format("{} takes {} bsdf{}, found {}", properties.element().required("type").value,
+                    lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
+                    highest == 1 ? "" : "s", nested.size()));
+}
+
+Material parse_twosided(Properties& properties, TextureFiles& files) {
     std::vector<NestedMaterial> sides;
-    for (const auto& side : nested) {
+    for (const auto& side : nested_bsdfs(properties, 1, 2)) {
         if (side.element->required("type").value == "twosided")
             throw InputError(side.where, "a bsdf inside twosided cannot be twosided");
-        sides.push_back(std::make_shared<const Material>(parse_bsdf(*side.element, ids)));
+        sides.push_back(parse_nested(side, files));
         if (sides.back()->traits().transmission || sides.back()->has_holes())
             throw InputError(side.where, "a bsdf inside twosided must not transmit light");
     }
     return Material(TwoSided{sides.front(), sides.back()});
 }
 
+Material parse_blend(Properties& properties, TextureFiles& files) {
+    const auto nested = nested_bsdfs(properties, 2, 2);
+    return Material(Blend{parse_textured_number(properties, "weight", 0.5f, ColorRange::unit, files),
+                          parse_nested(nested[0], files), parse_nested(nested[1], files)});
+}
+
+Material parse_mask(Properties& properties, TextureFiles& files) {
+    return Material(Mask{parse_textured_number(properties, "opacity", 0.5f, ColorRange::unit, files),
+                         parse_nested(nested_bsdfs(properties, 1, 1)[0], files)});
+}
+
+/// The height's texture may have any name.
+Material parse_bumpmap(Properties& properties, TextureFiles& files) {
+    const auto scale = static_cast<float>(properties.number("scale", 1));
+    const auto height = properties.object("texture");
+    if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
+    const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
+    const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
+    if (!texture.has_gradient())
+        throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
+    return Material(BumpMap{texture, scale, nested});
+}
+
+Material parse_normalmap(Properties& properties, TextureFiles& files) {
+    const auto normal = properties.named_object("normalmap", "texture");
+    if (!normal) throw InputError(properties.element().where, "a normalmap needs a texture named 'normalmap'");
+    const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
+    return Material(NormalMap{parse_texture(*normal, ColorRange::non_negative, files), nested});
+}
+
+using Parse = Material (*)(Properties&, TextureFiles&);
+struct BsdfPlugin {
+    std::string_view name;
+    Parse parse;
+};
+constexpr BsdfPlugin plugins[] = {
+    {"diffuse", parse_diffuse},
+    {"dielectric", parse_dielectric<Dielectric>},
+    {"thindielectric", parse_dielectric<ThinDielectric>},
+    {"roughdielectric", parse_roughdielectric},
+    {"conductor", parse_conductor},
+    {"roughconductor", parse_roughconductor},
+    {"plastic", parse_plastic},
+    {"roughplastic", parse_roughplastic},
+    {"phong", parse_phong},
+    {"twosided", parse_twosided},
+    {"blendbsdf", parse_blend},
+    {"mask", parse_mask},
+    {"null", [](Properties&, TextureFiles&) { return Material(Nothing{}); }},
+    {"bumpmap", parse_bumpmap},
+    {"normalmap", parse_normalmap},
+};
+
 }  // namespace
 
-Material parse_bsdf(const XmlElement& element, const XmlIds& ids) {
-    Properties properties(element, ids);
-    const std::string& type = properties.plugin({"diffuse", "dielectric", "thindielectric", "conductor", "twosided"});
-    const auto parse = [&]() -> Material {
-        if (type == "diffuse") return Material(parse_diffuse(properties));
-        if (type == "dielectric") return Material(parse_dielectric<Dielectric>(properties));
-        if (type == "thindielectric") return Material(parse_dielectric<ThinDielectric>(properties));
-        if (type == "conductor") return Material(parse_conductor(properties));
-        return parse_twosided(properties, ids);
-    };
-    Material material = parse();
-    properties.finish();
-    return material;
+Material parse_bsdf(const NestedObject& object, TextureFiles& files) {
+    const OpenElement open(object, files);
+    Properties properties(*object.element, files.ids());
+    std::vector<std::string_view> names;
+    for (const BsdfPlugin& plugin : plugins)
+        names.push_back(plugin.name);
+    const std::string& type = properties.plugin(names);
+    const auto plugin =
+        std::find_if(std::begin(plugins), std::end(plugins), [&](const auto& p) { return p.name == type; });
+    try {
+        Material material = plugin->parse(properties, files);
+        properties.finish();
+        return material;
+    } catch (const std::invalid_argument& error) {
+        throw InputError(object.where, error.what());
+    }
 }
 
 }  // namespace gib

@@ -2,11 +2,11 @@
 // The <bsdf> elements of a scene file.
 
 #include "common/material.h"
-#include "common/xml_properties.h"
+#include "common/scene_texture.h"
 
 namespace gib {
 
-/// diffuse, dielectric, conductor, or twosided with one or two of them inside. Throws InputError.
-Material parse_bsdf(const XmlElement& element, const XmlIds& ids);
+/// Any of Mitsuba's bsdfs in the table of the .cpp file, and its older `phong`. Throws InputError.
+Material parse_bsdf(const NestedObject& object, TextureFiles& files);
 
 }  // namespace gib

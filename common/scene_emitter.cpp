@@ -46,7 +46,7 @@ PointLight parse_point(Properties& properties, const Vec3d& origin) {
     const Mat4d to_world = properties.transform("to_world");
     if (position && properties.has("to_world"))
         throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
-    const Color intensity = properties.color("intensity", 1, ColorRange::non_negative);
+    const Color intensity = properties.color("intensity", 1, ColorRange::emission);
     return {recentred_position(properties, position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), origin),
             intensity};
 }
@@ -62,7 +62,7 @@ double parse_cutoff(Properties& properties) {
 
 SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& origin) {
     const Mat4d to_world = properties.transform("to_world");
-    const Color intensity = properties.color("intensity", 1, ColorRange::non_negative);
+    const Color intensity = properties.color("intensity", 1, ColorRange::emission);
     const double cutoff = parse_cutoff(properties), beam = properties.number("beam_width", 0.75 * cutoff);
     if (!(beam >= 0 && beam <= cutoff))
         throw InputError(properties.where("beam_width"),
@@ -93,7 +93,7 @@ DirectionalLight parse_directional(Properties& properties) {
         throw InputError(properties.where("to_world"), "give either 'direction' or 'to_world'");
     const Vec3d z = direction.value_or(Vec3d(to_world.block<3, 1>(0, 2)));
     if (!(z.stableNorm() > 0)) throw InputError(properties.where("direction"), "'direction' must not be zero");
-    return {z.stableNormalized().cast<float>(), properties.color("irradiance", 1, ColorRange::non_negative), {}};
+    return {z.stableNormalized().cast<float>(), properties.color("irradiance", 1, ColorRange::emission), {}};
 }
 
 MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
@@ -124,7 +124,7 @@ Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files) {
     Properties properties(*emitter.element, files.ids());
     properties.plugin({"area"});
     check_sampling_weight(properties);
-    Texture radiance = parse_textured(properties, "radiance", 1, ColorRange::non_negative, files);
+    Texture radiance = parse_textured(properties, "radiance", 1, ColorRange::emission, files);
     properties.finish();
     return radiance;
 }
@@ -139,7 +139,7 @@ Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3
         if (type == "spot") return parse_spot(properties, files, origin);
         if (type == "directional") return parse_directional(properties);
         if (type == "envmap") return parse_envmap(properties, files);
-        return ConstantEnvironment{properties.color("radiance", 1, ColorRange::non_negative), {}};
+        return ConstantEnvironment{properties.color("radiance", 1, ColorRange::emission), {}};
     };
     Light light = parse();
     properties.finish();

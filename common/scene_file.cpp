@@ -4,6 +4,7 @@
 #include "common/scene_emitter.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
+#include "common/scene_spectrum.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -20,38 +21,29 @@ public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
         : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
-    void add_bsdf(const NestedObject& bsdf) { material_index(*bsdf.element); }
+    void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
+    void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
 
     void add_shape(const NestedObject& object) {
-        Properties properties(*object.element, ids_);
-        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
-        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
-        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
-        pending.shape = parse_shape(properties, files_, hash_);
-        properties.finish();
-        if (emitter) {
-            pending.radiance = parse_area_emitter(*emitter, textures_);
-            pending.emitter_where = emitter->where;
+        if (is_shape(object, "shapegroup")) {
+            group_index(*object.element);
+        } else if (is_shape(object, "instance")) {
+            add_instance(object);
+        } else {
+            bounds_.extend(add_shape(object, pending_));
         }
-        pending.material = bsdf ? material_index(*bsdf->element) : default_material(emitter.has_value());
-        bounds_.extend(bounds_of(*pending.shape));
-        pending_.push_back(std::move(pending));
     }
 
     void add_emitter(const NestedObject& emitter) { emitters_.push_back(emitter); }
 
     /// Moves the scene's centre to the origin: float holds positions near it best.
     SceneParts finish(const XmlElement& root, Sensor sensor) {
-        if (pending_.empty()) throw InputError(root.where, "the scene is empty: it has no shape");
+        if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
         SceneParts parts;
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
-        for (auto& p : pending_) {
-            SceneParts::Object object{recentred(std::move(*p.shape), parts.origin, p.where), p.material, p.radiance};
-            if (p.radiance && !(area_of(object.shape) > 0))
-                throw InputError(p.emitter_where, "an area emitter on a shape without area");
-            parts.objects.push_back(std::move(object));
-        }
+        parts.objects = recentred_objects(pending_, parts.origin);
+        place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
         parts.sensor = std::move(sensor);
@@ -68,6 +60,101 @@ private:
         std::uint32_t material;
         std::optional<Texture> radiance;
     };
+    /// A shapegroup. Its own origin is the centre of its bounds.
+    struct PendingGroup {
+        std::vector<Pending> members;
+        BoundsD bounds;
+        std::optional<std::uint32_t> index;  ///< in the scene, once an instance has shown it
+    };
+    struct PendingInstance {
+        SourceLocation where;
+        std::uint32_t group;
+        Mat4d to_world;
+    };
+
+    static bool is_shape(const NestedObject& object, std::string_view plugin) {
+        const XmlAttribute* type = object.element->find("type");
+        return type && type->value == plugin;
+    }
+
+    /// A shape that has a surface, appended to `to`. Returns its bounds.
+    BoundsD add_shape(const NestedObject& object, std::vector<Pending>& to) {
+        Properties properties(*object.element, ids_);
+        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
+        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
+        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
+        pending.shape = parse_shape(properties, files_, hash_);
+        properties.finish();
+        if (emitter) {
+            pending.radiance = parse_area_emitter(*emitter, textures_);
+            pending.emitter_where = emitter->where;
+        }
+        pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
+        to.push_back(std::move(pending));
+        return bounds_of(*to.back().shape);
+    }
+
+    /// The group of a <shape type="shapegroup">, which is read at its first mention.
+    std::uint32_t group_index(const XmlElement& element) {
+        if (const auto it = group_of_element_.find(&element); it != group_of_element_.end()) return it->second;
+        Properties properties(element, ids_);
+        const auto members = properties.objects("shape");
+        properties.finish();
+        PendingGroup group;
+        for (const auto& member : members) {
+            for (const std::string_view plugin : {"shapegroup", "instance"})
+                if (is_shape(member, plugin))
+                    throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
+            group.bounds.extend(add_shape(member, group.members));
+            if (group.members.back().radiance)
+                throw InputError(group.members.back().emitter_where, "an emitter cannot stand in a shapegroup");
+        }
+        groups_.push_back(std::move(group));
+        return group_of_element_[&element] = static_cast<std::uint32_t>(groups_.size() - 1);
+    }
+
+    void add_instance(const NestedObject& object) {
+        Properties properties(*object.element, ids_);
+        const Mat4d to_world = properties.transform("to_world");
+        const auto group = properties.object("shape");
+        properties.finish();
+        if (!group) throw InputError(object.where, "an instance needs a shapegroup");
+        if (!is_shape(*group, "shapegroup")) throw InputError(group->where, "an instance takes a shapegroup only");
+        const std::uint32_t index = group_index(*group->element);
+        bounds_.extend(transformed(to_world, groups_[index].bounds));
+        instances_.push_back({object.where, index, to_world});
+    }
+
+    static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
+        std::vector<SceneParts::Object> objects;
+        for (auto& p : pending) {
+            SceneParts::Object object{recentred(std::move(*p.shape), origin, p.where), p.material, p.radiance};
+            if (p.radiance && !(area_of(object.shape) > 0))
+                throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            objects.push_back(std::move(object));
+        }
+        return objects;
+    }
+
+    /// Groups that no instance shows, and instances of an empty group, are not in the scene.
+    void place_instances(SceneParts& parts) {
+        for (const auto& instance : instances_) {
+            PendingGroup& group = groups_[instance.group];
+            if (group.bounds.isEmpty()) continue;
+            const Vec3d center = group.bounds.center();
+            if (!group.index) {
+                group.index = static_cast<std::uint32_t>(parts.groups.size());
+                parts.groups.push_back(recentred_objects(group.members, center));
+            }
+            Mat4d to_scene = instance.to_world;
+            to_scene.topRightCorner<3, 1>() += to_scene.topLeftCorner<3, 3>() * center - parts.origin;
+            check_range(transformed(to_scene, BoundsD(group.bounds.min() - center, group.bounds.max() - center)),
+                        instance.where);
+            const auto placed = make_instance(*group.index, to_scene);
+            if (!placed) throw InputError(instance.where, "the to_world of the instance scales by more than 1e12");
+            parts.instances.push_back(*placed);
+        }
+    }
 
     std::vector<Light> parse_emitters(const Vec3d& origin) {
         std::vector<Light> lights;
@@ -80,9 +167,10 @@ private:
     }
 
     /// A bsdf that several shapes refer to is one material.
-    std::uint32_t material_index(const XmlElement& element) {
-        const auto [it, is_new] = material_of_element_.emplace(&element, static_cast<std::uint32_t>(materials_.size()));
-        if (is_new) materials_.push_back(parse_bsdf(element, ids_));
+    std::uint32_t material_index(const NestedObject& bsdf) {
+        const auto [it, is_new] =
+            material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
+        if (is_new) materials_.push_back(parse_bsdf(bsdf, textures_));
         return it->second;
     }
 
@@ -101,6 +189,9 @@ private:
     ContentHash& hash_;
     TextureFiles textures_;
     std::vector<Pending> pending_;
+    std::vector<PendingGroup> groups_;
+    std::map<const XmlElement*, std::uint32_t> group_of_element_;
+    std::vector<PendingInstance> instances_;
     std::vector<NestedObject> emitters_;
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
@@ -117,12 +208,21 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     const ExpandedXml expanded = expand_xml(xml, path, options.parameters, hash);
     SceneBuilder builder(expanded, hash);
     Properties scene(expanded.root, builder.ids());
-    const auto integrator = scene.object("integrator"), sensor = scene.object("sensor");
-    const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter");
+    const auto integrator = scene.object("integrator");
+    const auto sensors = scene.objects("sensor");
+    const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
+               spectra = scene.objects("spectrum"), textures = scene.objects("texture");
+    for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
+        scene.objects(part_of_sensor);  // a sensor may refer to them
     scene.finish();
-    if (!sensor) throw InputError(expanded.root.where, "the scene has no sensor");
+    if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
-    ParsedSensor parsed = parse_sensor(*sensor, builder.ids(), options.resolution);
+    ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
+    // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
+    for (const auto& spectrum : spectra)
+        parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
+    for (const auto& texture : textures)
+        builder.check_texture(texture);
     for (const auto& bsdf : bsdfs)
         builder.add_bsdf(bsdf);
     for (const auto& shape : shapes)

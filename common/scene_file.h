@@ -25,6 +25,7 @@ struct LoadedScene {
     std::string content_hash;
 };
 
+/// Of several sensors the first counts, as in Mitsuba.
 /// Throws InputError (`file:line:column: message`) for anything wrong in the file or in what it refers to.
 LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options = {});
 

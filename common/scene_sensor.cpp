@@ -14,12 +14,51 @@ constexpr int deepest_integrator = 8;        ///< an integrator that refers to i
 
 ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
     Properties properties(*filter.element, ids);
-    const bool is_box = properties.plugin({"box", "gaussian"}) == "box";
-    const ReconstructionFilter result =
-        is_box ? ReconstructionFilter::box(static_cast<float>(properties.positive("radius", 0.5)))
-               : ReconstructionFilter::gaussian(static_cast<float>(properties.positive("stddev", 0.5)));
+    const std::string& type = properties.plugin({"box", "tent", "gaussian"});
+    const auto parse = [&] {
+        const auto length = [&](const char* name, double fallback) {
+            return static_cast<float>(properties.positive(name, fallback));
+        };
+        if (type == "box") return ReconstructionFilter::box(length("radius", 0.5));
+        if (type == "tent") return ReconstructionFilter::tent(length("radius", 1));
+        return ReconstructionFilter::gaussian(length("stddev", 0.5));
+    };
+    const ReconstructionFilter result = parse();
     properties.finish();
     return result;
+}
+
+/// The image is the window of the film that crop_offset_x, crop_offset_y, crop_width and crop_height name, by default
+/// all of it. Mitsuba's rule: what is given must lie on the film.
+void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
+    const int film_width = sensor.width, film_height = sensor.height;
+    const int x = properties.integer("crop_offset_x", 0).value_or(0),
+              y = properties.integer("crop_offset_y", 0).value_or(0);
+    sensor.width = properties.integer("crop_width", 1).value_or(film_width);
+    sensor.height = properties.integer("crop_height", 1).value_or(film_height);
+    const auto check = [&](int offset, int size, int film, const char* offset_name, const char* size_name) {
+        if (offset <= film - size) return;
+        const char* name = properties.has(offset_name) ? offset_name : size_name;
+        throw InputError(properties.where(name),
+                         fmt::format("the crop window from {} to {} is not within the film's {} pixels", offset,
+                                     static_cast<std::int64_t>(offset) + size, film));
+    };
+    check(x, sensor.width, film_width, "crop_offset_x", "crop_width");
+    check(y, sensor.height, film_height, "crop_offset_y", "crop_height");
+    if (sensor.width != film_width || sensor.height != film_height)
+        sensor.crop = Sensor::Crop{Vec2d(film_width, film_height), Vec2d(x, y)};
+}
+
+/// Another number of pixels for the same picture.
+void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resolution) {
+    const auto [width, height] = resolution;
+    if (width < 1 || height < 1) throw InputError(fmt::format("a resolution of {} x {} has no pixels", width, height));
+    if (sensor.crop) {
+        const Vec2d scale(1.0 * width / sensor.width, 1.0 * height / sensor.height);
+        sensor.crop = Sensor::Crop{sensor.crop->film.cwiseProduct(scale), sensor.crop->offset.cwiseProduct(scale)};
+    }
+    sensor.width = width;
+    sensor.height = height;
 }
 
 void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters& sensor) {
@@ -34,8 +73,7 @@ void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters&
     properties.boolean("sample_border", false);
     properties.boolean("compensate", false);
     properties.boolean("banner", false);
-    for (const char* name : {"crop_offset_x", "crop_offset_y", "crop_width", "crop_height"})
-        if (properties.has(name)) throw InputError(properties.where(name), "crop windows are not supported yet");
+    parse_crop(properties, sensor);
     if (const auto filter = properties.object("rfilter")) sensor.filter = parse_filter(*filter, ids);
     properties.finish();
 }
@@ -85,6 +123,28 @@ void parse_field_of_view(Properties& properties, Sensor::Parameters& sensor) {
     sensor.fov_axis = axes.at(properties.choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"}));
 }
 
+/// The lens of a thinlens; a perspective may name a distance of focus too, which means nothing without a lens.
+void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& sensor) {
+    // Mitsuba's default: its default far clip distance.
+    const double far_clip = std::isfinite(sensor.far_clip) ? static_cast<double>(sensor.far_clip) : 1e4;
+    const double focus_distance = properties.number("focus_distance", far_clip);
+    if (!thinlens) return;
+    const auto radius = properties.number("aperture_radius");
+    if (!radius) throw InputError(properties.element().where, "a thinlens needs an 'aperture_radius'");
+    if (!(*radius >= 0))
+        throw InputError(properties.where("aperture_radius"),
+                         fmt::format("'aperture_radius' must not be negative: {}", *radius));
+    if (!(static_cast<float>(1 / focus_distance) > 0 && std::isfinite(static_cast<float>(1 / focus_distance))))
+        throw InputError(properties.where("focus_distance"),
+                         fmt::format("'focus_distance' must be above 0, not {}", focus_distance));
+    if (!(*radius <= largest_coordinate))
+        throw InputError(properties.where("aperture_radius"), "the lens is too large");
+    if (!(*radius <= largest_coordinate * focus_distance))
+        throw InputError(properties.where("focus_distance"), "'focus_distance' is too small for the lens");
+    sensor.aperture_radius = *radius;
+    sensor.focus_distance = focus_distance;
+}
+
 /// Mitsuba's test and tolerance: the camera-to-world transform keeps lengths.
 void refuse_scale(const Properties& properties, const Mat4d& to_world) {
     for (int i = 0; i < 3; ++i)
@@ -126,31 +186,30 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     for (const double x : parameters.to_world.reshaped())
         if (!(std::abs(x) <= largest_coordinate))
             throw InputError(properties.where("to_world"), "the sensor is too far away");
-    if (properties.plugin({"perspective", "orthographic"}) == "perspective") {
+    const std::string& type = properties.plugin({"perspective", "thinlens", "orthographic"});
+    if (type == "orthographic") {
+        parameters.projection = Sensor::Projection::orthographic;
+    } else {
         parse_field_of_view(properties, parameters);
         refuse_scale(properties, parameters.to_world);
+    }
+    if (type == "perspective")
         parameters.principal_point_offset = {properties.number("principal_point_offset_x", 0),
                                              properties.number("principal_point_offset_y", 0)};
-    } else {
-        parameters.projection = Sensor::Projection::orthographic;
-    }
     parse_clip_distances(properties, parameters);
-    // Mitsuba's sensors take these too; without a lens and without motion they change nothing.
-    for (const char* name : {"focus_distance", "shutter_open", "shutter_close"})
+    parse_lens(properties, type == "thinlens", parameters);
+    // Nothing moves here.
+    for (const char* name : {"shutter_open", "shutter_close"})
         properties.number(name);
     const auto film = properties.object("film"), sampler = properties.object("sampler");
     if (film) parse_film(*film, ids, parameters);
-    if (resolution) {
-        std::tie(parameters.width, parameters.height) = *resolution;
-        if (parameters.width < 1 || parameters.height < 1)
-            throw InputError(fmt::format("a resolution of {} x {} has no pixels", parameters.width, parameters.height));
-    }
+    if (resolution) set_resolution(parameters, *resolution);
     const auto sample_count = sampler ? parse_sampler(*sampler, ids) : std::nullopt;
     properties.finish();
     const double samples = 1.0 * parameters.width * parameters.height * sample_count.value_or(1);
     if (samples > most_samples)
         throw InputError(film ? film->where : sensor.where,
-                         fmt::format("a film of {} x {} pixels with {} samples each is above {:g} samples",
+                         fmt::format("an image of {} x {} pixels with {} samples each is above {:g} samples",
                                      parameters.width, parameters.height, sample_count.value_or(1), most_samples));
     return {Sensor(parameters), sample_count};
 }

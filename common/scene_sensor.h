@@ -11,9 +11,11 @@ struct ParsedSensor {
     std::optional<int> sample_count;  ///< samples a pixel, of the sampler
 };
 
-/// perspective (fov or focal_length, fov_axis, principal_point_offset_x and _y) or orthographic, both with to_world,
-/// near_clip, far_clip, an hdrfilm and a sampler. Clip distances act only if they are given. `resolution` replaces the
-/// film's width and height. Throws InputError, also for a film of more than 1e9 samples.
+/// perspective, thinlens (fov or focal_length, fov_axis; the first with principal_point_offset_x and _y, the second with
+/// aperture_radius and focus_distance) or orthographic, all with to_world, near_clip, far_clip, an hdrfilm and a sampler.
+/// Clip distances act only if they are given. A film's crop window becomes the image; `resolution` replaces the image's
+/// width and height, and a crop window stays where it is on the film. Throws InputError, also for an image of more than
+/// 1e9 samples.
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution);
 

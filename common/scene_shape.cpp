@@ -12,10 +12,17 @@ constexpr double largest_coordinate = 1.8e18;
 bool mirrors(const Mat4d& to_world) { return to_world.topLeftCorner<3, 3>().determinant() < 0; }
 
 /// Mitsuba's rectangle, disk and vertex normals follow the inverse transpose of to_world, triangles their vertices:
-/// under a mirroring transform those that have a normal of their own keep it.
+/// under a mirroring transform those that have a normal of their own keep it. For a mesh whose uv are given.
 void swap_winding(MeshData& mesh) {
     for (auto& triangle : mesh.triangles)
         std::swap(triangle[1], triangle[2]);
+}
+
+/// The same for a mesh with normals: the order of the vertices stays, because barycentric uv depend on it.
+void keep_front_of_normals(ParsedMesh& mesh) {
+    for (auto& n : mesh.data.normals)
+        n = -n;
+    mesh.flip_normals = !mesh.flip_normals;
 }
 
 /// [-1, 1]^2 in the plane z = 0, front towards +z.
@@ -65,7 +72,7 @@ ParsedSphere parse_sphere(Properties& properties, const Mat4d& to_world) {
         throw InputError(properties.where("to_world"), "the to_world of a sphere must scale uniformly and not shear");
     // Mitsuba reads a mirroring transform as a negative radius, which turns the normals.
     return {linear * center + to_world.topRightCorner<3, 1>(), scale * radius,
-            properties.boolean("flip_normals", false) != mirrors(to_world)};
+            properties.boolean("flip_normals", false) != mirrors(to_world), linear / scale};
 }
 
 /// The unit disk in the plane z = 0, front towards +z.
@@ -79,24 +86,56 @@ ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
             properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
 }
 
+/// From p0 to p1, front outside. A mirroring transform does not turn it inside out (Mitsuba takes the normal of the mirrored
+/// parametrisation and flips it).
+ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
+    const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
+                p1 = properties.point("p1").value_or(Vec3d::UnitZ());
+    const double radius = properties.positive("radius", 1);
+    const Vec3d along = (p1 - p0).stableNormalized();
+    if (!(along.norm() > 0.5))
+        throw InputError(properties.where(properties.has("p1") ? "p1" : "p0"), "'p0' and 'p1' are the same point");
+    // Where u is 0 is Mitsuba's choice; the rest of float's rounding is taken off.
+    const Vec3d s0 = Frame(along.cast<float>()).s.cast<double>();
+    const Vec3d s = (s0 - s0.dot(along) * along).normalized(), t = along.cross(s);
+    const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+    Eigen::Matrix3d axes;
+    axes << linear * s, linear * t, linear * along;
+    const double scale = axes.col(0).stableNorm();
+    const Vec3d lengths(scale, scale, axes.col(2).stableNorm());
+    const Eigen::Matrix3d unit = axes * lengths.cwiseInverse().asDiagonal();
+    if (!(unit.transpose() * unit).isIdentity(1e-5))
+        throw InputError(properties.where("to_world"),
+                         "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
+    return {linear * p0 + to_world.topRightCorner<3, 1>(), linear * (p1 - p0), unit.col(0), unit.col(1), scale * radius,
+            properties.boolean("flip_normals", false)};
+}
+
 ParsedMesh parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
                            const FileFinder& files, ContentHash& hash) {
-    const bool is_obj = type == "obj";
+    const bool is_obj = type == "obj", is_serialized = type == "serialized";
     const auto name = properties.string("filename");
     if (!name) throw InputError(properties.element().where, fmt::format("'{}' needs a 'filename'", type));
-    const bool face_normals = properties.boolean("face_normals", false);
-    const bool flip_v = properties.boolean("flip_tex_coords", is_obj);
+    bool face_normals = properties.boolean("face_normals", false);
+    const bool flip_v = !is_serialized && properties.boolean("flip_tex_coords", is_obj);
+    const int index = is_serialized ? properties.integer("shape_index", 0).value_or(0) : 0;
     ParsedMesh mesh;
     mesh.flip_normals = properties.boolean("flip_normals", false);
     const std::string path = files.find(*name, properties.element_where("filename"));
     const std::string content = read_file(path);
     hash.add(content);
-    mesh.data = is_obj ? parse_obj(content, path) : parse_ply(content, path);
+    if (is_serialized) {
+        SerializedMesh serialized = parse_serialized(content, path, index);
+        mesh.data = std::move(serialized.data);
+        face_normals |= serialized.face_normals;
+    } else {
+        mesh.data = is_obj ? parse_obj(content, path) : parse_ply(content, path);
+    }
     if (flip_v)
         for (auto& uv : mesh.data.uvs)
             uv.y() = 1.f - uv.y();
     if (face_normals) mesh.data.normals.clear();
-    if (!mesh.data.normals.empty() && mirrors(to_world)) swap_winding(mesh.data);
+    if (!mesh.data.normals.empty() && mirrors(to_world)) keep_front_of_normals(mesh);
     transform_mesh(mesh.data, to_world);
     if (!face_normals) compute_normals(mesh.data);
     return mesh;
@@ -127,7 +166,7 @@ Sphere recentred(const ParsedSphere& sphere, const Vec3d& origin, const SourceLo
     check_range((sphere.center - origin).cwiseAbs() + Vec3d::Constant(sphere.radius), where);
     const auto radius = static_cast<float>(sphere.radius);
     if (!(radius > 0)) throw InputError(where, "the sphere's radius is too small");
-    return {(sphere.center - origin).cast<float>(), radius, sphere.flip_normals};
+    return {(sphere.center - origin).cast<float>(), radius, sphere.flip_normals, sphere.axes.cast<float>()};
 }
 
 Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation& where) {
@@ -139,15 +178,25 @@ Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation
     return result;
 }
 
+Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLocation& where) {
+    check_range((c.base - origin).cwiseAbs() + c.axis.cwiseAbs() + Vec3d::Constant(c.radius), where);
+    const Cylinder result{(c.base - origin).cast<float>(), c.axis.cast<float>(), c.s.cast<float>(), c.t.cast<float>(),
+                          static_cast<float>(c.radius),    c.flip_normals};
+    if (!(result.radius > 0) || !(result.axis.squaredNorm() > 0)) throw InputError(where, "the cylinder is too small");
+    return result;
+}
+
 }  // namespace
 
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash) {
-    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "obj", "ply"});
+    const std::string& type = properties.plugin(
+        {"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);
     if (type == "sphere") return parse_sphere(properties, to_world);
     if (type == "disk") return parse_disk(properties, to_world);
+    if (type == "cylinder") return parse_cylinder(properties, to_world);
     return parse_mesh_file(type, properties, to_world, files, hash);
 }
 
@@ -160,13 +209,31 @@ BoundsD bounds_of(const ParsedShape& shape) {
     } else if (const auto* sphere = std::get_if<ParsedSphere>(&shape)) {
         bounds.extend(Vec3d(sphere->center.array() - sphere->radius));
         bounds.extend(Vec3d(sphere->center.array() + sphere->radius));
+    } else if (const auto* disk = std::get_if<ParsedDisk>(&shape)) {
+        const Vec3d extent = (disk->du.cwiseAbs2() + disk->dv.cwiseAbs2()).cwiseSqrt();
+        bounds.extend(disk->center - extent);
+        bounds.extend(disk->center + extent);
     } else {
-        const auto& disk = std::get<ParsedDisk>(shape);
-        const Vec3d extent = (disk.du.cwiseAbs2() + disk.dv.cwiseAbs2()).cwiseSqrt();
-        bounds.extend(disk.center - extent);
-        bounds.extend(disk.center + extent);
+        const auto& cylinder = std::get<ParsedCylinder>(shape);
+        const Vec3d extent = cylinder.radius * (cylinder.s.cwiseAbs2() + cylinder.t.cwiseAbs2()).cwiseSqrt();
+        for (const Vec3d& end : {cylinder.base, Vec3d(cylinder.base + cylinder.axis)}) {
+            bounds.extend(end - extent);
+            bounds.extend(end + extent);
+        }
     }
     return bounds;
+}
+
+BoundsD transformed(const Mat4d& to_world, const BoundsD& bounds) {
+    if (bounds.isEmpty()) return bounds;
+    const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+    const Vec3d center = linear * bounds.center() + to_world.topRightCorner<3, 1>();
+    const Vec3d extent = linear.cwiseAbs() * (0.5 * bounds.sizes());
+    return {center - extent, center + extent};
+}
+
+void check_range(const BoundsD& bounds, const SourceLocation& where) {
+    check_range(Vec3d(bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs())), where);
 }
 
 Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where) {

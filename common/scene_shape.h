@@ -15,19 +15,29 @@ struct ParsedSphere {
     Vec3d center;
     double radius;
     bool flip_normals;
+    Eigen::Matrix3d axes;  ///< columns: where its x, y and z point, unit
 };
 struct ParsedDisk {
     Vec3d center, du, dv, normal;
 };
-using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk>;
+struct ParsedCylinder {
+    Vec3d base, axis, s, t;  ///< as of a Cylinder
+    double radius;
+    bool flip_normals;
+};
+using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk, ParsedCylinder>;
 
 using BoundsD = Eigen::AlignedBox3d;
 
-/// rectangle, cube, sphere, disk, obj or ply with its own parameters; those that every shape takes are the caller's.
+/// rectangle, cube, sphere, disk, cylinder, obj, ply or serialized with its own parameters; those that every shape takes are the caller's.
 /// The bytes of mesh files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
 ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);
+/// The box around a box that was moved.
+BoundsD transformed(const Mat4d& to_world, const BoundsD& bounds);
+/// Throws InputError at `where` for a box that ray queries cannot take.
+void check_range(const BoundsD& bounds, const SourceLocation& where);
 
 /// The shape in float, relative to `origin`. Throws InputError at `where` for what float cannot hold.
 Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where);

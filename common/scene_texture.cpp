@@ -4,20 +4,12 @@
 
 namespace gib {
 
-/// Marks a texture as being parsed.
-class OpenTexture {
-public:
-    OpenTexture(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
-        if (!files.open_.insert(element_).second) throw InputError(object.where, "the texture holds itself");
-    }
-    ~OpenTexture() { files_.open_.erase(element_); }
-    OpenTexture(const OpenTexture&) = delete;
-    OpenTexture& operator=(const OpenTexture&) = delete;
+OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
+    if (!files.open_.insert(element_).second)
+        throw InputError(object.where, fmt::format("the {} holds itself", element_->tag));
+}
 
-private:
-    const XmlElement* element_;
-    TextureFiles& files_;
-};
+OpenElement::~OpenElement() { files_.open_.erase(element_); }
 
 namespace {
 
@@ -42,7 +34,7 @@ Texture parse_bitmap(Properties& properties, TextureFiles& files) {
     texture.to_uv = parse_to_uv(properties);
     const bool raw = properties.boolean("raw", false);
     // Mitsuba's, for its memory and its graphics processors: texels are 32-bit floats here.
-    properties.choice("format", "auto", {"auto", "variant", "fp16"});
+    properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
     properties.boolean("accel", true);
     texture.bitmap = files.bitmap(*name, properties.element_where("filename"), raw);
     return Texture(std::move(texture));
@@ -84,7 +76,7 @@ std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, cons
 }
 
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files) {
-    const OpenTexture open(object, files);
+    const OpenElement open(object, files);
     Properties properties(*object.element, files.ids());
     const bool is_bitmap = properties.plugin({"bitmap", "checkerboard"}) == "bitmap";
     const Texture texture = is_bitmap ? parse_bitmap(properties, files) : parse_checkerboard(properties, range, files);

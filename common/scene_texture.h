@@ -24,7 +24,7 @@ public:
     std::string path(const std::string& name, const SourceLocation& where);
 
 private:
-    friend class OpenTexture;
+    friend class OpenElement;
     const FileFinder& finder_;
     ContentHash& hash_;
     const XmlIds& ids_;
@@ -32,6 +32,19 @@ private:
     std::map<std::pair<std::string, bool>, std::shared_ptr<const Bitmap>> bitmaps_;
     std::set<std::string> hashed_;
     std::set<const XmlElement*> open_;  ///< being parsed now, to find those that hold themselves
+};
+
+/// Marks a texture or material as being parsed. Throws InputError if it is already: references can make it hold itself.
+class OpenElement {
+public:
+    OpenElement(const NestedObject& object, TextureFiles& files);
+    ~OpenElement();
+    OpenElement(const OpenElement&) = delete;
+    OpenElement& operator=(const OpenElement&) = delete;
+
+private:
+    const XmlElement* element_;
+    TextureFiles& files_;
 };
 
 /// A bitmap or checkerboard. `range` holds for the constants in it; images are not checked. Throws InputError.

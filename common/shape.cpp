@@ -70,11 +70,26 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     return s;
 }
 
-/// Latitude and longitude as Mitsuba's sphere has them, up to the rotation that its to_world may hold.
-Vec2 sphere_uv(const Vec3& direction) {
-    const float phi = std::atan2(direction.y(), direction.x());
-    const float theta = std::acos(std::clamp(direction.z(), -1.f, 1.f));
-    return {(phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi), theta / pi};
+/// Around the axis `normal` is the only direction that p's rounding counts in; it is that of the sums and of a unit vector's length.
+SurfacePoint point_on_cylinder(const Cylinder& cylinder, const Vec3& normal, float v) {
+    SurfacePoint s;
+    s.p = cylinder.base + v * cylinder.axis + cylinder.radius * normal;
+    s.ng = cylinder.flip_normals ? Vec3(-normal) : normal;
+    const Vec3 along = cylinder.base.cwiseAbs() + cylinder.axis.cwiseAbs();
+    s.offset = gamma(8) * normal.cwiseAbs().dot(along) + gamma(16) * cylinder.radius;
+    return s;
+}
+
+/// The angle of (x, y) in full turns, from 0 to 1.
+float turns(float x, float y) {
+    const float phi = std::atan2(y, x);
+    return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
+}
+
+/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits near a pole.
+Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
+    const Vec3 d = sphere.axes.transpose() * direction;
+    return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
 }
 
 SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
@@ -101,6 +116,35 @@ SurfaceGeometry surface_of_mesh(const Mesh& mesh, std::uint32_t triangle, float 
     return s;
 }
 
+/// Projects `p_ray` in double: the axis may be many times longer than the radius.
+SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray) {
+    const Vec3d axis = cylinder.axis.cast<double>(), d = p_ray.cast<double>() - cylinder.base.cast<double>();
+    const double v = d.dot(axis) / axis.squaredNorm();
+    const Vec3d across = d - v * axis;
+    const double length = across.norm();
+    const Vec3 n = length > 0 ? Vec3((across / length).cast<float>()) : cylinder.s;
+    const SurfacePoint s = point_on_cylinder(cylinder, n, std::clamp(static_cast<float>(v), 0.f, 1.f));
+    return {s, s.ng, Vec2(turns(n.dot(cylinder.s), n.dot(cylinder.t)), std::clamp(static_cast<float>(v), 0.f, 1.f))};
+}
+
+struct Roots {
+    double near, far;
+};
+
+/// Where |f + t d|^2 = r2, in the form of Haines et al. that does not cancel. Empty for d = 0 too.
+std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
+    const double a = d.squaredNorm(), b = -f.dot(d);
+    const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
+    if (!(discriminant >= 0)) return std::nullopt;
+    const double q = b + std::copysign(std::sqrt(a * discriminant), b);
+    const double first = (f.squaredNorm() - r2) / q, second = q / a;
+    return first > second ? Roots{second, first} : Roots{first, second};
+}
+
+bool within(const Ray& ray, double t) {
+    return t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max);
+}
+
 }  // namespace
 
 Vec3 Mesh::normal_of(std::size_t i) const {
@@ -118,11 +162,17 @@ Bounds bounds_of(const Shape& shape) {
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         b.add(sphere->center - Vec3::Constant(sphere->radius));
         b.add(sphere->center + Vec3::Constant(sphere->radius));
+    } else if (const auto* disk = std::get_if<Disk>(&shape)) {
+        const Vec3 extent = (disk->du.cwiseAbs2() + disk->dv.cwiseAbs2()).cwiseSqrt();
+        b.add(disk->center - extent);
+        b.add(disk->center + extent);
     } else {
-        const auto& disk = std::get<Disk>(shape);
-        const Vec3 extent = (disk.du.cwiseAbs2() + disk.dv.cwiseAbs2()).cwiseSqrt();
-        b.add(disk.center - extent);
-        b.add(disk.center + extent);
+        const auto& cylinder = std::get<Cylinder>(shape);
+        const Vec3 extent = cylinder.radius * (cylinder.s.cwiseAbs2() + cylinder.t.cwiseAbs2()).cwiseSqrt();
+        for (const Vec3& end : {cylinder.base, Vec3(cylinder.base + cylinder.axis)}) {
+            b.add(end - extent);
+            b.add(end + extent);
+        }
     }
     return b;
 }
@@ -136,8 +186,10 @@ double area_of(const Shape& shape) {
     }
     if (const auto* sphere = std::get_if<Sphere>(&shape))
         return 4.0 * std::numbers::pi * sqr(static_cast<double>(sphere->radius));
-    const auto& disk = std::get<Disk>(shape);
-    return std::numbers::pi * disk.du.cast<double>().norm() * disk.dv.cast<double>().norm();
+    if (const auto* disk = std::get_if<Disk>(&shape))
+        return std::numbers::pi * disk->du.cast<double>().norm() * disk->dv.cast<double>().norm();
+    const auto& cylinder = std::get<Cylinder>(shape);
+    return 2.0 * std::numbers::pi * static_cast<double>(cylinder.radius) * cylinder.axis.cast<double>().norm();
 }
 
 bool has_smooth_normals(const Shape& shape) {
@@ -150,33 +202,22 @@ SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u,
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         const Vec3 direction = (p_ray - sphere->center).normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
-        return {s, s.ng, sphere_uv(direction)};
+        return {s, s.ng, sphere_uv(*sphere, direction)};
     }
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray);
     const auto& disk = std::get<Disk>(shape);
     const Vec3 d = p_ray - disk.center;
     const float a = d.dot(disk.du) / disk.du.squaredNorm(), b = d.dot(disk.dv) / disk.dv.squaredNorm();
-    const float phi = std::atan2(b, a);
     const SurfacePoint s = point_on_disk(disk, a, b);
-    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi))};
-}
-
-SurfaceDerivatives derivatives_at(const Shape&, std::uint32_t, const SurfaceGeometry& surface) {
-    const Frame frame(surface.ns);
-    return {frame.s, frame.t};
+    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), turns(a, b))};
 }
 
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
-    const Vec3d d = ray.d.cast<double>();
-    const Vec3d f = ray.o.cast<double>() - sphere.center.cast<double>();
-    const double a = d.squaredNorm(), b = -f.dot(d), r2 = sqr(static_cast<double>(sphere.radius));
-    const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
-    if (discriminant < 0) return std::nullopt;
-    const double c = f.squaredNorm() - r2;
-    const double q = b + std::copysign(std::sqrt(a * discriminant), b);
-    double near = c / q, far = q / a;
-    if (near > far) std::swap(near, far);
-    const double t = near > static_cast<double>(ray.t_min) ? near : far;
-    if (!(t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max))) return std::nullopt;
+    const auto roots = meet(ray.o.cast<double>() - sphere.center.cast<double>(), ray.d.cast<double>(),
+                            sqr(static_cast<double>(sphere.radius)));
+    if (!roots) return std::nullopt;
+    const double t = roots->near > static_cast<double>(ray.t_min) ? roots->near : roots->far;
+    if (!within(ray, t)) return std::nullopt;
     return static_cast<float>(t);
 }
 
@@ -186,12 +227,23 @@ std::optional<float> intersect(const Disk& disk, const Ray& ray) {
     const double denominator = n.dot(d);
     if (denominator == 0) return std::nullopt;
     const double t = n.dot(f) / denominator;
-    if (!(t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max))) return std::nullopt;
+    if (!within(ray, t)) return std::nullopt;
     const Vec3d p = t * d - f;
     const double a = p.dot(disk.du.cast<double>()) / disk.du.cast<double>().squaredNorm();
     const double b = p.dot(disk.dv.cast<double>()) / disk.dv.cast<double>().squaredNorm();
     if (a * a + b * b > 1) return std::nullopt;
     return static_cast<float>(t);
+}
+
+std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray) {
+    const Vec3d axis = cylinder.axis.cast<double>(), d = ray.d.cast<double>();
+    const Vec3d f = ray.o.cast<double>() - cylinder.base.cast<double>();
+    const double dv = d.dot(axis) / axis.squaredNorm(), v = f.dot(axis) / axis.squaredNorm();
+    const auto roots = meet(f - v * axis, d - dv * axis, sqr(static_cast<double>(cylinder.radius)));
+    if (!roots) return std::nullopt;
+    for (const double t : {roots->near, roots->far})
+        if (within(ray, t) && v + t * dv >= 0 && v + t * dv <= 1) return static_cast<float>(t);
+    return std::nullopt;
 }
 
 AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(shape))) {
@@ -210,6 +262,10 @@ SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
         return point_of_mesh(*mesh, choice.index, b.x(), b.y());
     }
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+        const float phi = 2.f * pi * u.y();
+        return point_on_cylinder(*cylinder, std::cos(phi) * cylinder->s + std::sin(phi) * cylinder->t, u.x());
+    }
     const Vec2 d = square_to_disk(u);
     return point_on_disk(std::get<Disk>(shape), d.x(), d.y());
 }

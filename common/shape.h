@@ -41,6 +41,7 @@ struct Sphere {
     Vec3 center;
     float radius;
     bool flip_normals = false;
+    Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: its own x, y, z, orthonormal; uv follow them
 };
 
 /// The ellipse center + a du + b dv with a^2 + b^2 <= 1; du and dv are orthogonal, not of unit length.
@@ -49,27 +50,40 @@ struct Disk {
     Vec3 normal;
 };
 
-using Shape = std::variant<Mesh, Sphere, Disk>;
+/// The side of a cylinder, without its ends: base + v axis + radius (cos(phi) s + sin(phi) t) with v in [0, 1].
+struct Cylinder {
+    Vec3 base, axis;
+    Vec3 s, t;  ///< unit, at right angles to each other and to the axis
+    float radius;
+    bool flip_normals = false;
+};
+
+using Shape = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 Bounds bounds_of(const Shape& shape);
 /// [scene units^2]
 double area_of(const Shape& shape);
 bool has_smooth_normals(const Shape& shape);
 
+/// How p moves per unit of u and of v [scene units]. Independent of flip_normals.
+struct SurfaceDerivatives {
+    Vec3 dp_du, dp_dv;
+};
+
 /// The hit at barycentric weights (u, v) of a mesh's second and third vertex; `p_ray`, the point computed from the ray,
 /// serves the other shapes, which project it back onto themselves.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
 
-/// How the point of a hit moves over the surface [scene units per unit of uv].
-struct SurfaceDerivatives {
-    Vec3 dp_du, dp_dv;
-};
-SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& surface);
+/// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line) they
+/// are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in the centre of a disk, where the
+/// point does not move with the angle, that derivative keeps its direction and is tiny instead of zero.
+SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
 
-/// The smallest t in (t_min, t_max) at which the ray meets a sphere or a disk. In double: a quadratic's difference of
+/// The smallest t in (t_min, t_max) at which the ray meets a shape that is no mesh. In double: a quadratic's difference of
 /// nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
 std::optional<float> intersect(const Disk& disk, const Ray& ray);
+std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray);
 
 /// Uniform points on a shape, prepared once.
 class AreaSampler {

@@ -2,6 +2,8 @@
 // Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they have
 // samples, but neither f nor density.
 
+#include "common/conductor_index.h"
+#include "common/fault.h"
 #include "common/fresnel.h"
 #include "common/scattering.h"
 #include "common/warp.h"
@@ -15,7 +17,7 @@ struct Diffuse {
     LobeTraits traits() const { return {.diffuse = !is_black(reflectance)}; }
     LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport) const {
         LobeValues f;
-        if (wo.z() > 0.f && wi.z() > 0.f) f.diffuse = reflectance * inv_pi;
+        if (wo.z() > 0.f && wi.z() > 0.f) f.diffuse = value(wi.z());
         return f;
     }
     float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
@@ -24,12 +26,18 @@ struct Diffuse {
     std::optional<BsdfSample> sample_local(const Vec3& wo, float, const Vec2& u, Transport, Lobes which) const {
         if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
         const Vec3 wi = square_to_cosine_hemisphere(u);
-        return BsdfSample{wi, reflectance * inv_pi, cosine_hemisphere_pdf(wi.z()), false, LobeKind::diffuse, 1.f};
+        return BsdfSample{wi, value(wi.z()), cosine_hemisphere_pdf(wi.z()), false, LobeKind::diffuse, 1.f};
     }
     ScatteringCoefficients coefficients_local(const Vec3& wo) const {
         ScatteringCoefficients c;
         if (wo.z() > 0.f) c.diffuse = reflectance;
         return c;
+    }
+
+private:
+    Color value(float cos_i) const {
+        const float cosine = injected(Fault::diffuse_cosine) ? 1.5f * cos_i : 1.f;
+        return reflectance * (inv_pi * cosine * with_loss(Fault::diffuse_energy));
     }
 };
 
@@ -60,11 +68,6 @@ struct ThinDielectric {
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
     /// Of the whole sheet.
     float reflectance(float cos_theta) const;
-};
-
-/// The index eta + i k of a conductor relative to the medium outside, per channel.
-struct ConductorIndex {
-    Color eta, k;
 };
 
 /// A smooth conductor, one-sided. Without an index ("none") a perfect mirror.

@@ -17,7 +17,7 @@ public:
               std::optional<Texture> slide);
 
     const Vec3& position() const { return position_; }
-    bool has_slide() const { return slide_.has_value(); }
+    bool is_textured() const { return slide_.has_value(); }
     /// [W/sr] in the direction w, unit.
     Color intensity(const Vec3& w) const;
 

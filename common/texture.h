@@ -7,7 +7,7 @@
 
 namespace gib {
 
-enum class TextureFilter { nearest, bilinear };
+enum class TextureFilter { bilinear, nearest };
 enum class TextureWrap { repeat, mirror, clamp };
 
 /// A surface's uv to a texture's st: st = linear uv + offset.
@@ -26,7 +26,7 @@ struct BitmapTexture {
     std::shared_ptr<const Bitmap> bitmap;
     TextureFilter filter = TextureFilter::bilinear;
     TextureWrap wrap = TextureWrap::repeat;
-    UvTransform to_uv;
+    UvTransform to_uv{};
 };
 
 /// 2 x 2 squares in [0, 1]^2, repeated.

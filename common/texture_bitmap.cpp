@@ -92,7 +92,7 @@ Bitmap::Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, boo
     if (!handle_ || !images.get_imagespec(image(handle_), nullptr, spec))
         throw InputError({path, 0, 0}, images.geterror());
     tile_width_ = spec.tile_width;
-    measure(path);
+    measure(file, path);
     keep_in_memory();
 }
 
@@ -102,7 +102,7 @@ Bitmap::~Bitmap() {
 }
 
 /// Reads every row in the file's order, so that the cache never seeks backwards while it fills.
-void Bitmap::measure(const std::string& path) {
+void Bitmap::measure(const LinearFile& file, const std::string& path) {
     OIIO::ImageCache& images = *cache_->tiles_->cache;
     std::vector<float> values(static_cast<std::size_t>(width_) * tile_size * static_cast<std::size_t>(channels_));
     Colord sum = Colord::Zero();
@@ -111,8 +111,11 @@ void Bitmap::measure(const std::string& path) {
     for (int y = 0; y < height_; y += tile_size) {
         const int end = std::min(y + tile_size, height_);
         if (!images.get_pixels(image(handle_), nullptr, 0, 0, 0, width_, y, end, 0, 1, OIIO::TypeDesc::FLOAT,
-                               values.data()))
-            throw InputError({path, 0, 0}, images.geterror());
+                               values.data())) {
+            const std::string error = images.geterror();
+            file.read_rows(y, end, values.data());  // says it without the cache's words
+            throw InputError({path, 0, 0}, error);
+        }
         const int count = (end - y) * width_;
         for (int i = 0; i < count; ++i) {
             const Color c = color_at(values.data() + i * channels_);

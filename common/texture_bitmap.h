@@ -9,6 +9,8 @@
 
 namespace gib {
 
+class LinearFile;
+
 /// The memory that the bitmaps of one scene share.
 class TextureCache {
 public:
@@ -35,9 +37,11 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
     bool grey() const { return channels_ == 1; }
+    /// Whether look-ups may read the file.
+    bool paged() const { return resident_.empty(); }
     /// The texel in column x and row y, row 0 on top. Throws RunError if the file has disappeared since it was opened.
     Color texel(int x, int y) const {
-        return resident_.empty() ? paged_texel(x, y) : color_at(resident_[tile_index(x, y)] + offset_in_tile(x, y));
+        return paged() ? paged_texel(x, y) : color_at(resident_[tile_index(x, y)] + offset_in_tile(x, y));
     }
     /// Over all texels.
     const Color& mean() const { return mean_; }
@@ -61,7 +65,7 @@ private:
         return channels_ == 1 ? Color(Color::Constant(*texel)) : Color(texel[0], texel[1], texel[2]);
     }
     Color paged_texel(int x, int y) const;
-    void measure(const std::string& path);
+    void measure(const LinearFile& file, const std::string& path);
     void keep_in_memory();
 
     std::shared_ptr<TextureCache> cache_;

@@ -1,6 +1,7 @@
 #pragma once
 // Maps from the unit square to the distributions that light transport needs, with their densities.
 
+#include "common/fault.h"
 #include "common/math.h"
 
 #include <algorithm>
@@ -23,13 +24,18 @@ inline Vec2 square_to_disk(const Vec2& u) {
     const float a = 2.f * u.x() - 1.f, b = 2.f * u.y() - 1.f;
     if (a == 0.f && b == 0.f) return Vec2::Zero();
     const bool wide = std::abs(a) > std::abs(b);
-    const float r = wide ? a : b;
+    const float side = wide ? a : b;
+    const float r = injected(Fault::disk_warp) ? side * std::abs(side) : side;
     const float phi = wide ? (pi / 4) * (b / a) : (pi / 2) - (pi / 4) * (a / b);
     return {r * std::cos(phi), r * std::sin(phi)};
 }
 
 /// Density cos(theta) / pi [1/sr] on the upper hemisphere, local frame.
 inline Vec3 square_to_cosine_hemisphere(const Vec2& u) {
+    if (injected(Fault::cosine_hemisphere_density)) {
+        const float r = safe_sqrt(1.f - u.x() * u.x()), phi = 2.f * pi * u.y();
+        return {r * std::cos(phi), r * std::sin(phi), u.x()};
+    }
     const Vec2 d = square_to_disk(u);
     // 1 - d.d >= 0 up to rounding; the lower bound keeps the density positive for the direction that is returned.
     return {d.x(), d.y(), std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f))};
@@ -39,7 +45,7 @@ inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta,
 /// Uniform on the unit sphere.
 inline constexpr float uniform_sphere_pdf_w = 0.25f * inv_pi;
 inline Vec3 square_to_sphere(const Vec2& u) {
-    const float z = 1.f - 2.f * u.x();
+    const float z = injected(Fault::sphere_warp) ? std::cos(pi * u.x()) : 1.f - 2.f * u.x();
     const float r = safe_sqrt(1.f - z * z);
     const float phi = 2.f * pi * u.y();
     return {r * std::cos(phi), r * std::sin(phi), z};
@@ -58,6 +64,7 @@ inline Vec3 square_to_cone(const Vec2& u, float one_minus_cos_max) {
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 inline Vec2 square_to_triangle(const Vec2& u) {
     float a = u.x(), b = u.y();
+    if (injected(Fault::triangle_warp)) return {a, b * (1.f - a)};
     if (b > a) {
         a *= 0.5f;
         b -= a;

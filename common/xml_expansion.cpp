@@ -117,8 +117,18 @@ private:
         } else if (element.tag == "include") {
             include(target, element, depth);
         } else {
+            if (element.tag == "spectrum") find_spectrum_file(element);
             expand_children(element, depth);
             target.push_back(std::move(element));
+        }
+    }
+
+    /// Replaces the name of a spectrum's file by its path: who reads the value knows neither folders nor the hash.
+    void find_spectrum_file(XmlElement& element) {
+        for (auto& attribute : element.attributes) {
+            if (attribute.name != "filename") continue;
+            attribute.value = files_.find(attribute.value, attribute.where);
+            hash_.add(read_file(attribute.value));
         }
     }
 

@@ -39,7 +39,8 @@ private:
 };
 
 struct ExpandedXml {
-    XmlElement root;  ///< a <scene> without <default>, <include> and <path>, all parameters substituted
+    XmlElement root;  ///< a <scene> without <default>, <include> and <path>, all parameters substituted, a spectrum's
+                      ///< `filename` replaced by the path where it was found
     FileFinder files;
 };
 

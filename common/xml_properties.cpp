@@ -1,5 +1,7 @@
 #include "common/xml_properties.h"
 
+#include "common/scene_spectrum.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
@@ -67,7 +69,7 @@ void Properties::add_child(const XmlElement& child) {
         throw InputError(where, fmt::format("'{}' is given twice, first at line {}", name, first->where.line));
 }
 
-const std::string& Properties::plugin(std::initializer_list<std::string_view> supported) const {
+const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {
     const XmlAttribute& type = element_.required("type");
     if (std::find(supported.begin(), supported.end(), type.value) == supported.end())
         throw InputError(type.where, fmt::format("the {} '{}' is not supported; supported are: {}", element_.tag,
@@ -87,11 +89,16 @@ const Properties::Property* Properties::find(const std::string& name) const {
     return it == properties_.end() ? nullptr : &*it;
 }
 
-const XmlElement* Properties::read(const std::string& name, std::initializer_list<std::string_view> kinds) {
+const Properties::Property* Properties::mark(const std::string& name) {
     if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
     const Property* property = find(name);
+    if (property) properties_[static_cast<std::size_t>(property - properties_.data())].read = true;
+    return property;
+}
+
+const XmlElement* Properties::read(const std::string& name, std::initializer_list<std::string_view> kinds) {
+    const Property* property = mark(name);
     if (!property) return nullptr;
-    properties_[static_cast<std::size_t>(property - properties_.data())].read = true;
     if (property->is_object)
         throw InputError(property->where, fmt::format("'{}' cannot be a <{}> yet; it takes: <{}>", name,
                                                       property->element->tag, fmt::join(kinds, ">, <")));
@@ -159,28 +166,28 @@ Mat4d Properties::transform(const std::string& name) {
 }
 
 Color Properties::color(const std::string& name, float fallback, ColorRange range) {
-    // A flat reflectance spectrum is the same grey in RGB; a flat emission spectrum is not (the white point is D65).
-    const XmlElement* element =
-        range == ColorRange::unit ? read(name, {"rgb", "float", "spectrum"}) : read(name, {"rgb", "float"});
+    const Property* property = mark(name);
+    if (property && property->element->tag == "spectrum") return parse_spectrum(*property->element, ids_, name, range);
+    return plain_color(read(name, {"rgb", "float", "integer", "spectrum"}), name, fallback, range);
+}
+
+Color Properties::rgb(const std::string& name, float fallback, ColorRange range) {
+    return plain_color(read(name, {"rgb", "float", "integer"}), name, fallback, range);
+}
+
+Color Properties::plain_color(const XmlElement* element, const std::string& name, float fallback,
+                              ColorRange range) const {
     if (!element) return Color::Constant(fallback);
     const XmlAttribute& value = element->required("value");
-    auto numbers = element->tag == "float" ? std::vector<double>{parse_number(value)} : std::vector<double>{};
-    if (element->tag == "spectrum" && value.value.find(':') != std::string::npos)
-        throw InputError(value.where, fmt::format("'{}': spectra are not supported yet, only a constant", name));
-    if (numbers.empty()) numbers = parse_numbers(value);
-    const bool one = numbers.size() == 1, three = numbers.size() == 3 && element->tag == "rgb";
-    if (!one && !three)
-        throw InputError(value.where,
-                         fmt::format("'{}' takes {}, found {}", name,
-                                     element->tag == "rgb" ? "one or three numbers" : "one number", numbers.size()));
+    const bool is_rgb = element->tag == "rgb";
+    const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number(value)};
+    if (numbers.size() != 1 && numbers.size() != 3)
+        throw InputError(value.where, fmt::format("'{}' takes one or three numbers, found {}", name, numbers.size()));
     Color color;
     for (int i = 0; i < 3; ++i) {
-        const double x = numbers[one ? 0 : static_cast<std::size_t>(i)];
-        if (range == ColorRange::unit && !(x >= 0 && x <= 1))
-            throw InputError(value.where, fmt::format("'{}' must be between 0 and 1, not {}", name, x));
-        if (!(x >= 0)) throw InputError(value.where, fmt::format("'{}' must not be negative: {}", name, x));
+        const double x = numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+        check_color_value(x, range, name, value.where);
         color[i] = static_cast<float>(x);
-        if (!std::isfinite(color[i])) throw InputError(value.where, fmt::format("bad number '{}': too large", x));
     }
     return color;
 }

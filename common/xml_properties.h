@@ -16,8 +16,12 @@ struct NestedObject {
     SourceLocation where;  ///< of the element or of the <ref>
 };
 
-/// Which values a colour may have, in each channel.
-enum class ColorRange { unit, non_negative };
+/// Which values a colour may have, in each channel, and what a spectrum is to become RGB as (scene_spectrum.h).
+enum class ColorRange {
+    unit,          ///< 0 to 1: a reflectance
+    non_negative,  ///< an index of refraction
+    emission       ///< not negative; radiance, intensity, irradiance
+};
 
 class Properties {
 public:
@@ -27,7 +31,7 @@ public:
 
     const XmlElement& element() const { return element_; }
     /// The plugin's name. Throws InputError if there is none, or none of the supported ones.
-    const std::string& plugin(std::initializer_list<std::string_view> supported) const;
+    const std::string& plugin(const std::vector<std::string_view>& supported) const;
     const XmlIds& ids() const { return ids_; }
     bool has(const std::string& name) const { return find(name) != nullptr; }
     /// Where a value stands: its attribute, or the plugin's element if the property is not given.
@@ -48,8 +52,10 @@ public:
                        std::initializer_list<std::string_view> choices);
     std::optional<Vec3d> point(const std::string& name);
     Mat4d transform(const std::string& name);
-    /// An <rgb>, or a <float> for a grey. Linear, sRGB's primaries.
+    /// An <rgb>, a <float> for a grey, or a <spectrum>. Linear, sRGB's primaries.
     Color color(const std::string& name, float fallback, ColorRange range);
+    /// The same without <spectrum>.
+    Color rgb(const std::string& name, float fallback, ColorRange range);
     /// Whether the property is given as a <string>.
     bool is_string(const std::string& name) const;
 
@@ -72,8 +78,11 @@ private:
         bool read = false;
     };
     const Property* find(const std::string& name) const;
+    /// Marks the property as read; null if it is not given.
+    const Property* mark(const std::string& name);
     /// Marks the property as read; null if it is not given. `kinds` are the elements that hold such a value.
     const XmlElement* read(const std::string& name, std::initializer_list<std::string_view> kinds);
+    Color plain_color(const XmlElement* element, const std::string& name, float fallback, ColorRange range) const;
     void add_child(const XmlElement& child);
 
     const XmlElement& element_;

@@ -127,6 +127,18 @@ void add_compare(CLI::App& app, Action& action) {
         ->expected(2, 1 << 20);
     command->add_option("--epsilon", options->epsilon, "of relative errors (default 0.01)")->check(CLI::PositiveNumber);
     command->add_flag("--json", options->json, "print JSON");
+    CLI::Option* z_test = command->add_flag(
+        "--z-test", options->z_test,
+        "decide whether the test is the reference but for noise: exit 0 accepted, 1 rejected. 8 x 8 and 64 x 64 blocks "
+        "and the image, every channel and component, at 1 % for all together with the noise of both sides; and "
+        "the 95 % interval of the mean's deviation within 0.2 %");
+    CLI::Option* variance = command->add_option(
+        "--variance", options->variance,
+        "the reference's variance of one sample: Mitsuba 3's own z-test instead, of every pixel in XYZ");
+    CLI::Option* spp = command->add_option("--spp", options->test_spp, "samples a pixel of the test, for --variance")
+                           ->check(CLI::Range(1, 1000000000));
+    variance->needs(z_test)->needs(spp);
+    spp->needs(variance);
     command->callback([options, files, &action] {
         action = [options, files] {
             options->reference = files->back();

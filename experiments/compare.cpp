@@ -1,8 +1,8 @@
 #include "experiments/compare.h"
 
-#include "experiments/judgement.h"
-
 #include "common/error.h"
+#include "experiments/compare_z_test.h"
+#include "experiments/judgement.h"
 #include "experiments/spectrum.h"
 
 #include <fmt/format.h>
@@ -115,6 +115,56 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
                          fmt::format("cannot be a reference: {} values of {} are not finite", bad, layer));
 }
 
+void require_consistent(const CompareOptions& options) {
+    if (!(options.epsilon > 0) || !std::isfinite(options.epsilon))
+        throw InputError(fmt::format("epsilon must be a number above 0, not {:g}", options.epsilon));
+    if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
+    const bool has_variance = !options.variance.empty(), has_spp = options.test_spp > 0;
+    if (has_variance != has_spp) throw InputError("--variance and --spp go together");
+    if (has_variance && !options.z_test) throw InputError("--variance and --spp belong to --z-test");
+    if (has_variance && options.tests.size() > 1)
+        throw InputError("with --variance the z-test takes one image, not several");
+}
+
+/// Equal noise would pass for no noise.
+void require_different_seeds(const std::vector<LayeredImage>& files, const std::vector<std::string>& paths) {
+    const auto same = [](const LayeredImage& a, const LayeredImage& b, const char* key) {
+        const auto in_a = a.metadata.find(key), in_b = b.metadata.find(key);
+        return in_a != a.metadata.end() && in_b != b.metadata.end() && in_a->second == in_b->second;
+    };
+    for (std::size_t i = 0; i < files.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (same(files[i], files[j], "seed") && same(files[i], files[j], "method") &&
+                same(files[i], files[j], "scene_hash"))
+                throw InputError(
+                    fmt::format("{} and {} have the same seed: they are no replicates", paths[j], paths[i]));
+}
+
+/// Several images of a layer are replicates; a single one may bring its own standard error.
+ReferenceLayer tested_layer(const std::vector<Image>& images, const ReferenceLayer* own) {
+    if (images.size() > 1) return layer_of_groups(images);
+    if (own) return {images.front(), own->standard_error, own->groups};
+    return {images.front(), std::nullopt, {}};
+}
+
+ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<std::string, Subject>>& subjects,
+                     const std::vector<LayeredImage>& files, const Reference& reference) {
+    const Subject& total = subjects.front().second;
+    if (!options.variance.empty())
+        return mitsuba_z_report(total.tests.front(), total.r_total, options.variance, options.test_spp);
+    require_different_seeds(files, options.tests);
+    Reference own = reference_in(files.front(), options.tests.front());
+    own.unresolved = reference.unresolved;
+    const Judgement judged(own);
+    std::vector<ComparedLayer> layers;
+    for (const auto& [name, subject] : subjects) {
+        const auto c = component_named(name);
+        layers.push_back(
+            {name, tested_layer(subject.tests, c ? judged.component(*c) : &judged.total()), &subject.reference});
+    }
+    return own_z_report(layers);
+}
+
 std::string text_of(const Json& value) { return value.is_null() ? "-" : fmt::format("{:.6g}", value.get<double>()); }
 
 /// One line a number, with its 95 % interval and, where it depends on epsilon, that too.
@@ -123,7 +173,7 @@ void print_text(const std::string& title, const Json& json, std::ostream& out) {
     out << fmt::format("{}: {} image{}, {}\n", title, json["seeds"].get<int>(), json["seeds"] == 1 ? "" : "s", epsilon);
     for (const auto& [name, value] : json.items()) {
         if (name == "seeds" || name == "epsilon" || name.ends_with("_lo") || name.ends_with("_hi")) continue;
-        if (value.is_object()) continue;
+        if (value.is_object() || name.starts_with("z_")) continue;
         std::string text;
         if (value.is_array())
             for (const auto& v : value)
@@ -138,48 +188,56 @@ void print_text(const std::string& title, const Json& json, std::ostream& out) {
 }  // namespace
 
 int compare(const CompareOptions& options, std::ostream& out) {
-    if (!(options.epsilon > 0) || !std::isfinite(options.epsilon))
-        throw InputError(fmt::format("epsilon must be a number above 0, not {:g}", options.epsilon));
-    if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
+    require_consistent(options);
     const Reference reference = read_reference(options.reference);
     require_finite(options.reference, "the image", reference.total);
     const Judgement judgement(reference);
     const Image& r = judgement.total().mean;
 
     std::vector<LayeredImage> files;
-    Subject total{{}, judgement.total(), r};
+    std::vector<std::pair<std::string, Subject>> subjects;
+    subjects.emplace_back(total_name, Subject{{}, judgement.total(), r});
     for (const std::string& path : options.tests) {
         files.push_back(read_image(path));
-        total.tests.push_back(judged_total(files.back(), reference, judgement, path));
-        require_comparable(path, total.tests.back(), options, r);
+        subjects.front().second.tests.push_back(judged_total(files.back(), reference, judgement, path));
+        require_comparable(path, subjects.front().second.tests.back(), options, r);
     }
-    Json json = metrics(total, options.epsilon);
-    Json components = Json::object();
     for (Component c : all_components) {
         const std::string name(name_of(c));
         const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
         const ReferenceLayer* layer = judgement.component(c);
         if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
         require_finite(options.reference, name, *layer);
-        Subject part{{}, *layer, r};
+        subjects.emplace_back(name, Subject{{}, *layer, r});
         for (const LayeredImage& file : files)
-            part.tests.push_back(*file.find(name));
-        components[name] = metrics(part, options.epsilon);
+            subjects.back().second.tests.push_back(*file.find(name));
+    }
+    std::optional<ZTestReport> z;
+    if (options.z_test) z = z_report(options, subjects, files, reference);
+
+    Json json, components = Json::object();
+    for (std::size_t i = 0; i < subjects.size(); ++i) {
+        Json values = metrics(subjects[i].second, options.epsilon);
+        if (z && i < z->layers.size()) values.update(z->layers[i]);
+        (i == 0 ? json : components[subjects[i].first]) = std::move(values);
     }
     if (!reference.unresolved.empty()) {
         json["unresolved"] = Json::array();
         for (Component c : reference.unresolved)
             json["unresolved"].push_back(std::string(name_of(c)));
     }
+    const int code = z && !z->accepted ? 1 : 0;
     if (options.json) {
+        if (z) json.update(z->json);
         json["components"] = components;
         out << json.dump(2) << '\n';
-        return 0;
+        return code;
     }
-    print_text("total", json, out);
+    print_text(total_name, json, out);
     for (const auto& [name, values] : components.items())
         print_text(name, values, out);
-    return 0;
+    if (z) out << z->text;
+    return code;
 }
 
 }  // namespace gib

@@ -50,8 +50,9 @@ std::vector<Component> components_named(const std::string& names) {
 
 }  // namespace
 
-Reference read_reference(const std::string& path) {
-    const LayeredImage file = read_image(path);
+Reference read_reference(const std::string& path) { return reference_in(read_image(path), path); }
+
+Reference reference_in(const LayeredImage& file, const std::string& path) {
     auto total = take_layer(file, "");
     if (!total) {
         std::string names;

@@ -35,6 +35,8 @@ struct Reference {
 /// From a file with or without standard errors (any renderer's image will do). Layers: R,G,B; NAME; stderr;
 /// NAME_stderr; group00, NAME_group00 and so on. Throws InputError.
 Reference read_reference(const std::string& path);
+/// The same of a file that is read already.
+Reference reference_in(const LayeredImage& file, const std::string& path);
 /// `with_groups` keeps the groups too, which the interval of a bias needs.
 LayeredImage layers_of(const Reference& reference, bool with_groups);
 

@@ -36,20 +36,20 @@ double incomplete_beta(double a, double b, double x) {
     return 1 - front * beta_fraction(b, a, 1 - x) / b;
 }
 
-// P(|T| > t): Abramowitz and Stegun 26.7.1 with 26.5.27.
-double two_sided_tail(double t, double degrees) {
+}  // namespace
+
+// Abramowitz and Stegun 26.7.1 with 26.5.27.
+double student_t_tail(double t, double degrees) {
     // Beyond this the difference from the normal law is below the promised error, and lgamma loses digits.
     if (degrees > 1e7) return std::erfc(t / std::sqrt(2.0));
     return incomplete_beta(degrees / 2, 0.5, degrees / (degrees + t * t));
 }
 
-}  // namespace
-
 double student_t_two_sided(double tail, double degrees) {
     double lo = 1e-12, hi = 1e12;
     for (int step = 0; step < 120; ++step) {
         const double middle = std::sqrt(lo * hi);  // the range spans many powers of ten
-        (two_sided_tail(middle, degrees) > tail ? lo : hi) = middle;
+        (student_t_tail(middle, degrees) > tail ? lo : hi) = middle;
     }
     return std::sqrt(lo * hi);
 }

@@ -15,7 +15,8 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
     if (is_black(f.of(which) * light->Le)) return {};
     const float visibility = rays.visibility(hit, *light);
     if (visibility == 0.f) return {};
-    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
+    const bool combine =
+        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight =
         combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light->Le * (std::abs(wi_local.z()) * weight * visibility / light->pdf_w);
@@ -23,14 +24,39 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
 }
 
-float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
-    if (!std::isfinite(pdf_w)) return 1.f;
-    return power_heuristic(pdf_w, scene.light_pdf_w(previous, hit));
+LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
+                           int vertex, Lobes which) {
+    LobeValues found;
+    const auto next = hit.bsdf->sample_local(
+        wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
+        sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::radiance, which);
+    if (!next || next->delta) return found;
+    Color beta = next->f * (std::abs(next->wi.z()) / next->pdf_w);
+    Ray ray = hit.spawn_ray(hit.shading.to_world(next->wi));
+    while (!is_black(beta)) {
+        const auto light = rays.intersect(ray);
+        if (!light) {
+            found.add(next->lobe, beta * escaped_radiance(rays.scene(), hit.p, next->pdf_w, ray.d));
+            break;
+        }
+        const Color Le = light->Le(-ray.d);
+        if (!is_black(Le))
+            found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), hit.p, next->pdf_w, *light));
+        beta *= light->bsdf->pass_through();
+        ray = light->spawn_ray(ray.d);
+    }
+    return found;
 }
 
 Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w) {
+    if (!scene.environment()) return Color::Zero();
     const float weight = std::isfinite(pdf_w) ? power_heuristic(pdf_w, scene.environment_pdf_w(previous, w)) : 1.f;
     return weight * scene.environment_radiance(w);
+}
+
+float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
+    if (!std::isfinite(pdf_w)) return 1.f;
+    return power_heuristic(pdf_w, scene.light_pdf_w(previous, hit));
 }
 
 }  // namespace gib

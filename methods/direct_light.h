@@ -18,12 +18,15 @@ enum class LightTechniques {
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
                                int vertex, LightTechniques techniques, Lobes which = Lobes::all);
 
+/// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
+/// paths do not go on in that direction anyway.
+LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
+                           int vertex, Lobes which = Lobes::all);
+
 /// The weight of radiance that a bsdf's sample of density `pdf_w` from `previous` found on a light, against light sampling
 /// from there; an infinite density: light sampling could not have found it.
-float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit);
-
-/// The radiance [W/(sr m^2)] of the environment along w, which a bsdf's sample found by leaving the scene, times the same
-/// weight.
+/// Radiance from beyond the scene that the bsdf's sample of direction `w` found, with that weight.
 Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w);
+float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit);
 
 }  // namespace gib

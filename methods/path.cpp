@@ -86,7 +86,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
             }
             const float survival = survival_probability(beta, eta_scale);
             if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
-            beta /= survival;
+            if (!injected(Fault::roulette_rescaling)) beta /= survival;
         }
         previous = hit->p;
         ray = hit->spawn_ray(hit->shading.to_world(next->wi));
@@ -116,6 +116,11 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
 namespace {
 
 bool has_delta_light(const Scene& scene) { return std::any_of(scene.lights().begin(), scene.lights().end(), is_delta); }
+
+bool has_delta_lobe(const Scene& scene) {
+    return std::any_of(scene.materials().begin(), scene.materials().end(),
+                       [](const Material& material) { return material.traits().delta; });
+}
 
 class PathRun final : public Run {
 public:
@@ -163,9 +168,9 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A point, spot or directional light is found by connecting a diffuse vertex to it, never through a specular one: neither where S+ L ends a
+        // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither where S+ L ends a
         // caustic path, nor at the end of a longer one.
-        if (has_delta_light(scene) && plan.called_for.has(Effect::caustics))
+        if (has_delta_light(scene) && has_delta_lobe(scene) && plan.called_for.has(Effect::caustics))
             plan.unresolved = {Component::caustic, Component::indirect};
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);

@@ -125,8 +125,7 @@ private:
         for (int vertex = 0; vertex < settings_.max_edges;) {
             const auto hit = rays.intersect(ray);
             if (!hit) {
-                if (scene_.environment())
-                    sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, ray.d);
+                sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, ray.d);
                 break;
             }
             const Vec3 wo = -ray.d;
@@ -177,11 +176,19 @@ private:
     /// The three ways in which light reaches the first diffuse surface.
     void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
                      const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
-        if (samples_lights_)
-            sample[Component::direct] +=
-                beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler, vertex,
-                                           LightTechniques::light_sampling_only, Lobes::diffuse)
-                           .diffuse;
+        if (samples_lights_) {
+            const Vec3 wo_local = hit.shading.to_local(wo);
+            // A lobe with a preferred direction is better followed than hit by chance.
+            const bool follows = hit.bsdf->traits_at(wo_local.z()).rough;
+            sample[Component::direct] += beta * sample_direct_light(rays, hit, wo_local, sampler, vertex,
+                                                                    follows ? LightTechniques::light_and_bsdf_sampling
+                                                                            : LightTechniques::light_sampling_only,
+                                                                    Lobes::diffuse)
+                                                    .diffuse;
+            if (follows)
+                sample[Component::direct] +=
+                    beta * follow_to_light(rays, hit, wo_local, sampler, vertex, Lobes::diffuse).diffuse;
+        }
         const int max_photon_edges = settings_.max_edges - (vertex + 1);
         if (caustic_map_.size() > 0)
             sample[Component::caustic] +=

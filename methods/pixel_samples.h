@@ -24,8 +24,8 @@ std::uint64_t sample_pixels(const Scene& scene, Film& film, PointSet points, std
             auto sample = start_block();
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 const Sampler sampler(points, seed, pixel, pass);
-                const Ray ray = sensor.generate_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
-                                                    sampler.get_2d(dimension::film));
+                const Ray ray =
+                    sensor.sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler);
                 film.add(pixel, pass, sample(rays, ray, sampler));
             }
             traced += rays.count();

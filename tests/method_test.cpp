@@ -243,5 +243,25 @@ TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
     EXPECT_NEAR(mean_of(image).mean(), 1.0, 0.005);
 }
 
+// A disc that emits 1, out of focus on the axis of a lens: the rays of the film's middle reach it from the lens points within
+// R / |1 - z / f|, so its image has the radiance (R / (A |1 - z / f|))^2 there.
+TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
+    const double radius = 0.1, z = 3, aperture = 0.5;
+    for (const double focus : {2.0, 6.0}) {
+        const auto scene = test::scene_of(test::scene_xml(
+            "<sensor type='thinlens'><float name='fov' value='0.001'/><float name='aperture_radius' value='" +
+            fixed(aperture) + "'/><float name='focus_distance' value='" + fixed(focus) + "'/>" + test::box_film(16) +
+            "</sensor><shape type='disk'><transform name='to_world'><scale value='" + fixed(radius) +
+            "'/><rotate y='1' angle='180'/><translate z='" + fixed(z) +
+            "'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf><emitter type='area'/>"
+            "</shape>"));
+        const double p = std::pow(radius / (aperture * std::abs(1 - z / focus)), 2);
+        const auto image = render(scene, method().name, 256);
+        ASSERT_TRUE(image[Component::emission]);
+        // Hits are binomial: 256 pixels of 256 samples, four standard deviations.
+        EXPECT_NEAR(mean_of(*image[Component::emission])[1], p, 4 * std::sqrt(p * (1 - p) / (256 * 256))) << focus;
+    }
+}
+
 }  // namespace
 }  // namespace gib

@@ -39,8 +39,8 @@ void for_each_pixel(const Scene& scene, std::size_t begin, std::size_t end, std:
     const auto width = static_cast<std::size_t>(scene.sensor().width());
     for (std::size_t pixel = begin; pixel < end; ++pixel) {
         const Sampler sampler(PointSet::sobol, 1, pixel, pass);
-        body(sampler, scene.sensor().generate_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
-                                                  sampler.get_2d(dimension::film)));
+        body(sampler,
+             scene.sensor().sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler));
     }
 }
 

@@ -1,0 +1,65 @@
+#include "common/fault.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace gib {
+
+const std::vector<FaultDescription>& fault_descriptions() {
+    static const std::vector<FaultDescription> descriptions = {
+        {Fault::diffuse_energy, "diffuse_energy", "diffuse reflection loses 1 %"},
+        {Fault::conductor_energy, "conductor_energy", "a smooth conductor loses 1 %"},
+        {Fault::dielectric_reflection_energy, "dielectric_reflection_energy", "a dielectric's reflection loses 1 %"},
+        {Fault::dielectric_refraction_energy, "dielectric_refraction_energy", "a dielectric's refraction loses 1 %"},
+        {Fault::thin_dielectric_energy, "thin_dielectric_energy", "a thin sheet's transmission loses 1 %"},
+        {Fault::rough_conductor_energy, "rough_conductor_energy", "a rough conductor loses 1 %"},
+        {Fault::rough_reflection_energy, "rough_reflection_energy", "a rough dielectric's reflection loses 1 %"},
+        {Fault::rough_refraction_energy, "rough_refraction_energy", "a rough dielectric's refraction loses 1 %"},
+        {Fault::plastic_coat_energy, "plastic_coat_energy", "the smooth coat of plastic loses 1 %"},
+        {Fault::plastic_base_energy, "plastic_base_energy", "the base under a smooth coat loses 1 %"},
+        {Fault::rough_plastic_energy, "rough_plastic_energy", "the coat of rough plastic loses 1 %"},
+        {Fault::phong_energy, "phong_energy", "Phong's glossy lobe loses 1 %"},
+        {Fault::diffuse_cosine, "diffuse_cosine", "diffuse reflection has one cosine too many"},
+        {Fault::light_cosine, "light_cosine", "the density of a light's point lacks the light's cosine"},
+        {Fault::delta_cosine, "delta_cosine", "refraction divides by the cosine of the incident side"},
+        {Fault::radiance_scaling, "radiance_scaling", "refracted radiance is scaled the wrong way round"},
+        {Fault::cosine_hemisphere_density, "cosine_hemisphere_density", "the hemisphere is sampled uniformly"},
+        {Fault::triangle_warp, "triangle_warp", "a triangle is sampled without its Jacobian"},
+        {Fault::disk_warp, "disk_warp", "a disk is sampled without its Jacobian"},
+        {Fault::sphere_warp, "sphere_warp", "a sphere is sampled uniformly in its angle"},
+        {Fault::cone_density, "cone_density", "a cone's density is that of the flat disc"},
+        {Fault::visible_normal_warp, "visible_normal_warp", "all normals are sampled, not the visible ones"},
+        {Fault::reflection_jacobian, "reflection_jacobian", "the half vector's Jacobian lacks 1 / (wo.m)"},
+        {Fault::refraction_jacobian, "refraction_jacobian", "the refracted half vector's Jacobian lacks eta^2"},
+        {Fault::phong_density, "phong_density", "Phong's density lacks the 1 of its exponent n + 1"},
+        {Fault::environment_jacobian, "environment_jacobian",
+         "the environment's density lacks the sine of its latitude"},
+        {Fault::spot_falloff, "spot_falloff", "a spot's falloff is squared"},
+        {Fault::directional_area, "directional_area", "photons of a directional light cover too small a disc"},
+        {Fault::blend_weight, "blend_weight", "a blend's parts are exchanged"},
+        {Fault::mask_opacity, "mask_opacity", "light through a mask forgets how much of it there is"},
+        {Fault::tilted_cosine, "tilted_cosine", "a tilted normal keeps the cosine of the surface"},
+        {Fault::mis_weight, "mis_weight", "light sampling keeps its full weight beside bsdf sampling"},
+        {Fault::roulette_rescaling, "roulette_rescaling", "survivors of Russian roulette are not rescaled"},
+        {Fault::light_choice, "light_choice", "the choice of a light is left out of its density"},
+        {Fault::srgb_after_filter, "srgb_after_filter", "texels are filtered before they are decoded"},
+        {Fault::thin_lens_area, "thin_lens_area", "points on the lens crowd in its middle"},
+    };
+    return descriptions;
+}
+
+bool is_chosen(Fault fault) {
+    static const int chosen = [] {
+        const char* name = std::getenv("GIB_FAULT");
+        if (!name || !*name) return -1;
+        const auto& all = fault_descriptions();
+        const auto it = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
+        if (it == all.end()) throw std::runtime_error("GIB_FAULT: there is no fault '" + std::string(name) + "'");
+        return static_cast<int>(it->fault);
+    }();
+    return static_cast<int>(fault) == chosen;
+}
+
+}  // namespace gib

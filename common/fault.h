@@ -1,0 +1,71 @@
+#pragma once
+// Deliberate mistakes, to see that the tests catch them. They exist only in builds with the CMake option GIB_FAULTS;
+// there the environment variable GIB_FAULT chooses one by its name. scripts/faults runs the tests with each of them.
+
+#include <string_view>
+#include <vector>
+
+namespace gib {
+
+enum class Fault {
+    diffuse_energy,
+    conductor_energy,
+    dielectric_reflection_energy,
+    dielectric_refraction_energy,
+    thin_dielectric_energy,
+    rough_conductor_energy,
+    rough_reflection_energy,
+    rough_refraction_energy,
+    plastic_coat_energy,
+    plastic_base_energy,
+    rough_plastic_energy,
+    phong_energy,
+    diffuse_cosine,
+    light_cosine,
+    delta_cosine,
+    radiance_scaling,
+    cosine_hemisphere_density,
+    triangle_warp,
+    disk_warp,
+    sphere_warp,
+    cone_density,
+    visible_normal_warp,
+    reflection_jacobian,
+    refraction_jacobian,
+    phong_density,
+    environment_jacobian,
+    spot_falloff,
+    directional_area,
+    blend_weight,
+    mask_opacity,
+    tilted_cosine,
+    mis_weight,
+    roulette_rescaling,
+    light_choice,
+    srgb_after_filter,
+    thin_lens_area
+};
+
+struct FaultDescription {
+    Fault fault;
+    std::string_view name;
+    std::string_view sentence;
+};
+/// In the order of Fault.
+const std::vector<FaultDescription>& fault_descriptions();
+
+inline constexpr bool faults_built = GIB_FAULTS;
+
+/// Whether GIB_FAULT names this mistake. Throws std::runtime_error if it names none.
+bool is_chosen(Fault fault);
+
+/// Whether this mistake is to be made.
+inline bool injected(Fault fault) {
+    if constexpr (faults_built) return is_chosen(fault);
+    else return false;
+}
+
+/// The factor of a lobe that loses 1 % of its energy under the fault.
+inline float with_loss(Fault fault) { return injected(fault) ? 0.99f : 1.f; }
+
+}  // namespace gib

@@ -1,0 +1,115 @@
+// What must hold for every method and every material: the registry is walked, no method is named.
+#include "common/sampler.h"
+#include "tests/scene_fixtures.h"
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::render;
+
+struct NamedMaterial {
+    std::string name, xml;
+};
+void PrintTo(const NamedMaterial& material, std::ostream* out) { *out << material.name; }
+
+std::string rgb(const std::string& name, const std::string& value) {
+    return "<rgb name='" + name + "' value='" + value + "'/>";
+}
+std::string number(const std::string& name, double value) {
+    return "<float name='" + name + "' value='" + std::to_string(value) + "'/>";
+}
+std::string bsdf(const std::string& type, const std::string& inside = "") {
+    return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
+}
+std::string distribution(const std::string& type, double alpha) {
+    return "<string name='distribution' value='" + type + "'/>" + number("alpha", alpha);
+}
+
+std::vector<NamedMaterial> materials() {
+    const std::string grey = bsdf("diffuse", rgb("reflectance", "0.6"));
+    const std::string gold = "<string name='material' value='Au'/>";
+    return {
+        {"diffuse", grey},
+        {"dielectric", bsdf("dielectric")},
+        {"thindielectric", bsdf("thindielectric")},
+        {"conductor", bsdf("conductor", gold)},
+        {"roughconductor_sharp", bsdf("roughconductor", gold + distribution("ggx", 0.05))},
+        {"roughconductor_dull", bsdf("roughconductor", gold + distribution("beckmann", 0.4))},
+        {"roughconductor_brushed", bsdf("roughconductor", gold + number("alpha_u", 0.3) + number("alpha_v", 0.05))},
+        {"roughdielectric_sharp", bsdf("roughdielectric", distribution("beckmann", 0.05))},
+        {"roughdielectric_dull", bsdf("roughdielectric", distribution("ggx", 0.3))},
+        {"plastic", bsdf("plastic", rgb("diffuse_reflectance", "0.7"))},
+        {"roughplastic_sharp", bsdf("roughplastic", rgb("diffuse_reflectance", "0.7") + distribution("ggx", 0.08))},
+        {"roughplastic_dull", bsdf("roughplastic", rgb("diffuse_reflectance", "0.7") + distribution("beckmann", 0.3))},
+        {"phong_sharp", bsdf("phong", number("exponent", 400))},
+        {"phong_dull", bsdf("phong", number("exponent", 10))},
+        {"blend", bsdf("blendbsdf", number("weight", 0.3) + grey + bsdf("roughconductor", distribution("ggx", 0.05)))},
+        {"mask", bsdf("mask", number("opacity", 0.4) + grey)},
+        {"null", bsdf("null")},
+        {"twosided", bsdf("twosided", bsdf("plastic"))},
+        {"normalmap",
+         bsdf("normalmap", "<texture type='checkerboard' name='normalmap'>" + rgb("color0", "0.6 0.5 0.9") +
+                               rgb("color1", "0.6 0.5 0.9") + "</texture>" + grey)},
+    };
+}
+
+/// A plate of the material in a black box whose walls emit radiance 1, seen at an angle from its front.
+LoadedScene plate_in_furnace(const std::string& material, double degrees) {
+    return test::scene_of(test::scene_xml(
+        "<sensor type='orthographic'><transform name='to_world'><scale value='0.02'/>"
+        "<translate z='-1'/><rotate y='1' angle='180'/>"
+        "<rotate y='1' angle='" +
+        std::to_string(degrees) + "'/></transform>" + test::box_film(16) + "</sensor><shape type='rectangle'>" +
+        material +
+        "</shape><shape type='cube'><boolean name='flip_normals' value='true'/><transform name='to_world'><scale "
+        "value='4'/></transform><bsdf type='diffuse'>" +
+        rgb("reflectance", "0") + "</bsdf><emitter type='area'>" + rgb("radiance", "1") + "</emitter></shape>"));
+}
+
+/// The share of uniform light that the front of a material sends towards wo, straight through included: the mean weight of its
+/// samples, which the laws of bsdf_laws_test.cpp tie to the integral of f.
+Colord albedo(const Material& material, const Vec3& wo) {
+    constexpr std::uint32_t n = 1 << 16;
+    const MaterialPoint point{
+        {0.25f, 0.25f}, Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), frame_along(Vec3::UnitZ(), Vec3::UnitX())};
+    const Bsdf at = material.at(point);
+    Colord scattered = Colord::Zero();
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Sampler u(PointSet::sobol, 9, 0, i);
+        const auto s = at.sample_local(wo, u.get_2d(0), u.get_2d(1), Transport::radiance);
+        if (s) scattered += (s->f * (std::abs(s->wi.z()) / s->pdf_w)).cast<double>() / n;
+    }
+    const double through = static_cast<double>(at.pass_through());
+    return through + (1 - through) * scattered;
+}
+
+class EveryMaterial : public testing::TestWithParam<std::tuple<std::string, NamedMaterial>> {};
+
+std::vector<std::string> method_names() {
+    std::vector<std::string> names;
+    for (const auto& m : method_registry())
+        names.push_back(m.name);
+    return names;
+}
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMaterial,
+                         testing::Combine(testing::ValuesIn(method_names()), testing::ValuesIn(materials())),
+                         [](const auto& test) { return std::get<0>(test.param) + "_" + std::get<1>(test.param).name; });
+
+TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
+    const auto& [method, material] = GetParam();
+    for (double degrees : {0.0, 45.0, 75.0}) {
+        const auto scene = plate_in_furnace(material.xml, degrees);
+        const double angle = degrees * std::numbers::pi / 180;
+        const Vec3 wo(static_cast<float>(std::sin(angle)), 0.f, static_cast<float>(std::cos(angle)));
+        const Colord expected = albedo(scene.scene->material_of_shape(0), wo);
+        const Colord found = mean_of(render(scene, method, 64).total());
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(found[c], expected[c], 0.01) << degrees << " channel " << c;
+            EXPECT_LE(found[c], 1.005) << degrees;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,239 @@
+// Shapes: where their texture coordinates lie and how the surface moves with them.
+
+#include "common/shape.h"
+#include "common/sampler.h"
+#include "scene_text.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+using test::load;
+using test::scene_with;
+using test::TemporaryFolder;
+
+/// Random numbers of a test: a pure function of its seed.
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : seed_(seed) {}
+    Vec2 next_2d() { return Sampler(PointSet::independent, seed_, index_++, 0).get_2d(dimension::film); }
+    float next() { return next_2d().x(); }
+    Vec3 direction() { return square_to_sphere(next_2d()); }
+
+private:
+    std::uint64_t seed_;
+    std::uint64_t index_ = 0;
+};
+
+Shape shape_of(const std::string& xml) { return load(xml).scene->shapes()[0]; }
+
+std::string shape(const std::string& type, const std::string& body) {
+    return "<shape type=\"" + type + "\">" + body + "</shape>";
+}
+
+const std::string turned =
+    "<transform name=\"to_world\"><scale value=\"3\"/><rotate x=\"1\" y=\"2\" z=\"-0.5\" angle=\"50\"/>"
+    "<translate x=\"1\" y=\"-2\" z=\"5\"/></transform>";
+const std::string mirrored =
+    "<transform name=\"to_world\"><scale x=\"-2\" y=\"2\" z=\"2\"/><rotate x=\"1\" y=\"-1\" z=\"0.5\" angle=\"70\"/>"
+    "</transform>";
+const std::string flipped = "<boolean name=\"flip_normals\" value=\"true\"/>";
+
+/// A point of a shape, and one that is `h` away in a random direction of the surface, on the same triangle.
+struct Neighbours {
+    std::uint32_t primitive = 0;
+    SurfaceGeometry a, b;
+};
+
+Neighbours neighbours_on(const Shape& s, Random& random, float h) {
+    Neighbours n;
+    if (const auto* mesh = std::get_if<Mesh>(&s)) {
+        const auto count = static_cast<float>(mesh->triangles.size());
+        n.primitive = static_cast<std::uint32_t>(random.next() * count);
+        const Vec2 at = square_to_triangle(random.next_2d()), step = h * square_to_disk(random.next_2d());
+        n.a = surface_at(s, n.primitive, at.x(), at.y(), Vec3::Zero());
+        n.b = surface_at(s, n.primitive, at.x() + step.x(), at.y() + step.y(), Vec3::Zero());
+        return n;
+    }
+    const Bounds bounds = bounds_of(s);
+    n.a = surface_at(s, 0, 0, 0, bounds.center() + 0.4f * bounds.diagonal() * random.direction());
+    n.b = surface_at(s, 0, 0, 0, n.a.p + h * bounds.diagonal() * random.direction());
+    return n;
+}
+
+/// Largest |dp - (dp_du du + dp_dv dv)| / |dp| over random neighbours.
+double worst_difference(const Shape& s, std::uint64_t seed) {
+    Random random(seed);
+    double worst = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Neighbours n = neighbours_on(s, random, 2e-3f);
+        const Vec2 duv = n.b.uv - n.a.uv;
+        // The angle wraps around, and has no finite differences near a pole.
+        if (!std::holds_alternative<Mesh>(s) && duv.cwiseAbs().maxCoeff() > 0.01f) continue;
+        // Between the two points: the error is of second order.
+        SurfaceGeometry middle = n.a;
+        middle.uv = 0.5f * (n.a.uv + n.b.uv);
+        middle.ng = (n.a.ng + n.b.ng).normalized();
+        const SurfaceDerivatives d = derivatives_at(s, n.primitive, middle);
+        const Vec3 dp = n.b.p - n.a.p;
+        const double length = static_cast<double>(dp.norm());
+        if (length < 2e-4 * static_cast<double>(bounds_of(s).diagonal())) continue;  // float's digits are used up
+        worst = std::max(worst, static_cast<double>((dp - duv.x() * d.dp_du - duv.y() * d.dp_dv).norm()) / length);
+    }
+    return worst;
+}
+
+TEST(SurfaceParametrisation, DerivativesAreThoseOfThePoint) {
+    const TemporaryFolder folder;
+    folder.write("m.obj",
+                 "v 0 0 0\nv 2 0 1\nv 0 1 0\nv 1 2 -1\nvt 0.2 0.3\nvt 0.9 -0.4\nvt 3 1\nvt 0 7\n"
+                 "f 1/1 2/2 3/3\nf 4/4 3/1 2/3\n");
+    const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
+    std::uint64_t seed = 1;
+    for (const std::string& placed : {std::string(), turned, mirrored, turned + flipped}) {
+        for (const std::string type : {"sphere", "disk", "cylinder", "rectangle", "cube"})
+            EXPECT_LT(worst_difference(shape_of(shape(type, placed)), seed++), 0.01) << type << placed;
+        EXPECT_LT(worst_difference(shape_of(shape("obj", file + placed)), seed++), 0.01) << placed;
+    }
+    const std::string oval = "<transform name=\"to_world\"><scale x=\"4\" y=\"0.5\"/></transform>";
+    EXPECT_LT(worst_difference(shape_of(shape("disk", oval)), seed++), 0.01);
+}
+
+void expect_uv(const Shape& s, const Vec3& p, const Vec2& uv) {
+    EXPECT_LT((surface_at(s, 0, 0, 0, p).uv - uv).norm(), 1e-6f) << p.transpose();
+}
+
+TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
+    const Shape plain = shape_of(shape("sphere", ""));
+    expect_uv(plain, Vec3(1, 0, 0), Vec2(0, 0.5f));
+    expect_uv(plain, Vec3(0, 1, 0), Vec2(0.25f, 0.5f));
+    expect_uv(plain, Vec3(-1, 1e-6f, 0), Vec2(0.5f, 0.5f));
+    expect_uv(plain, Vec3(0, -1, 1), Vec2(0.75f, 0.25f));
+    expect_uv(plain, Vec3(0, 0, 1), Vec2(0, 0));
+    expect_uv(plain, Vec3(0, 0, -1), Vec2(0, 1));
+    // x to y, y to -x.
+    const Shape quarter = shape_of(
+        shape("sphere", "<transform name=\"to_world\"><scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/></transform>"));
+    expect_uv(quarter, Vec3(0, 2, 0), Vec2(0, 0.5f));
+    expect_uv(quarter, Vec3(-2, 0, 0), Vec2(0.25f, 0.5f));
+    const Shape mirror =
+        shape_of(shape("sphere", "<transform name=\"to_world\"><scale x=\"1\" y=\"-1\" z=\"1\"/></transform>"));
+    expect_uv(mirror, Vec3(0, 1, 0), Vec2(0.75f, 0.5f));
+    expect_uv(mirror, Vec3(1, 0, 0), Vec2(0, 0.5f));
+}
+
+TEST(SurfaceParametrisation, SpheresKeepTheirDigitsNearThePoles) {
+    const Shape s = shape_of(shape("sphere", ""));
+    EXPECT_NEAR(surface_at(s, 0, 0, 0, Vec3(1e-5f, 0, 1)).uv.y(), 1e-5 / std::numbers::pi, 1e-11);
+}
+
+TEST(SurfaceParametrisation, DisksHaveRadiusAndAngle) {
+    const Shape s =
+        shape_of(shape("disk", "<transform name=\"to_world\"><scale x=\"4\" y=\"2\"/></transform>" + flipped));
+    expect_uv(s, Vec3(4, 0, 0), Vec2(1, 0));
+    expect_uv(s, Vec3(0, 1, 0), Vec2(0.5f, 0.25f));
+    expect_uv(s, Vec3(-2, 0, 0), Vec2(0.5f, 0.5f));
+    expect_uv(s, Vec3(0, -2, 0), Vec2(1, 0.75f));
+    expect_uv(s, Vec3(0, 0, 0), Vec2(0, 0));
+}
+
+/// Unit tangents, at right angles to each other and to the normal.
+void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
+    const Vec3 u = d.dp_du.normalized(), v = d.dp_dv.normalized();
+    EXPECT_NEAR(u.norm(), 1, 1e-5);
+    EXPECT_NEAR(v.norm(), 1, 1e-5);
+    EXPECT_NEAR(u.dot(v), 0, 1e-5);
+    EXPECT_NEAR(u.dot(at.ng), 0, 1e-5);
+    EXPECT_NEAR(v.dot(at.ng), 0, 1e-5);
+}
+
+TEST(SurfaceParametrisation, CylindersHaveTheAngleAndTheHeight) {
+    const Shape s = shape_of(shape("cylinder",
+                                   "<point name=\"p0\" x=\"0\" y=\"0\" z=\"-2\"/><point name=\"p1\" x=\"0\" y=\"0\" "
+                                   "z=\"2\"/><float name=\"radius\" value=\"3\"/>" +
+                                       flipped));
+    expect_uv(s, Vec3(3, 0, -2), Vec2(0, 0));
+    expect_uv(s, Vec3(0, 3, 1), Vec2(0.25f, 0.75f));
+    expect_uv(s, Vec3(0, -3, 2), Vec2(0.75f, 1));
+    const Shape mirror =
+        shape_of(shape("cylinder", "<transform name=\"to_world\"><scale x=\"1\" y=\"-1\" z=\"4\"/></transform>"));
+    expect_uv(mirror, Vec3(0, 1, 1), Vec2(0.75f, 0.75f));
+}
+
+TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
+    for (const std::string& placed : {std::string(), turned}) {
+        const Shape sphere = shape_of(shape("sphere", placed)), disk = shape_of(shape("disk", placed));
+        const auto& s = std::get<Sphere>(sphere);
+        for (const float side : {1.f, -1.f}) {
+            const SurfaceGeometry pole = surface_at(sphere, 0, 0, 0, s.center + side * s.axes.col(2));
+            expect_basis(pole, derivatives_at(sphere, 0, pole));
+        }
+        const SurfaceGeometry center = surface_at(disk, 0, 0, 0, std::get<Disk>(disk).center);
+        expect_basis(center, derivatives_at(disk, 0, center));
+    }
+}
+
+/// The uv of a mesh file with `body`, hit along -z from above (x, y).
+Vec2 uv_from_above(const TemporaryFolder& folder, const std::string& type, const std::string& body, float x, float y) {
+    const std::string name = folder / ("m." + type);
+    const auto loaded = load(shape(type, "<string name=\"filename\" value=\"" + name + "\"/>" + body));
+    const auto hit = loaded.scene->intersect({Vec3(x, y, 5) - loaded.scene->bounds().center(), Vec3(0, 0, -1)});
+    // The scene's origin is the centre of its bounds, so that the ray has to start relative to that of the file's.
+    EXPECT_TRUE(hit) << type << body;
+    return hit ? hit->uv : Vec2(-1, -1);
+}
+
+TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
+    const TemporaryFolder folder;
+    // Symmetric around the origin.
+    folder.write("m.obj",
+                 "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+    folder.write(
+        "m.ply",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+        "-1 -1 0 0 0\n1 -1 0 1 0\n1 1 0 1 1\n-1 1 0 0 1\n4 0 1 2 3\n");
+    const auto flip = [](bool on) {
+        return std::string("<boolean name=\"flip_tex_coords\" value=\"") + (on ? "true" : "false") + "\"/>";
+    };
+    const Vec2 as_stored(0.75f, 0.25f), turned_over(0.75f, 0.75f);
+    const auto at = [&](const std::string& type, const std::string& body) {
+        return uv_from_above(folder, type, body, 0.5f, -0.5f);
+    };
+    EXPECT_LT((at("obj", "") - turned_over).norm(), 1e-6f);
+    EXPECT_LT((at("obj", flip(true)) - turned_over).norm(), 1e-6f);
+    EXPECT_LT((at("obj", flip(false)) - as_stored).norm(), 1e-6f);
+    EXPECT_LT((at("ply", "") - as_stored).norm(), 1e-6f);
+    EXPECT_LT((at("ply", flip(true)) - turned_over).norm(), 1e-6f);
+}
+
+TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNormal) {
+    const TemporaryFolder folder;
+    const std::string triangle = "v -1 -1 0\nv 1 -1 0\nv -1 1 0\nv 1 1 0\n";
+    for (const std::string faces : {"f 1 2 3\n", "vn 0 0 1\nf 1//1 2//1 3//1\n"}) {
+        folder.write("m.obj", triangle + faces);
+        EXPECT_LT((uv_from_above(folder, "obj", "", -0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(), 1e-6f) << faces;
+        // A mirror moves the corners, not their order.
+        EXPECT_LT(
+            (uv_from_above(folder, "obj", "<transform name=\"to_world\"><scale x=\"-1\"/></transform>", 0.5f, -0.8f) -
+             Vec2(0.25f, 0.1f))
+                .norm(),
+            1e-6f)
+            << faces;
+    }
+    // A line of uv has no area either.
+    folder.write("m.obj", triangle + "vt 0 0\nvt 1 1\nvt 2 2\nf 1/1 2/2 3/3\n");
+    const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
+    for (const std::string& body : {turned, turned + flipped}) {
+        const Shape s = shape_of(shape("obj", file + body));
+        const SurfaceGeometry at = surface_at(s, 0, 0.2f, 0.2f, Vec3::Zero());
+        const SurfaceDerivatives d = derivatives_at(s, 0, at);
+        const Frame expected(body == turned ? at.ng : Vec3(-at.ng));
+        EXPECT_EQ(d.dp_du, expected.s);
+        EXPECT_EQ(d.dp_dv, expected.t);
+    }
+}
+
+}  // namespace
+}  // namespace gib
