@@ -13,14 +13,17 @@ Color lerp(const Color& a, const Color& b, float t) { return (1.f - t) * a + t *
 
 }  // namespace
 
-EnvironmentMap::EnvironmentMap(const Image& radiance, const Frame& to_world)
+EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
     : width_(static_cast<std::size_t>(radiance.width)),
       bands_(std::max<std::size_t>(static_cast<std::size_t>(radiance.height), 2) - 1),
       bands_f_(static_cast<double>(bands_)),
       cell_phi_(2 * std::numbers::pi / radiance.width),
       to_world_(to_world),
-      rgb_(radiance.rgb) {
-    if (radiance.height == 1) rgb_.insert(rgb_.end(), radiance.rgb.begin(), radiance.rgb.end());
+      rgb_(std::move(radiance.rgb)) {
+    if (radiance.height == 1) {
+        const std::vector<float> row = rgb_;
+        rgb_.insert(rgb_.end(), row.begin(), row.end());
+    }
     std::vector<double> rows, columns(width_);
     for (std::size_t row = 0; row < bands_; ++row) {
         const double theta0 = theta_of(row), theta1 = theta_of(row + 1);

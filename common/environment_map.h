@@ -19,7 +19,7 @@ class EnvironmentMap {
 public:
     /// `radiance` [W/(sr m^2)] is finite and not negative; an image of one row is constant along each meridian. `to_world` holds the
     /// map's axes in world space, orthonormal.
-    EnvironmentMap(const Image& radiance, const Frame& to_world);
+    EnvironmentMap(Image radiance, const Frame& to_world);
 
     /// Towards the viewer who looks along the unit vector w.
     Color radiance(const Vec3& w) const { return interpolated(cell_at(to_world_.to_local(w))); }

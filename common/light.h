@@ -28,13 +28,13 @@ struct BoundingSphere {
 
 /// A surface that emits in every direction of its front side, alike.
 struct AreaLight {
-    /// Throws nothing; the shape has an area.
+    /// The shape has an area.
     AreaLight(std::uint32_t shape_index, const Shape& shape, const Texture& emitted);
 
-    std::uint32_t shape;  ///< index into the scene's shapes
-    Color radiance;       ///< [W/(sr m^2)]; with a texture its mean over the surface
-    AreaSampler surface;
+    std::uint32_t shape;             ///< index into the scene's shapes
+    Color radiance;                  ///< [W/(sr m^2)]; with a texture its mean over the surface
     std::optional<Texture> texture;  ///< of the radiance, where it is not constant
+    AreaSampler surface;
 
     Color radiance_at(const Vec2& uv) const { return texture ? texture->color(uv) : radiance; }
 };

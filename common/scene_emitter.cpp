@@ -115,7 +115,7 @@ MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
         if (!std::isfinite(image.rgb[i]))
             throw InputError(properties.where("scale"), fmt::format("'scale' is too large for '{}': {}", *name, scale));
     }
-    return {std::make_shared<const EnvironmentMap>(image, axes), {}};
+    return {std::make_shared<const EnvironmentMap>(std::move(image), axes), {}};
 }
 
 }  // namespace

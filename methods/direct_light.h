@@ -25,8 +25,10 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
 
 /// The weight of radiance that a bsdf's sample of density `pdf_w` from `previous` found on a light, against light sampling
 /// from there; an infinite density: light sampling could not have found it.
-/// Radiance from beyond the scene that the bsdf's sample of direction `w` found, with that weight.
-Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w);
 float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit);
+
+/// The radiance [W/(sr m^2)] of the environment that a bsdf's sample of direction w found by leaving the scene, times that
+/// weight.
+Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w);
 
 }  // namespace gib

@@ -357,12 +357,15 @@ TEST(BlackLights, AreNoLights) {
     }
 }
 
-TEST(Effects, AnEnvironmentIsOne) {
+TEST(Effects, EnvironmentsAndTexturedLightsAreFound) {
     const auto effects = [](const std::string& light) {
         return effects_of(*load("<shape type='sphere'/>" + light).scene);
     };
     EXPECT_TRUE(effects("<emitter type='constant'/>").has(Effect::environment_light));
     EXPECT_TRUE(effects("<emitter type='constant'/>").has(Effect::direct_light));
+    EXPECT_TRUE(effects_of(*load(lamp + checkered_radiance).scene).has(Effect::textures));
+    EXPECT_TRUE(effects(spot_xml(20, 10, checkers)).has(Effect::textures));
+    EXPECT_FALSE(effects("<emitter type='spot'/>").has(Effect::textures));
     for (const char* light : {"<emitter type='directional'/>", "<emitter type='spot'/>"}) {
         EXPECT_FALSE(effects(light).has(Effect::environment_light)) << light;
         EXPECT_TRUE(effects(light).has(Effect::direct_light)) << light;
