@@ -14,7 +14,7 @@ struct CompareOptions {
     double epsilon = 0.01;           ///< of the relative error's denominator [radiance^2], > 0
     bool json = false;
     bool z_test = false;         ///< decide whether the test is the reference but for noise
-    std::string variance;        ///< a file: Mitsuba's test instead of our own, of a single test
+    std::string variance = {};   ///< a file: Mitsuba's test instead of our own, of a single test
     std::uint32_t test_spp = 0;  ///< samples a pixel of that test, > 0 with `variance`
 };
 

@@ -73,8 +73,8 @@ TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
         variance.set(p, 4 * y_alone);
     }
     EXPECT_EQ(mitsuba_z_test(x, constant(0), variance, 100).passing, 1200u);  // z = 0.1 / 0.2
-    // Without variance the floor of 1e-4 holds: z = 0.004 sqrt(100 / 1e-4) = 4, and 5.
-    EXPECT_EQ(mitsuba_z_test(constant(0.004f), constant(0), constant(0), 100).passing, 1200u);
+    // Without variance the floor of 1e-4 holds; white has Y = 1 and X and Z within 9 % of it: z = 0.0035 sqrt(100 / 1e-4) = 3.5, and 5.
+    EXPECT_EQ(mitsuba_z_test(constant(0.0035f), constant(0), constant(0), 100).passing, 1200u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 100).passing, 0u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 50).passing, 1200u);
 }
@@ -177,7 +177,7 @@ TEST_F(CompareZTest, JsonHoldsTheFiguresUnderFlatKeys) {
     EXPECT_NEAR(json["components"]["direct"]["z_deviation"][0], -0.005, 1e-3);
     EXPECT_TRUE(json.contains("mse"));
     for (const auto& [name, value] : json.items())
-        if (name != "components") EXPECT_FALSE(value.is_object()) << name;
+        EXPECT_EQ(value.is_object(), name == "components") << name;
 }
 
 TEST_F(CompareZTest, ValuesThatAreNotFiniteAreCountedAndRejected) {
@@ -228,7 +228,6 @@ TEST_F(CompareZTest, WrongInputGivesTwo) {
     write_reference();
     write_test("x.exr", 1, 0.01f);
     write("small.exr", {{{"", constant(1)}}, {}});
-    write("layers.exr", {{{"a", constant(1, 64, 64)}}, {}});
     folder_.write("text.exr", "no image");
     for (const char* arguments :
          {"x.exr r.exr --z-test --variance r.exr", "x.exr r.exr --z-test --spp 64", "x.exr r.exr --spp 64",
@@ -236,9 +235,9 @@ TEST_F(CompareZTest, WrongInputGivesTwo) {
           "x.exr r.exr --z-test --variance r.exr --spp 0", "x.exr r.exr --z-test --variance r.exr --spp -4",
           "x.exr r.exr --z-test --variance r.exr --spp 1.5", "x.exr r.exr --z-test --variance r.exr --spp many",
           "x.exr x.exr r.exr --z-test --variance r.exr --spp 64", "x.exr r.exr --z-test --variance none.exr --spp 64",
-          "x.exr r.exr --z-test --variance small.exr --spp 64", "x.exr r.exr --z-test --variance layers.exr --spp 64",
-          "x.exr r.exr --z-test --variance text.exr --spp 64", "small.exr r.exr --z-test", "x.exr small.exr --z-test",
-          "none.exr r.exr --z-test", "x.exr none.exr --z-test", "x.exr --z-test"}) {
+          "x.exr r.exr --z-test --variance small.exr --spp 64", "x.exr r.exr --z-test --variance text.exr --spp 64",
+          "small.exr r.exr --z-test", "x.exr small.exr --z-test", "none.exr r.exr --z-test", "x.exr none.exr --z-test",
+          "x.exr --z-test"}) {
         const ProgramResult result = run(arguments);
         EXPECT_EQ(result.code, 2) << arguments << "\n" << result.out << result.err;
         EXPECT_NE(result.err, "") << arguments;

@@ -200,7 +200,6 @@ TEST(RoughPlastic, ReflectsAtMostAllLight) {
                     const double share = sampled_share(white, direction_at(degrees, 0.3)).weight;
                     EXPECT_LE(share, 1.0) << alpha << ' ' << degrees;
                     if (degrees > 60) continue;
-                    EXPECT_GT(share, alpha <= 0.1f ? 0.95 : 0.3) << alpha << ' ' << degrees;
                     const double tolerance = alpha < 0.1f ? 0.02 : 2e-3;
                     EXPECT_NEAR(share, reflected_integral(white, direction_at(degrees, 0.3)), tolerance) << alpha;
                 }
@@ -223,13 +222,14 @@ TEST(RoughPlastic, SamplesCarryTheirOwnValueAndDensity) {
 }
 
 TEST(RoughPlastic, ItsCoatIsSpecularIfItIsSmoothEnough) {
-    const Vec3 wo = direction_at(30, 0), wi = direction_at(30, 3.1);
+    const Vec3 wo = direction_at(30, 0), wi = direction_at(30, std::numbers::pi);
     const RoughPlastic narrow = rough_plastic(MicrofacetType::beckmann, 0.1f),
                        wide = rough_plastic(MicrofacetType::beckmann, 0.2f);
     EXPECT_TRUE(narrow.traits().glossy && narrow.traits().rough && narrow.traits().diffuse && !narrow.traits().delta);
     EXPECT_TRUE(!wide.traits().glossy && wide.traits().rough && wide.traits().diffuse);
     const LobeValues f = narrow.f_local(wo, wi, Transport::radiance);
-    EXPECT_GT(f.specular[0], 1.f);
+    // F D / (4 cos^2) at the facet along z, D = 1 / (pi alpha^2); masking is 1 here but for 1e-9.
+    EXPECT_NEAR(f.specular[0], fresnel_dielectric(wo.z(), 1.49f).reflectance / (0.04f * pi * sqr(wo.z())), 1e-4f);
     EXPECT_LT(f.diffuse[0], inv_pi);
     EXPECT_EQ(wide.f_local(wo, wi, Transport::radiance).specular[0], 0.f);
     EXPECT_FALSE(wide.sample_local(wo, 0.f, {0.3f, 0.3f}, Transport::radiance, Lobes::specular));

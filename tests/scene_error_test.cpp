@@ -67,18 +67,18 @@ TEST(SceneErrors, Parameters) {
 }
 
 TEST(SceneErrors, Plugins) {
-    expect_errors({{"<shape type=\"teapot\"/>", "2:8",
-                    "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, cylinder"},
-                   {"<shape/>", "2:1", "needs the attribute 'type'"},
-                   {ball + "<bsdf id=\"a\" type=\"hair\"/>", "2:36",
-                    "the bsdf 'hair' is not supported; supported are: diffuse"},
-                   {ball + "<emitter type=\"sky\"/>", "2:32", "the emitter 'sky' is not supported"},
-                   {"<shape type=\"sphere\"><emitter type=\"point\"/></shape>", "2:31", "supported are: area"},
-                   {ball + "<emitter type=\"area\"/>", "2:23", "must stand in a shape"},
-                   {ball + "<integrator type=\"pssmlt\"/>", "2:35", "the integrator 'pssmlt' is not supported"},
-                   {ball + "<widget type=\"x\"/>", "2:23", "<scene> cannot hold <widget>"},
-                   {ball + "<translate x=\"1\"/>", "2:23", "<scene> cannot hold <translate>"},
-                   {ball + "<medium type=\"homogeneous\"/>", "2:23", "scene does not take a <medium>"}});
+    expect_errors(
+        {{"<shape type=\"teapot\"/>", "2:8",
+          "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, cylinder"},
+         {"<shape/>", "2:1", "needs the attribute 'type'"},
+         {ball + "<bsdf id=\"a\" type=\"hair\"/>", "2:36", "the bsdf 'hair' is not supported; supported are: diffuse"},
+         {ball + "<emitter type=\"sky\"/>", "2:32", "the emitter 'sky' is not supported"},
+         {"<shape type=\"sphere\"><emitter type=\"point\"/></shape>", "2:31", "supported are: area"},
+         {ball + "<emitter type=\"area\"/>", "2:23", "must stand in a shape"},
+         {ball + "<integrator type=\"pssmlt\"/>", "2:35", "the integrator 'pssmlt' is not supported"},
+         {ball + "<widget type=\"x\"/>", "2:23", "<scene> cannot hold <widget>"},
+         {ball + "<translate x=\"1\"/>", "2:23", "<scene> cannot hold <translate>"},
+         {ball + "<medium type=\"homogeneous\"/>", "2:23", "scene does not take a <medium>"}});
 }
 
 TEST(SceneErrors, Properties) {
