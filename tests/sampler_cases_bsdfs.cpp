@@ -122,11 +122,29 @@ std::vector<BsdfModel> rough_models() {
     return models;
 }
 
+std::vector<BsdfModel> layered_models() {
+    const std::string nonlinear = "<boolean name='nonlinear' value='true'/>";
+    const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";
+    std::vector<BsdfModel> models = {
+        {"plastic", bsdf("plastic", glass_index)},
+        {"white plastic", bsdf("plastic", glass_index + white), 1, 1.0},
+        {"white plastic nonlinear", bsdf("plastic", glass_index + white + nonlinear), 1, 1.0},
+    };
+    for (const std::string distribution : {"beckmann", "ggx"})
+        for (double alpha : {0.02, 0.3})
+            models.push_back({fmt::format("roughplastic {} alpha={}", distribution, alpha),
+                              bsdf("roughplastic", glass_index + microfacets(distribution, alpha) + white)});
+    for (double exponent : {1.0, 30.0, 3000.0})
+        models.push_back({fmt::format("phong {}", exponent), bsdf("phong", number("exponent", exponent))});
+    return models;
+}
+
 std::vector<BsdfModel> mixed_models() {
     const std::string diffuse = bsdf("diffuse", reflectance("0.5"));
     const std::string rough = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.05));
     return {
         {"blend of diffuse and glossy", bsdf("blendbsdf", number("weight", 0.3) + diffuse + rough)},
+        {"mask", bsdf("mask", number("opacity", 0.3) + bsdf("twosided", rough)), 1, {}, true},
         {"blend of diffuse and mirror",
          bsdf("blendbsdf", number("weight", 0.3) + diffuse + bsdf("conductor", mirror_index)), 1, 0.65},
         {"blend of diffuse and glass",
@@ -142,7 +160,7 @@ std::vector<BsdfModel> mixed_models() {
 
 std::vector<BsdfModel> bsdf_models() {
     std::vector<BsdfModel> models = smooth_models();
-    for (auto make : {rough_models, mixed_models})
+    for (auto make : {rough_models, layered_models, mixed_models})
         for (BsdfModel& model : make())
             models.push_back(std::move(model));
     return models;

@@ -1,5 +1,6 @@
 // The lights, as seen from a point, and as sources of light paths.
 
+#include "tests/light_fixtures.h"
 #include "tests/sampler_cases.h"
 #include "tests/scene_text.h"
 
@@ -17,6 +18,10 @@ std::string emitter(const std::string& radiance) {
     return "<emitter type='area'><rgb name='radiance' value='" + radiance + "'/></emitter>";
 }
 
+std::string number(const std::string& name, double value) {
+    return fmt::format("<float name='{}' value='{}'/>", name, value);
+}
+
 /// A shape that emits; `placing` stands inside its to_world.
 std::string area_light(const std::string& type, const std::string& placing, const std::string& parameters = "",
                        const std::string& radiance = "1") {
@@ -28,15 +33,16 @@ std::string translate(double x, double y, double z) {
     return fmt::format("<translate x='{}' y='{}' z='{}'/>", x, y, z);
 }
 
-/// What a path that finds the light by chance must assume: the density of the light that the ray meets.
+/// What a path that finds the light by chance must assume: the density of the light that the ray meets. Surfaces that do not
+/// emit are looked through, as the samplers do.
 double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
-    return hit && hit->emitter ? static_cast<double>(scene.light_pdf_w(p, *hit)) : 0.0;
+    return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
 }
 
 double radiance(const Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
-    return hit ? mean(hit->Le(-w)) : 0.0;
+    return mean(hit && hit->emitter ? hit->Le(-w) : scene.environment_radiance(w));
 }
 
 struct Seen {
@@ -71,30 +77,39 @@ SamplerCase light_case(const std::string& name, const std::string& xml, const Ve
 /// 1 - cos of the half-angle of a sphere's cone.
 double cone_of_sphere(double radius, double distance) { return 1 - std::sqrt(1 - sqr(radius / distance)); }
 
-/// The directions of light paths against `pdf`, about the normal where they start (z where there is none).
-SamplerCase emission_direction_case(const std::string& name, const std::string& xml,
-                                    const std::function<double(const Vec3&)>& pdf) {
-    const ScenePointer scene = load(xml).scene;
-    return sphere_case(
-        "emission: direction, " + name, SphereChart(),
-        [scene, pdf](const RandomNumbers& r) -> std::optional<SampledDirection> {
-            const EmissionSample s = scene->sample_emission(r.choice.x(), r.u, r.v);
-            const Vec3 w = s.normal.isZero() ? s.ray.d : Frame(s.normal).to_local(s.ray.d);
-            return SampledDirection{w, pdf(w)};
-        },
-        pdf);
+/// Light paths' starts, by the point of the plane or sphere that `place` makes of them, against `pdf` there. Their mean
+/// power must be the light's.
+template <typename Place>
+auto emission_sampler(const ScenePointer& scene, const Place& place, const std::function<double(const Vec3&)>& pdf) {
+    const double power = scene->emitted_power().mean();
+    return [scene, place, pdf, power](const RandomNumbers& r) -> std::optional<SampledDirection> {
+        const EmissionSample s = scene->sample_emission(r.choice.x(), r.u, r.v);
+        const Vec3 w = place(s);
+        return SampledDirection{w, pdf(w), mean(s.power) / power};
+    };
 }
+
+/// The directions of light paths, about the normal where they start (z where there is none).
+SamplerCase emission_direction_case(const std::string& name, const std::string& xml,
+                                    const std::function<double(const Vec3&)>& pdf,
+                                    const std::vector<double>& breaks = {}) {
+    const auto place = [](const EmissionSample& s) -> Vec3 {
+        return s.normal.isZero() ? s.ray.d : Frame(s.normal).to_local(s.ray.d);
+    };
+    SamplerCase test =
+        sphere_case("emission: direction, " + name, SphereChart(), emission_sampler(load(xml).scene, place, pdf), pdf);
+    test.domain = SphereChart::domain(breaks);
+    test.mean_weight = 1;
+    return test;
+}
+
+const std::function<double(const Vec3&)> uniform = [](const Vec3&) { return 1 / (4 * std::numbers::pi); };
 
 /// The starts of light paths on a sphere at the origin.
 SamplerCase emission_sphere_case() {
-    const ScenePointer scene = load(area_light("sphere", translate(0, 0, 0), "<float name='radius' value='2'/>")).scene;
-    const double density = 1 / (4 * std::numbers::pi);
-    return sphere_case(
-        "emission: position, sphere", SphereChart(),
-        [scene, density](const RandomNumbers& r) -> std::optional<SampledDirection> {
-            return SampledDirection{scene->sample_emission(r.choice.x(), r.u, r.v).ray.o.normalized(), density};
-        },
-        [density](const Vec3&) { return density; });
+    const ScenePointer scene = load(area_light("sphere", "", number("radius", 2))).scene;
+    const auto place = [](const EmissionSample& s) -> Vec3 { return s.ray.o.normalized(); };
+    return sphere_case("emission: position, sphere", SphereChart(), emission_sampler(scene, place, uniform), uniform);
 }
 
 /// The starts of light paths on a rectangle [-2, 2] x [-1, 1] in the plane z = 0.
@@ -108,15 +123,90 @@ SamplerCase emission_rectangle_case() {
         [](const Vec2d&) { return 1.0 / 8; });
 }
 
+const std::string small_shape = "<shape type='sphere'><float name='radius' value='0.5'/></shape>";
+
+/// The starts of parallel light's paths, along z, on a disk that hides a sphere of radius 1/2 and the box around it.
+SamplerCase emission_disk_case() {
+    const ScenePointer scene =
+        load(small_shape + "<emitter type='directional'><vector name='direction' x='0' y='0' z='1'/></emitter>").scene;
+    const double radius = 0.5 * std::sqrt(3.0);
+    return plane_case(
+        "emission: position, directional", {{-1, 1}, {-1, 1}},
+        [scene](const RandomNumbers& r) {
+            return Vec2(scene->sample_emission(r.choice.x(), r.u, r.v).ray.o.head<2>());
+        },
+        [radius](const Vec2d& x) {
+            // The program's disk is larger by a share of 1e-5.
+            return x.norm() <= radius * (1 + 2e-5) ? 1 / (std::numbers::pi * sqr(radius)) : 0.0;
+        });
+}
+
+/// A spot along z; the density is its fall-off, linear in the angle, over its integral.
+SamplerCase emission_spot_case(double cutoff_degrees, double beam_degrees) {
+    const double cutoff = cutoff_degrees * std::numbers::pi / 180, beam = beam_degrees * std::numbers::pi / 180;
+    const auto falloff = [cutoff, beam](double theta) {
+        return theta <= beam ? 1.0 : std::max((cutoff - theta) / (cutoff - beam), 0.0);
+    };
+    double integral = 0;
+    constexpr int steps = 100'000;
+    for (int i = 0; i < steps; ++i) {
+        const double theta = cutoff * (i + 0.5) / steps;
+        integral += 2 * std::numbers::pi * falloff(theta) * std::sin(theta) * cutoff / steps;
+    }
+    const auto pdf = [falloff, integral](const Vec3& w) {
+        const Vec3d d = w.cast<double>();
+        // The fall-off ends at 0, where a sample may lie as well.
+        return std::max(falloff(std::atan2(d.head<2>().norm(), d.z())), 1e-12) / integral;
+    };
+    return emission_direction_case(fmt::format("spot {} {}", cutoff_degrees, beam_degrees),
+                                   small_shape + "<emitter type='spot'>" + number("cutoff_angle", cutoff_degrees) +
+                                       number("beam_width", beam_degrees) + "</emitter>",
+                                   pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
+}
+
+/// Noise, and a sun of one texel that has most of the light.
+std::string sunny_map(const TemporaryFolder& folder) {
+    return envmap_xml(folder, image_of(16, 9, [](int x, int y) {
+                          return x == 11 && y == 2 ? Color(Color::Constant(300)) : Color(noise(x, y));
+                      }));
+}
+
+SamplerCase emission_map_case() {
+    const TemporaryFolder folder;
+    const std::string xml = small_shape + sunny_map(folder);
+    const ScenePointer scene = load(xml).scene;
+    return emission_direction_case("envmap", xml, [scene](const Vec3& w) {
+        return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
+    });
+}
+
+std::vector<SamplerCase> environment_cases() {
+    const TemporaryFolder folder;
+    const std::string constant = "<emitter type='constant'/>", point = "<emitter type='point'/>";
+    const Vec3 up(0, 1, 0), p(2, 0, 0);
+    return {
+        light_case("constant", small_shape + constant, p, {up}),
+        light_case("constant and point", small_shape + constant + point, p, {up, std::nullopt}),
+        light_case("envmap", small_shape + sunny_map(folder), p, {up}),
+        light_case("envmap of noise", small_shape + envmap_xml(folder, image_of(5, 4, noise)), p, {up}),
+        light_case("envmap of one row", small_shape + envmap_xml(folder, image_of(4, 1, noise)), p, {up}),
+    };
+}
+
 std::vector<SamplerCase> emission_cases() {
     const auto cosine = [](const Vec3& w) { return std::max(static_cast<double>(w.z()), 0.0) / std::numbers::pi; };
-    const auto uniform = [](const Vec3&) { return 1 / (4 * std::numbers::pi); };
     return {
         emission_sphere_case(),
         emission_rectangle_case(),
+        emission_disk_case(),
         emission_direction_case("sphere", area_light("sphere", translate(1, 2, 3)), cosine),
         emission_direction_case("rectangle", area_light("rectangle", translate(1, 2, 3)), cosine),
-        emission_direction_case("point", "<shape type='sphere'/><emitter type='point'/>", uniform),
+        emission_direction_case("point", small_shape + "<emitter type='point'/>", uniform),
+        emission_direction_case("constant", small_shape + "<emitter type='constant'/>", uniform),
+        emission_spot_case(20, 15),
+        emission_spot_case(120, 0),
+        emission_spot_case(1, 0.9),
+        emission_map_case(),
     };
 }
 
@@ -127,6 +217,7 @@ std::vector<SamplerCase> light_cases() {
     const std::string rectangle = area_light("rectangle", "");
     const std::string disk = area_light("disk", "");
     const std::string cube = area_light("cube", "");
+    const std::string cylinder = area_light("cylinder", "");
     const std::string sphere = area_light("sphere", "");
     const std::string hollow = area_light("sphere", "", "<boolean name='flip_normals' value='true'/>");
     // Powers 4 pi, pi 4 and 4 pi^2 / 10; a tenth of the choices goes to all lights alike.
@@ -139,6 +230,9 @@ std::vector<SamplerCase> light_cases() {
         light_case("rectangle from behind", rectangle, {0, 0, -2}, {-down, 0.0}),
         light_case("disk", disk, {1, 0, 2}, {aslant}),
         light_case("cube", cube, {2, 1.5f, 3}, {Vec3(-2, -1.5f, -3), std::nullopt}),
+        light_case("cylinder from inside", area_light("cylinder", "", "<boolean name='flip_normals' value='true'/>"),
+                   {0.3f, 0.2f, 0.5f}, {down}),
+        light_case("cylinder", cylinder, {3, 1, 2}, {Vec3(-3, -1, -2), std::nullopt}),
         light_case("sphere", sphere, {0, 0, 2}, {down, 1.0, {cone_of_sphere(1, 2)}}),
         light_case("sphere from close by", sphere, {0, 0, 1.01f}, {down, 1.0, {cone_of_sphere(1, 1.01)}}),
         light_case("sphere from far away", sphere, {0, 0, 300}, {down, 1.0, {cone_of_sphere(1, 300)}}),
@@ -152,8 +246,9 @@ std::vector<SamplerCase> light_cases() {
                        "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>",
                    {0, 0, 2}, {down, 1 - share_of_point}),
     };
-    for (SamplerCase& test : emission_cases())
-        cases.push_back(std::move(test));
+    for (auto make : {environment_cases, emission_cases})
+        for (SamplerCase& test : make())
+            cases.push_back(std::move(test));
     return cases;
 }
 

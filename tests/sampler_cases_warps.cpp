@@ -63,6 +63,31 @@ SamplerCase cone_case(double one_minus_cos_max) {
     return test;
 }
 
+/// Density linear along x.
+SamplerCase linear_case(double f0, double f1) {
+    return plane_case(
+        fmt::format("warp: linear {} {}", f0, f1), {{0, 1}, {0, 1}},
+        [f0, f1](const RandomNumbers& r) {
+            return Vec2(static_cast<float>(sample_linear(static_cast<double>(r.u.x()), f0, f1)), r.u.y());
+        },
+        [f0, f1](const Vec2d& p) { return std::max(f0 + (f1 - f0) * p.x(), 1e-9) * 2 / (f0 + f1); });
+}
+
+/// A ring around the axis; x: the angle as a share of the ring's width.
+SamplerCase polar_ramp_case(const std::string& name, const PolarRamp& ramp) {
+    const double width = ramp.theta1 - ramp.theta0, integral = ramp.integral();
+    return plane_case(
+        "warp: polar ramp " + name, {{0, 1}, {0, 1}},
+        [ramp, width](const RandomNumbers& r) {
+            const double theta = ramp.sample(static_cast<double>(r.u.x()));
+            return Vec2(static_cast<float>((theta - ramp.theta0) / width), r.u.y());
+        },
+        [ramp, width, integral](const Vec2d& p) {
+            const double f = ramp.f0 + (ramp.f1 - ramp.f0) * p.x();
+            return std::max(f * std::sin(ramp.theta0 + p.x() * width) * width / integral, 1e-9);
+        });
+}
+
 /// Items side by side, each of width 1, and within it the rest of the random number.
 SamplerCase discrete_case(const std::string& name, const std::vector<double>& weights) {
     const DiscreteDistribution items(weights);
@@ -113,6 +138,12 @@ std::vector<SamplerCase> warp_cases() {
         cone_case(0.5),
         cone_case(1e-3),
         cone_case(1e-6),
+        linear_case(0, 1),
+        linear_case(1, 0),
+        linear_case(3, 3.01),
+        polar_ramp_case("from the pole", {0, 0.5, 1, 0}),
+        polar_ramp_case("narrow", {1, 1.001, 0.2, 1}),
+        polar_ramp_case("to the other pole", {2.5, pi_d, 0, 1}),
         discrete_case("two", {3, 1}),
         discrete_case("zeros", {0, 5, 0, 0, 1, 2, 0}),
         discrete_case("range of 1e5", {1e-2, 1, 10, 100, 1000}),
