@@ -1,116 +1,84 @@
 #pragma once
-// Materials: a closed set of scattering models behind one interface. f never holds the cosine; directions point away
-// from the surface; local means the shading frame with its normal as z.
+// The material at one point of a surface, all its parameters known: a mixture of scattering models, each of which may
+// be seen from behind or through a tilted normal, and the probability that nothing is there at all.
 
-#include "common/components.h"
-#include "common/fresnel.h"
-#include "common/math.h"
+#include "common/smooth_scattering.h"
 
-#include <optional>
-#include <string_view>
 #include <variant>
+#include <vector>
 
 namespace gib {
 
-/// What a path carries. Radiance is scaled by the squared index ratio at a refraction, power is not
-/// (Veach 1997, section 5.2: f is not symmetric there).
-enum class Transport { radiance, power };
+using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric>;
 
-struct BsdfSample {
-    Vec3 wi;
-    Color f;      ///< [1/sr]; for a delta lobe its weight / |cos|, so that f |cos| / pdf_w is the weight of the path
-    float pdf_w;  ///< [1/sr]; for a delta lobe the probability of choosing it
-    bool delta;
-    LobeKind lobe;
-    float eta;  ///< index on wi's side over index on wo's side; 1 without refraction
-};
-
-/// Ideal diffuse reflection: f = reflectance / pi above the surface, one-sided.
-struct Diffuse {
-    Color reflectance;
-
-    Color f_local(const Vec3& wo, const Vec3& wi) const;
-    float pdf_w_local(const Vec3& wo, const Vec3& wi) const;
-    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport) const;
-};
-
-/// A smooth interface between two dielectrics; `eta` = interior index / exterior index.
-struct Dielectric {
-    float eta;
-    Color specular_reflectance = Color::Ones();
-    Color specular_transmittance = Color::Ones();
-
-    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport) const;
-};
-
-/// A smooth conductor, one-sided. Index eta + i k per channel; without one ("none"), a perfect mirror.
-struct Conductor {
-    struct Index {
-        Color eta, k;
-    };
-    std::optional<Index> index;
-    Color specular_reflectance = Color::Ones();
-
-    Color reflectance(float cos_theta) const;
-    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport) const;
-};
-
-using Scattering = std::variant<Diffuse, Dielectric, Conductor>;
-
-/// The slides' reflection coefficients: how much of the light from one direction is scattered diffusely and specularly.
-struct ScatteringCoefficients {
-    Color diffuse = Color::Zero();
-    Color specular = Color::Zero();  ///< reflected and transmitted
-};
-
-/// The material of a surface: one model, or two back to back (Mitsuba's `twosided`).
+/// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there with
+/// probability o. Directions are in the shading frame of the hit.
 class Bsdf {
 public:
-    explicit Bsdf(Scattering one_sided) : front_(one_sided) {}
-    Bsdf(Scattering front, Scattering back) : front_(front), back_(back) {}
+    /// One model of a mixture.
+    struct Layer {
+        Scattering model;
+        float weight = 1.f;
+        bool flipped = false;  ///< its front is the surface's back
+        std::optional<Eigen::Matrix3f> to_layer =
+            {};  ///< orthogonal, the flip included: from the shading frame to a tilted one
+    };
 
-    /// f(wo, wi) of the non-delta lobes [1/sr]; directions in the shading frame.
-    Color f_local(Vec3 wo, Vec3 wi) const;
-    /// Density of sample_local for the non-delta lobes [1/sr].
-    float pdf_w_local(Vec3 wo, Vec3 wi) const;
-    /// Empty where nothing is scattered. `u_lobe` chooses among lobes and matters only if several_lobes().
-    std::optional<BsdfSample> sample_local(Vec3 wo, float u_lobe, const Vec2& u, Transport transport) const;
-    /// The share of light from wo that is scattered, exactly.
-    ScatteringCoefficients coefficients_local(Vec3 wo) const;
+    static constexpr std::size_t max_layers = 16;
 
-    bool has_diffuse() const {
-        return any([](const Scattering& s) { return std::holds_alternative<Diffuse>(s); });
-    }
-    bool has_specular() const {
-        return any([](const Scattering& s) { return !std::holds_alternative<Diffuse>(s); });
-    }
-    bool has_refraction() const {
-        return any([](const Scattering& s) {
-            const auto* d = std::get_if<Dielectric>(&s);
-            return d && d->eta != 1.f;
-        });
-    }
+    explicit Bsdf(Scattering one_sided);
+    /// Two models back to back (Mitsuba's `twosided`).
+    Bsdf(Scattering front, Scattering back);
+    /// Weights as shares of all light; the sum of what one side shows and `pass_through` is at most 1. They are kept divided
+    /// by 1 - pass_through. At most max_layers.
+    Bsdf(std::vector<Layer> layers, float pass_through);
+
+    /// The probability that light goes straight on, as if there were no surface (`null`, `mask`).
+    float pass_through() const { return pass_through_; }
+
+    /// f(wo, wi) of the lobes that are no delta [1/sr].
+    LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
+    /// Density of sample_local for those lobes [1/sr].
+    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which = Lobes::all) const;
+    /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have given
+    /// the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their f; the
+    /// sample's f is then that lobe's f over this probability, so that each class of paths has its own share of light.
+    /// u_lobe matters only if several_lobes().
+    std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u, Transport transport,
+                                           Lobes which = Lobes::all) const;
+    /// The share of light from wo that is scattered: see ScatteringCoefficients.
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+
+    /// Of all layers, on both sides.
+    const LobeTraits& traits() const { return traits_; }
     /// Some light is scattered at all.
-    bool reflects() const;
+    bool reflects() const { return traits_.scatters(); }
     bool several_lobes() const { return several_lobes_; }
-    bool two_sided() const { return back_.has_value(); }
-    /// A non-delta lobe scatters light that leaves on wo's side.
-    bool samples_lights(float cos_o) const {
-        const auto* diffuse = std::get_if<Diffuse>(side(cos_o));
-        return diffuse && !is_black(diffuse->reflectance);
-    }
+    bool two_sided() const;
+    const std::vector<Layer>& layers() const { return layers_; }
+
+    /// The lobes that light meets which leaves on the side of this cosine.
+    const LobeTraits& traits_at(float cos_o) const { return cos_o < 0.f ? traits_below_ : traits_above_; }
 
 private:
-    /// The model that light from a direction with this cosine meets.
-    const Scattering* side(float cos_o) const { return cos_o < 0.f && back_ ? &*back_ : &front_; }
-    template <typename Predicate>
-    bool any(Predicate p) const {
-        return p(front_) || (back_ && p(*back_));
+    void prepare();
+    /// The layer that alone matters on this side; null if there are several, or tilted ones.
+    const Layer* only_layer(float cos_o) const {
+        const int i = cos_o < 0.f ? below_ : above_;
+        return i < 0 ? nullptr : &layers_[static_cast<std::size_t>(i)];
     }
+    LobeTraits traits_of_side(bool below) const;
+    LobeValues mixture_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
+    std::optional<BsdfSample> sample_mixture_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
+                                                   Transport transport, Lobes which) const;
+    void choose_kind(const Vec3& wo, float u, Transport transport, BsdfSample& sample) const;
 
-    Scattering front_;
-    std::optional<Scattering> back_;
-    bool several_lobes_ = any([](const Scattering& s) { return std::holds_alternative<Dielectric>(s); });
+    std::vector<Layer> layers_;
+    float pass_through_ = 0.f;
+    LobeTraits traits_, traits_above_, traits_below_;
+    bool several_lobes_ = false;
+    bool mixes_kinds_ = false;     ///< diffuse and glossy lobes together
+    int above_ = -1, below_ = -1;  ///< the index of only_layer() by side
 };
 
 }  // namespace gib

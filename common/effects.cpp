@@ -10,6 +10,9 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::specular_reflection, "specular_reflection", "mirror images in conductors and dielectrics"},
         {Effect::refraction, "refraction", "light that passes a dielectric boundary and is bent"},
         {Effect::caustics, "caustics", "light that specular surfaces concentrate on diffuse ones"},
+        {Effect::glossy_lobes, "glossy_lobes", "light scattered around a preferred direction by rough surfaces"},
+        {Effect::textures, "textures", "materials or emitters that vary over a surface"},
+        {Effect::bump_maps, "bump_maps", "shading normals tilted by a bump or normal map"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
     };
     return descriptions;
@@ -32,23 +35,25 @@ std::vector<Effect> Effects::list() const {
 }
 
 Effects effects_of(const Scene& scene) {
-    bool diffuse = false, specular = false;
+    LobeTraits lobes;
     Effects effects;
     for (std::size_t i = 0; i < scene.shapes().size(); ++i) {
-        const Bsdf& bsdf = scene.bsdf_of_shape(i);
-        if (!bsdf.reflects()) continue;
-        diffuse |= bsdf.has_diffuse();
-        specular |= bsdf.has_specular();
-        if (bsdf.has_refraction()) effects.add(Effect::refraction);
+        const Material& material = scene.material_of_shape(i);
+        if (material.is_textured()) effects.add(Effect::textures);
+        if (!material.traits().scatters()) continue;
+        lobes |= material.traits();
+        if (material.is_bumped()) effects.add(Effect::bump_maps);
         if (has_smooth_normals(scene.shapes()[i])) effects.add(Effect::smooth_normals);
     }
-    if (specular) effects.add(Effect::specular_reflection);
+    if (lobes.specular()) effects.add(Effect::specular_reflection);
+    if (lobes.refraction) effects.add(Effect::refraction);
+    if (lobes.rough) effects.add(Effect::glossy_lobes);
     if (!scene.has_light()) return effects;
-    if (diffuse) {
+    if (lobes.diffuse) {
         effects.add(Effect::direct_light);
         effects.add(Effect::diffuse_interreflection);
     }
-    if (diffuse && specular) effects.add(Effect::caustics);
+    if (lobes.diffuse && lobes.specular()) effects.add(Effect::caustics);
     return effects;
 }
 

@@ -9,7 +9,17 @@
 
 namespace gib {
 
-enum class Effect { direct_light, diffuse_interreflection, specular_reflection, refraction, caustics, smooth_normals };
+enum class Effect {
+    direct_light,
+    diffuse_interreflection,
+    specular_reflection,
+    refraction,
+    caustics,
+    glossy_lobes,
+    textures,
+    bump_maps,
+    smooth_normals
+};
 
 struct EffectDescription {
     Effect effect;

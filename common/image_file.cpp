@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/srgb.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -59,13 +60,6 @@ std::string encode_exr(const LayeredImage& image) {
     }  // the destructor writes the table of offsets
     return stream.str();
 }
-
-float linear_from_srgb(float v) {
-    // IEC 61966-2-1.
-    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-}
-
-float srgb_from_linear(float v) { return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f; }
 
 /// A file as it is stored: interleaved channels of the whole data window.
 struct RawImage {

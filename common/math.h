@@ -47,6 +47,17 @@ struct Frame {
     Vec3 to_world(const Vec3& w) const { return s * w.x() + t * w.y() + n * w.z(); }
 };
 
+/// A frame around the unit vector `n` with its first axis as close to `direction` as can be; any where that has none.
+inline Frame frame_along(const Vec3& n, const Vec3& direction) {
+    const Vec3 s = (direction - n * n.dot(direction)).stableNormalized();
+    if (!(s.squaredNorm() > 0.5f)) return Frame(n);
+    Frame frame;
+    frame.n = n;
+    frame.s = s;
+    frame.t = n.cross(s);
+    return frame;
+}
+
 /// An axis-aligned box; empty until a point is added.
 struct Bounds {
     Vec3 lower = Vec3::Constant(infinity);

@@ -116,6 +116,8 @@ inline constexpr std::uint32_t bsdf_lobe = 2;
 inline constexpr std::uint32_t bsdf_direction = 3;
 inline constexpr std::uint32_t roulette = 4;
 inline constexpr std::uint32_t per_vertex = 5;
+/// Whether the n-th surface with holes on a path is there: first_hole + n.
+inline constexpr std::uint32_t first_hole = 0x40000000;
 /// The dimension of `what` at vertex number `vertex` (the first surface hit is 0).
 inline constexpr std::uint32_t at_vertex(int vertex, std::uint32_t what) {
     return first_vertex + static_cast<std::uint32_t>(vertex) * per_vertex + what;

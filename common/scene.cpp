@@ -30,7 +30,7 @@ std::vector<double> light_weights(const std::vector<Light>& lights) {
 
 }  // namespace
 
-Scene::Scene(SceneParts parts) : bsdfs_(std::move(parts.bsdfs)), sensor_(required_sensor(parts.sensor)) {
+Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_(required_sensor(parts.sensor)) {
     sensor_.translate(-parts.origin);
     for (auto& object : parts.objects) {
         const auto shape = static_cast<std::uint32_t>(shapes_.size());
@@ -41,7 +41,8 @@ Scene::Scene(SceneParts parts) : bsdfs_(std::move(parts.bsdfs)), sensor_(require
             light = static_cast<std::uint32_t>(lights_.size());
             lights_.push_back(AreaLight{shape, *object.radiance, AreaSampler(shapes_.back())});
         }
-        surfaces_.push_back({object.bsdf, light});
+        surfaces_.push_back({object.material, light});
+        has_holes_ |= materials_[object.material].has_holes();
     }
     for (const auto& light : parts.point_lights)
         lights_.push_back(light);
@@ -54,11 +55,28 @@ std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     const auto i = accelerator_->intersect(ray);
     if (!i) return std::nullopt;
     const Surface& surface = surfaces_[i->shape];
-    SurfaceHit hit{surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d), &bsdfs_[surface.bsdf],
+    const Material& material = materials_[surface.material];
+    SurfaceHit hit{surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d), material.constant(),
                    nullptr, surface.light, Frame()};
     if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit.shading = Frame(hit.ns);
+    if (!hit.bsdf || material.follows_uv()) resolve_material(material, i->shape, i->primitive, hit);
     return hit;
+}
+
+void Scene::resolve_material(const Material& material, std::uint32_t shape, std::uint32_t primitive,
+                             SurfaceHit& hit) const {
+    MaterialPoint point{hit.uv, hit.ng, Vec3::Zero(), Vec3::Zero(), hit.shading};
+    if (material.follows_uv()) {
+        const SurfaceDerivatives derivatives = derivatives_at(shapes_[shape], primitive, hit);
+        point.dp_du = derivatives.dp_du;
+        point.dp_dv = derivatives.dp_dv;
+        point.shading = frame_along(hit.ns, derivatives.dp_du);
+        hit.shading = point.shading;
+    }
+    if (hit.bsdf) return;
+    hit.own_bsdf = std::make_shared<const Bsdf>(material.at(point));
+    hit.bsdf = hit.own_bsdf.get();
 }
 
 std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {

@@ -2,8 +2,8 @@
 // The scene: geometry, materials, lights and the camera, immutable once built. It holds no film, sampler or setting.
 
 #include "common/accelerator.h"
-#include "common/bsdf.h"
 #include "common/light.h"
+#include "common/material.h"
 #include "common/sensor.h"
 
 #include <memory>
@@ -18,7 +18,8 @@ struct SurfaceHit : SurfaceGeometry {
     const Bsdf* bsdf;
     const AreaLight* emitter;  ///< null: not a light
     std::uint32_t light;       ///< index of the emitter among the scene's lights
-    Frame shading;             ///< around ns
+    Frame shading;             ///< around ns; its first axis along dp_du where the material follows uv
+    std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
     /// [W/(sr m^2)] emitted towards wo.
     Color Le(const Vec3& wo) const { return emitter && ng.dot(wo) > 0.f ? emitter->radiance : Color(Color::Zero()); }
@@ -29,11 +30,11 @@ struct SurfaceHit : SurfaceGeometry {
 struct SceneParts {
     struct Object {
         Shape shape;
-        std::uint32_t bsdf;             ///< index into bsdfs
+        std::uint32_t material;         ///< index into materials
         std::optional<Color> radiance;  ///< of an area light
     };
     std::vector<Object> objects;
-    std::vector<Bsdf> bsdfs;
+    std::vector<Material> materials;
     std::vector<PointLight> point_lights;
     std::optional<Sensor> sensor;  ///< required
     Vec3d origin = Vec3d::Zero();  ///< the file's coordinates of the scene's own origin: shapes and lights are given
@@ -48,8 +49,10 @@ public:
     const Sensor& sensor() const { return sensor_; }
     const std::vector<Shape>& shapes() const { return shapes_; }
     const std::vector<Light>& lights() const { return lights_; }
-    const std::vector<Bsdf>& bsdfs() const { return bsdfs_; }
-    const Bsdf& bsdf_of_shape(std::size_t shape) const { return bsdfs_[surfaces_[shape].bsdf]; }
+    const std::vector<Material>& materials() const { return materials_; }
+    const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
+    /// Some surface lets light pass straight through (masks).
+    bool has_holes() const { return has_holes_; }
     const Bounds& bounds() const { return bounds_; }
     /// Of the box around all surfaces [scene units]; lengths given as fractions refer to it.
     float diagonal() const { return bounds_.diagonal(); }
@@ -72,13 +75,16 @@ public:
 private:
     static constexpr std::uint32_t no_light = ~0u;
     struct Surface {
-        std::uint32_t bsdf;
+        std::uint32_t material;
         std::uint32_t light;
     };
+    void resolve_material(const Material& material, std::uint32_t shape, std::uint32_t primitive,
+                          SurfaceHit& hit) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_
-    std::vector<Bsdf> bsdfs_;
+    std::vector<Material> materials_;
+    bool has_holes_ = false;
     std::vector<Light> lights_;
     DiscreteDistribution light_choice_;
     Sensor sensor_;

@@ -39,60 +39,69 @@ double parse_index(Properties& properties, const std::string& name, const std::s
                                                          fmt::join(names, ", ")));
 }
 
-Dielectric parse_dielectric(Properties& properties) {
+double parse_relative_index(Properties& properties) {
     const double interior = parse_index(properties, "int_ior", "bk7"),
                  exterior = parse_index(properties, "ext_ior", "air");
-    return {static_cast<float>(interior / exterior), properties.color("specular_reflectance", 1, ColorRange::unit),
-            properties.color("specular_transmittance", 1, ColorRange::unit)};
+    return interior / exterior;
 }
 
-Conductor parse_conductor(Properties& properties) {
+/// dielectric and thindielectric.
+template <typename Model>
+Scattering parse_dielectric(Properties& properties) {
+    Model model;
+    model.eta = static_cast<float>(parse_relative_index(properties));
+    model.specular_reflectance = properties.color("specular_reflectance", 1, ColorRange::unit);
+    model.specular_transmittance = properties.color("specular_transmittance", 1, ColorRange::unit);
+    return model;
+}
+
+Scattering parse_conductor(Properties& properties) {
     if (properties.string("material").value_or("none") != "none")
         throw InputError(properties.where("material"), "conductor materials by name are not supported yet: only none");
     Conductor conductor;
     const bool has_index = properties.has("eta") || properties.has("k");
-    const Conductor::Index index{properties.color("eta", 0, ColorRange::non_negative),
-                                 properties.color("k", 1, ColorRange::non_negative)};
+    const ConductorIndex index{properties.color("eta", 0, ColorRange::non_negative),
+                               properties.color("k", 1, ColorRange::non_negative)};
     if (has_index) conductor.index = index;
     conductor.specular_reflectance = properties.color("specular_reflectance", 1, ColorRange::unit);
     return conductor;
 }
 
-Scattering parse_scattering(const XmlElement& element, const XmlIds& ids) {
-    Properties properties(element, ids);
-    const std::string& type = properties.plugin({"diffuse", "dielectric", "conductor", "twosided"});
-    const auto parse = [&]() -> Scattering {
-        if (type == "dielectric") return parse_dielectric(properties);
-        if (type == "conductor") return parse_conductor(properties);
-        return Diffuse{properties.color("reflectance", 0.5f, ColorRange::unit)};
-    };
-    const Scattering scattering = parse();
-    properties.finish();
-    return scattering;
+Scattering parse_diffuse(Properties& properties) {
+    return Diffuse{properties.color("reflectance", 0.5f, ColorRange::unit)};
 }
 
-Bsdf parse_twosided(const XmlElement& element, const XmlIds& ids) {
-    Properties properties(element, ids);
+Material parse_twosided(Properties& properties, const XmlIds& ids) {
     const auto nested = properties.objects("bsdf");
-    properties.finish();
     if (nested.empty() || nested.size() > 2)
-        throw InputError(element.where, fmt::format("twosided takes one or two bsdfs, found {}", nested.size()));
-    std::vector<Scattering> sides;
+        throw InputError(properties.element().where,
+                         fmt::format("twosided takes one or two bsdfs, found {}", nested.size()));
+    std::vector<NestedMaterial> sides;
     for (const auto& side : nested) {
         if (side.element->required("type").value == "twosided")
             throw InputError(side.where, "a bsdf inside twosided cannot be twosided");
-        sides.push_back(parse_scattering(*side.element, ids));
-        if (std::holds_alternative<Dielectric>(sides.back()))
+        sides.push_back(std::make_shared<const Material>(parse_bsdf(*side.element, ids)));
+        if (sides.back()->traits().transmission || sides.back()->has_holes())
             throw InputError(side.where, "a bsdf inside twosided must not transmit light");
     }
-    return {sides.front(), sides.back()};
+    return Material(TwoSided{sides.front(), sides.back()});
 }
 
 }  // namespace
 
-Bsdf parse_bsdf(const XmlElement& element, const XmlIds& ids) {
-    if (element.required("type").value == "twosided") return parse_twosided(element, ids);
-    return Bsdf(parse_scattering(element, ids));
+Material parse_bsdf(const XmlElement& element, const XmlIds& ids) {
+    Properties properties(element, ids);
+    const std::string& type = properties.plugin({"diffuse", "dielectric", "thindielectric", "conductor", "twosided"});
+    const auto parse = [&]() -> Material {
+        if (type == "diffuse") return Material(parse_diffuse(properties));
+        if (type == "dielectric") return Material(parse_dielectric<Dielectric>(properties));
+        if (type == "thindielectric") return Material(parse_dielectric<ThinDielectric>(properties));
+        if (type == "conductor") return Material(parse_conductor(properties));
+        return parse_twosided(properties, ids);
+    };
+    Material material = parse();
+    properties.finish();
+    return material;
 }
 
 }  // namespace gib

@@ -17,7 +17,7 @@ class SceneBuilder {
 public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash) : ids_(xml.root), files_(xml.files), hash_(hash) {}
 
-    void add_bsdf(const NestedObject& bsdf) { bsdf_index(*bsdf.element); }
+    void add_bsdf(const NestedObject& bsdf) { material_index(*bsdf.element); }
 
     void add_shape(const NestedObject& object) {
         Properties properties(*object.element, ids_);
@@ -30,7 +30,7 @@ public:
             pending.radiance = parse_area_light(*emitter);
             pending.emitter_where = emitter->where;
         }
-        pending.bsdf = bsdf ? bsdf_index(*bsdf->element) : default_bsdf(emitter.has_value());
+        pending.material = bsdf ? material_index(*bsdf->element) : default_material(emitter.has_value());
         bounds_.extend(bounds_of(*pending.shape));
         pending_.push_back(std::move(pending));
     }
@@ -55,7 +55,7 @@ public:
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
         for (auto& p : pending_) {
-            SceneParts::Object object{recentred(std::move(*p.shape), parts.origin, p.where), p.bsdf, p.radiance};
+            SceneParts::Object object{recentred(std::move(*p.shape), parts.origin, p.where), p.material, p.radiance};
             if (p.radiance && !(area_of(object.shape) > 0))
                 throw InputError(p.emitter_where, "an area emitter on a shape without area");
             parts.objects.push_back(std::move(object));
@@ -66,7 +66,7 @@ public:
                 throw InputError(point.where, "the emitter is too far away");
             parts.point_lights.push_back({position, point.intensity});
         }
-        parts.bsdfs = std::move(bsdfs_);
+        parts.materials = std::move(materials_);
         parts.sensor = std::move(sensor);
         return parts;
     }
@@ -78,7 +78,7 @@ private:
         SourceLocation where;
         std::optional<ParsedShape> shape;
         SourceLocation emitter_where;
-        std::uint32_t bsdf;
+        std::uint32_t material;
         std::optional<Color> radiance;
     };
     struct PendingPoint {
@@ -96,18 +96,18 @@ private:
     }
 
     /// A bsdf that several shapes refer to is one material.
-    std::uint32_t bsdf_index(const XmlElement& element) {
-        const auto [it, is_new] = bsdf_of_element_.emplace(&element, static_cast<std::uint32_t>(bsdfs_.size()));
-        if (is_new) bsdfs_.push_back(parse_bsdf(element, ids_));
+    std::uint32_t material_index(const XmlElement& element) {
+        const auto [it, is_new] = material_of_element_.emplace(&element, static_cast<std::uint32_t>(materials_.size()));
+        if (is_new) materials_.push_back(parse_bsdf(element, ids_));
         return it->second;
     }
 
     /// Mitsuba's: a grey diffuse surface, and a black one on a light.
-    std::uint32_t default_bsdf(bool emitter) {
-        auto& index = default_bsdfs_[emitter];
+    std::uint32_t default_material(bool emitter) {
+        auto& index = default_materials_[emitter];
         if (!index) {
-            index = static_cast<std::uint32_t>(bsdfs_.size());
-            bsdfs_.emplace_back(Scattering(Diffuse{Color::Constant(emitter ? 0.f : 0.5f)}));
+            index = static_cast<std::uint32_t>(materials_.size());
+            materials_.emplace_back(Scattering(Diffuse{Color::Constant(emitter ? 0.f : 0.5f)}));
         }
         return *index;
     }
@@ -117,9 +117,9 @@ private:
     ContentHash& hash_;
     std::vector<Pending> pending_;
     std::vector<PendingPoint> points_;
-    std::vector<Bsdf> bsdfs_;
-    std::map<const XmlElement*, std::uint32_t> bsdf_of_element_;
-    std::optional<std::uint32_t> default_bsdfs_[2];
+    std::vector<Material> materials_;
+    std::map<const XmlElement*, std::uint32_t> material_of_element_;
+    std::optional<std::uint32_t> default_materials_[2];
     BoundsD bounds_;
 };
 

@@ -160,6 +160,11 @@ SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u,
     return {s, s.ng, Vec2(std::sqrt(a * a + b * b), (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi))};
 }
 
+SurfaceDerivatives derivatives_at(const Shape&, std::uint32_t, const SurfaceGeometry& surface) {
+    const Frame frame(surface.ns);
+    return {frame.s, frame.t};
+}
+
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
     const Vec3d d = ray.d.cast<double>();
     const Vec3d f = ray.o.cast<double>() - sphere.center.cast<double>();

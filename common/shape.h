@@ -60,6 +60,12 @@ bool has_smooth_normals(const Shape& shape);
 /// serves the other shapes, which project it back onto themselves.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
 
+/// How the point of a hit moves over the surface [scene units per unit of uv].
+struct SurfaceDerivatives {
+    Vec3 dp_du, dp_dv;
+};
+SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& surface);
+
 /// The smallest t in (t_min, t_max) at which the ray meets a sphere or a disk. In double: a quadratic's difference of
 /// nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray);

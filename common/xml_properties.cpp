@@ -208,6 +208,15 @@ std::optional<NestedObject> Properties::object(const std::string& tag) {
     return found.empty() ? std::nullopt : std::optional(found[0]);
 }
 
+std::optional<NestedObject> Properties::named_object(const std::string& name, const std::string& tag) {
+    for (auto& property : properties_) {
+        if (property.name != name || !property.is_object || property.element->tag != tag) continue;
+        property.read = true;
+        return NestedObject{property.element, property.where};
+    }
+    return std::nullopt;
+}
+
 void Properties::finish() const {
     for (const auto& property : properties_) {
         if (property.read) continue;

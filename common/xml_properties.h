@@ -55,6 +55,8 @@ public:
 
     /// The nested objects of a kind ("bsdf"), in the file's order.
     std::vector<NestedObject> objects(const std::string& tag);
+    /// The object `name` if it is of that kind; nothing if it is of another kind, a value or not given.
+    std::optional<NestedObject> named_object(const std::string& name, const std::string& tag);
     /// Throws InputError at the second one.
     std::optional<NestedObject> object(const std::string& tag);
 

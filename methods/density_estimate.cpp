@@ -73,7 +73,7 @@ private:
         if (!found) return Seen::nothing;
         const bool level = std::abs((found->p - hit_.p).dot(frame_.n)) <= below_;
         const bool alike = normal_towards(*found, frame_.n).dot(frame_.n) > min_normal_cosine;
-        const bool stores_photons = found->bsdf->samples_lights(found->ns.dot(frame_.n));
+        const bool stores_photons = found->bsdf->traits_at(found->ns.dot(frame_.n)).diffuse;
         return level && alike && stores_photons ? Seen::surface : Seen::obstacle;
     }
 
@@ -121,8 +121,11 @@ Color DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& ray
                                            const Vec3& wo, int max_photon_edges, const Sampler& sampler,
                                            std::uint32_t dimension, std::vector<PhotonMap::Neighbour>& found) const {
     const Vec3 normal = normal_towards(hit, wo);
+    // Light that arrives from behind is scattered here too where the material lets it through.
+    const bool transmits = hit.bsdf->traits().transmission;
     const auto on_surface = [&](const Photon& photon, float d2) {
-        return photon.edges <= max_photon_edges && photon.surface_normal().dot(normal) > min_normal_cosine &&
+        const float cosine = photon.surface_normal().dot(normal);
+        return photon.edges <= max_photon_edges && (transmits ? std::abs(cosine) : cosine) > min_normal_cosine &&
                sqr((photon.p - hit.p).dot(normal)) <= sqr(max_elevation_sine) * d2;
     };
     map.nearest(hit.p, k, max_radius, on_surface, found);
@@ -136,9 +139,9 @@ Color DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& ray
     for (std::size_t i = 0; i < inside; ++i) {
         const Photon& photon = map[found[i].photon];
         const Vec3 wi = photon.direction();
-        const Vec3 wi_local = lifted(wo_local, hit.shading.to_local(wi));
+        const Vec3 wi_local = transmits ? hit.shading.to_local(wi) : lifted(wo_local, hit.shading.to_local(wi));
         const float scale = shading_normal_factor(hit, wi) * kernel_weight(kernel, found[i].distance2, r);
-        sum += hit.bsdf->f_local(wo_local, wi_local) * photon.power * scale;
+        sum += hit.bsdf->f_local(wo_local, wi_local).diffuse * photon.power * scale;
     }
     if (area == DiscArea::surface && !is_black(sum))
         sum /= share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));

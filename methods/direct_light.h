@@ -12,10 +12,14 @@ enum class LightTechniques {
     light_and_bsdf_sampling  ///< weighted by the power heuristic against the bsdf's density
 };
 
-/// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes scatter towards wo straight from a light:
-/// f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling.
+/// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes of the kinds `which` scatter towards wo straight
+/// from a light: f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling, by the kind of lobe.
 /// Source: Veach 1997, sections 8.2 (three-point form) and 9.2 (combination).
-Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                          int vertex, LightTechniques techniques);
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
+                               int vertex, LightTechniques techniques, Lobes which = Lobes::all);
+
+/// The weight of radiance that a bsdf's sample of density `pdf_w` from `previous` found on a light, against light sampling
+/// from there; an infinite density: light sampling could not have found it.
+float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit);
 
 }  // namespace gib

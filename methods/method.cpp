@@ -70,9 +70,10 @@ void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
 }
 
 void add_light_sampling(Plan& plan, int max_edges) {
-    const bool lit = plan.called_for.has(Effect::direct_light);
+    const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes);
     plan.add(std::string(pass_light_sampling), lit && max_edges >= 2,
-             lit ? "direct light has two edges, more than the longest path" : "no light can reach a diffuse surface");
+             lit ? "direct light has two edges, more than the longest path"
+                 : "no light can reach a diffuse or glossy surface");
 }
 
 Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method) {

@@ -9,12 +9,11 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
 
-#include "common/parallel.h"
 #include "methods/direct_light.h"
 #include "methods/method.h"
+#include "methods/pixel_samples.h"
 
 #include <algorithm>
-#include <atomic>
 
 namespace gib {
 
@@ -28,22 +27,16 @@ constexpr int first_roulette_vertex = 3;
 /// scaling of refractions, which is undone on the way out.
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
-/// The weight of radiance that the bsdf's sample found on a light, against light sampling from `previous`.
-float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
-    if (!std::isfinite(pdf_w)) return 1.f;
-    return power_heuristic(pdf_w, scene.light_pdf_w(previous, hit));
-}
-
-}  // namespace
-
-PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const PathLimits& limits) {
+template <PathFeatures features>
+PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
     Color beta = Color::Ones();  // throughput: f cos / pdf of all vertices so far
     float eta_scale = 1.f;       // product of eta^2 that beta was divided by at refractions
     float pdf_w = infinity;      // density of the last direction; infinite: nothing else could have sampled it
     Vec3 previous = ray.o;
     PathClass path;
-    for (int vertex = 0; vertex < limits.max_edges; ++vertex) {
+    std::uint32_t holes = 0;
+    for (int vertex = 0; vertex < settings.max_edges;) {
         const auto hit = rays.intersect(ray);
         if (!hit) break;
         const Vec3 wo = -ray.d;
@@ -51,17 +44,28 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
         const Color Le = hit->Le(wo);
         if (!is_black(Le))
             sample[path.component()] += beta * Le * bsdf_sampling_weight(rays.scene(), previous, pdf_w, *hit);
-        if (vertex + 1 >= limits.max_edges) break;
+        if constexpr (features.holes) {
+            const float pass_through = hit->bsdf->pass_through();
+            if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
+                ray = hit->spawn_ray(ray.d);
+                continue;
+            }
+        }
+        if (vertex + 1 >= settings.max_edges) break;
 
         const Vec3 wo_local = hit->shading.to_local(wo);
-        const bool sees_lights = limits.light_sampling && hit->bsdf->samples_lights(wo_local.z());
-        if (sees_lights)
-            sample[path.after(LobeKind::diffuse).component()] +=
-                beta *
+        const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
+        const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
+        if (sees_lights) {
+            const LobeValues direct =
                 sample_direct_light(rays, *hit, wo_local, sampler, vertex, LightTechniques::light_and_bsdf_sampling);
+            sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
+            if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
+        }
 
-        const float u_lobe =
-            hit->bsdf->several_lobes() ? sampler.get_1d(dimension::at_vertex(vertex, dimension::bsdf_lobe)) : 0.f;
+        const Vec2 u_lobe = hit->bsdf->several_lobes()
+                                ? sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe))
+                                : Vec2(Vec2::Zero());
         const auto next = hit->bsdf->sample_local(
             wo_local, u_lobe, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)),
             Transport::radiance);
@@ -82,8 +86,27 @@ PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const 
         }
         previous = hit->p;
         ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+        ++vertex;
     }
     return sample;
+}
+
+}  // namespace
+
+PathFeatures features_of(const Scene& scene) {
+    PathFeatures features{scene.has_holes(), false};
+    for (const Material& material : scene.materials())
+        features.glossy |= material.traits().glossy;
+    return features;
+}
+
+PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const PathSettings& settings) {
+    const auto [holes, glossy] = settings.features;
+    if (holes)
+        return glossy ? trace<PathFeatures{true, true}>(rays, ray, sampler, settings)
+                      : trace<PathFeatures{true, false}>(rays, ray, sampler, settings);
+    return glossy ? trace<PathFeatures{false, true}>(rays, ray, sampler, settings)
+                  : trace<PathFeatures{false, false}>(rays, ray, sampler, settings);
 }
 
 namespace {
@@ -93,18 +116,13 @@ bool has_point_light(const Scene& scene) {
                        [](const Light& light) { return std::holds_alternative<PointLight>(light); });
 }
 
-struct PathSettings {
-    PointSet points;
-    int max_edges;
-};
-
 class PathRun final : public Run {
 public:
-    PathRun(const Scene& scene, const PathSettings& settings, const MethodDescription& description, const Plan& plan,
+    PathRun(const Scene& scene, PointSet points, int max_edges, const MethodDescription& description, const Plan& plan,
             std::uint64_t seed, StageTimes& stages)
         : scene_(scene),
-          settings_(settings),
-          limits_{settings.max_edges, plan.runs(pass_light_sampling)},
+          points_(points),
+          settings_{max_edges, plan.runs(pass_light_sampling), features_of(scene)},
           traces_(plan.runs(pass_eye_paths)),
           seed_(seed),
           stages_(stages),
@@ -114,20 +132,11 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         const auto timer = stages_.time(pass_eye_paths);
-        const Sensor& sensor = scene_.sensor();
-        const auto width = static_cast<std::size_t>(sensor.width());
-        parallel_blocks(width * static_cast<std::size_t>(sensor.height()), 256,
-                        [&](std::size_t begin, std::size_t end, std::size_t) {
-                            RayQueries rays(scene_);
-                            for (std::size_t pixel = begin; pixel < end; ++pixel) {
-                                const Sampler sampler(settings_.points, seed_, pixel, pass);
-                                const Ray ray = sensor.generate_ray(static_cast<int>(pixel % width),
-                                                                    static_cast<int>(pixel / width),
-                                                                    sampler.get_2d(dimension::film));
-                                film_.add(pixel, pass, trace_path(rays, ray, sampler, limits_));
-                            }
-                            rays_ += rays.count();
-                        });
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, [this] {
+            return [this](RayQueries& rays, const Ray& ray, const Sampler& sampler) {
+                return trace_path(rays, ray, sampler, settings_);
+            };
+        });
         return Progress::more;
     }
 
@@ -136,20 +145,20 @@ public:
 
 private:
     const Scene& scene_;
+    PointSet points_;
     PathSettings settings_;
-    PathLimits limits_;
     bool traces_;
     std::uint64_t seed_;
     StageTimes& stages_;
     Film film_;
     std::uint32_t passes_ = 0;
-    std::atomic<std::uint64_t> rays_ = 0;
+    std::uint64_t rays_ = 0;
 };
 
 class PathMethod final : public Method {
 public:
-    PathMethod(const PathSettings& settings, const MethodDescription& description)
-        : settings_(settings), description_(description) {}
+    PathMethod(PointSet points, int max_edges, const MethodDescription& description)
+        : points_(points), max_edges_(max_edges), description_(description) {}
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
@@ -157,25 +166,25 @@ public:
         // caustic path, nor at the end of a longer one.
         if (has_point_light(scene) && plan.called_for.has(Effect::caustics))
             plan.unresolved = {Component::caustic, Component::indirect};
-        add_eye_paths(plan, scene, settings_.max_edges);
-        add_light_sampling(plan, settings_.max_edges);
+        add_eye_paths(plan, scene, max_edges_);
+        add_light_sampling(plan, max_edges_);
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        return std::make_unique<PathRun>(scene, settings_, description_, plan(scene), seed, stages);
+        return std::make_unique<PathRun>(scene, points_, max_edges_, description_, plan(scene), seed, stages);
     }
 
 private:
-    PathSettings settings_;
+    PointSet points_;
+    int max_edges_;
     const MethodDescription& description_;
 };
 
 std::unique_ptr<Method> create_path(const ParameterValues& values, const MethodDefaults& defaults) {
     const bool sobol = values.choice("sampler") == "sobol";
-    return std::make_unique<PathMethod>(
-        PathSettings{sobol ? PointSet::sobol : PointSet::independent, max_edges_of(values, defaults)},
-        find_method("path"));
+    return std::make_unique<PathMethod>(sobol ? PointSet::sobol : PointSet::independent, max_edges_of(values, defaults),
+                                        find_method("path"));
 }
 
 }  // namespace

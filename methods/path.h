@@ -7,12 +7,20 @@
 
 namespace gib {
 
-struct PathLimits {
+/// What a scene's surfaces need besides ideal diffuse and delta lobes; the estimator is compiled for each combination.
+struct PathFeatures {
+    bool holes;   ///< masks
+    bool glossy;  ///< lobes that are no delta and yet count as specular
+};
+PathFeatures features_of(const Scene& scene);
+
+struct PathSettings {
     int max_edges;        ///< edges of the longest path
     bool light_sampling;  ///< off where no light can be sampled from any surface
+    PathFeatures features;
 };
 
 /// One sample of a pixel by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along `ray`.
-PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const PathLimits& limits);
+PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const PathSettings& settings);
 
 }  // namespace gib

@@ -12,12 +12,11 @@
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
-#include "common/parallel.h"
 #include "methods/direct_light.h"
 #include "methods/photon_walk.h"
+#include "methods/pixel_samples.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace gib {
@@ -89,21 +88,12 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         const auto timer = stages_.time("gather");
-        const Sensor& sensor = scene_.sensor();
-        const auto width = static_cast<std::size_t>(sensor.width());
-        parallel_blocks(width * static_cast<std::size_t>(sensor.height()), 256,
-                        [&](std::size_t begin, std::size_t end, std::size_t) {
-                            RayQueries rays(scene_);
-                            std::vector<PhotonMap::Neighbour> found;
-                            for (std::size_t pixel = begin; pixel < end; ++pixel) {
-                                const Sampler sampler(PointSet::sobol, seed_, pixel, pass);
-                                const Ray ray = sensor.generate_ray(static_cast<int>(pixel % width),
-                                                                    static_cast<int>(pixel / width),
-                                                                    sampler.get_2d(dimension::film));
-                                film_.add(pixel, pass, gather(rays, ray, sampler, found));
-                            }
-                            rays_ += rays.count();
-                        });
+        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
+            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const Ray& ray,
+                                                                       const Sampler& sampler) mutable {
+                return gather(rays, ray, sampler, found);
+            };
+        });
         return Progress::more;
     }
 
@@ -123,31 +113,47 @@ private:
         return PhotonMap(std::move(walk.photons));
     }
 
-    /// One sample of a pixel: a path of specular vertices, closed at its first diffuse one.
+    /// One sample of a pixel: a path of specular vertices, with what each of them shows of its diffuse lobes.
     PixelSample gather(RayQueries& rays, Ray ray, const Sampler& sampler,
                        std::vector<PhotonMap::Neighbour>& found) const {
         PixelSample sample;
         Color beta = Color::Ones();
-        float eta_scale = 1.f;  // product of eta^2 that beta was divided by at refractions
-        for (int vertex = 0; vertex < settings_.max_edges; ++vertex) {
+        float eta_scale = 1.f;   // product of eta^2 that beta was divided by at refractions
+        float pdf_w = infinity;  // density of the last direction; infinite: nothing else could have sampled it
+        Vec3 previous = ray.o;
+        std::uint32_t holes = 0;
+        for (int vertex = 0; vertex < settings_.max_edges;) {
             const auto hit = rays.intersect(ray);
             if (!hit) break;
             const Vec3 wo = -ray.d;
-            sample[Component::emission] += beta * hit->Le(wo);
+            const Color Le = hit->Le(wo);
+            if (!is_black(Le))
+                sample[Component::emission] += beta * Le * bsdf_sampling_weight(scene_, previous, pdf_w, *hit);
+            const float pass_through = hit->bsdf->pass_through();
+            if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
+                ray = hit->spawn_ray(ray.d);
+                continue;
+            }
             if (vertex + 1 >= settings_.max_edges) break;
 
             const Vec3 wo_local = hit->shading.to_local(wo);
-            if (hit->bsdf->samples_lights(wo_local.z())) {
-                add_diffuse(rays, *hit, wo, vertex, sampler, beta, found, sample);
-                break;
-            }
-            if (!follows_specular_) break;
-            const auto next = hit->bsdf->sample_local(
-                wo_local, sampler.get_1d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
-                sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::radiance);
+            const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
+            if (lobes.diffuse) add_diffuse(rays, *hit, wo, vertex, sampler, beta, found, sample);
+            if (!follows_specular_ || !lobes.specular()) break;
+            const bool sees_lights = samples_lights_ && lobes.glossy;
+            if (sees_lights)
+                sample[Component::emission] +=
+                    beta * sample_direct_light(rays, *hit, wo_local, sampler, vertex,
+                                               LightTechniques::light_and_bsdf_sampling, Lobes::specular)
+                               .specular;
+            const auto next =
+                hit->bsdf->sample_local(wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
+                                        sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)),
+                                        Transport::radiance, Lobes::specular);
             if (!next) break;
             beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
             eta_scale *= sqr(next->eta);
+            pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
             if (vertex >= first_roulette_vertex) {
                 if (!beta.isFinite().all()) {
                     sample[Component::emission] += beta;  // roulette would end the path in silence; the film counts it
@@ -157,7 +163,9 @@ private:
                 if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
                 beta /= survival;
             }
+            previous = hit->p;
             ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+            ++vertex;
         }
         return sample;
     }
@@ -166,8 +174,10 @@ private:
     void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
                      const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
         if (samples_lights_)
-            sample[Component::direct] += beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler,
-                                                                    vertex, LightTechniques::light_sampling_only);
+            sample[Component::direct] +=
+                beta * sample_direct_light(rays, hit, hit.shading.to_local(wo), sampler, vertex,
+                                           LightTechniques::light_sampling_only, Lobes::diffuse)
+                           .diffuse;
         const int max_photon_edges = settings_.max_edges - (vertex + 1);
         if (caustic_map_.size() > 0)
             sample[Component::caustic] +=
@@ -189,7 +199,7 @@ private:
     DensityEstimator caustic_estimator_, global_estimator_;
     std::uint64_t photons_ = 0;
     std::uint32_t passes_ = 0;
-    std::atomic<std::uint64_t> rays_ = 0;
+    std::uint64_t rays_ = 0;
 };
 
 class PhotonMapper final : public Method {

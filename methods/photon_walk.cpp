@@ -44,6 +44,7 @@ public:
         result_.balance.emitted += power.cast<double>();
         residual_ = power.cast<double>();
         PathClass path;
+        std::uint32_t holes = 0;
         // An edge to here and at least one more to the eye: a photon of max_edges could never be used.
         for (int edges = 1; edges < max_edges_; ++edges) {
             const auto hit = rays_.intersect(ray);
@@ -54,8 +55,15 @@ public:
             }
             const Vec3 wo = -ray.d;
             const Vec3 wo_local = hit->shading.to_local(wo);
-            if (stores(path) && hit->bsdf->samples_lights(wo_local.z()))
+            // Stored before it may pass a hole: an eye path decides for itself whether the surface is there.
+            if (stores(path) && hit->bsdf->traits_at(wo_local.z()).diffuse)
                 result_.photons.push_back(photon_at(*hit, wo, power, edges));
+            if (hit->bsdf->pass_through() > 0.f &&
+                sampler.get_1d(dimension::first_hole + holes++) < hit->bsdf->pass_through()) {
+                ray = hit->spawn_ray(ray.d);
+                --edges;
+                continue;
+            }
             if (!scatter(*hit, wo_local, sampler, edges - 1, power, path, ray)) break;
         }
         result_.balance.squared_residuals += residual_ * residual_;
@@ -80,12 +88,12 @@ private:
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
         absorb(power * (1.f - albedo));
-        float survival = std::min(albedo.maxCoeff(), 1.f);
+        float survival = std::clamp(albedo.maxCoeff(), 0.f, 1.f);
         if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
         if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) return false;
 
         const auto next = hit.bsdf->sample_local(
-            wo_local, sampler.get_1d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
+            wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
             sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::power);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;

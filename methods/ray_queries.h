@@ -30,16 +30,30 @@ public:
         note(ray, false);
         return scene_.intersect(ray);
     }
-    /// Whether nothing lies between the surface and the light's point. Both ends are off their surfaces by the bound of
-    /// their own rounding errors, so the segment between them needs no epsilon.
-    bool visible(const SurfacePoint& from, const LightSample& to) {
+    /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes (masks).
+    /// Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them needs no
+    /// epsilon.
+    float visibility(const SurfacePoint& from, const LightSample& to) {
         const Vec3 origin = offset_origin(from, to.wi);
+        if (scene_.has_holes()) return visibility_through_holes(origin, to);
         const Ray ray{origin, to.target - origin, 0.f, 1.f};
         note(ray, true);
-        return !scene_.occluded(ray);
+        return scene_.occluded(ray) ? 0.f : 1.f;
     }
 
 private:
+    float visibility_through_holes(Vec3 origin, const LightSample& to) {
+        for (float visibility = 1.f;;) {
+            const Ray ray{origin, to.target - origin, 0.f, 1.f};
+            note(ray, false);
+            const auto hit = scene_.intersect(ray);
+            if (!hit) return visibility;
+            visibility *= hit->bsdf->pass_through();
+            if (visibility == 0.f) return 0.f;
+            origin = offset_origin(*hit, to.wi);
+        }
+    }
+
     void note(const Ray& ray, bool shadow) {
         ++count_;
         if (log_) log_->entries.push_back({ray, shadow});

@@ -153,28 +153,30 @@ TEST(SceneFile, ReferencesShareOneMaterial) {
         "<bsdf type=\"diffuse\" id=\"a\"><rgb name=\"reflectance\" value=\"0.1, 0.2 0.3\"/></bsdf>"
         "<alias id=\"a\" as=\"b\"/>"
         "<shape type=\"sphere\"><ref name=\"bsdf\" id=\"a\"/></shape>");
-    ASSERT_EQ(loaded.scene->bsdfs().size(), 1u);
-    const auto color = loaded.scene->bsdf_of_shape(0).coefficients_local(Vec3(0, 0, 1)).diffuse;
+    ASSERT_EQ(loaded.scene->materials().size(), 1u);
+    const auto color = loaded.scene->material_of_shape(0).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse;
     EXPECT_EQ(color[0], 0.1f);
     EXPECT_EQ(color[2], 0.3f);
-    EXPECT_EQ(&loaded.scene->bsdf_of_shape(0), &loaded.scene->bsdf_of_shape(1));
+    EXPECT_EQ(&loaded.scene->material_of_shape(0), &loaded.scene->material_of_shape(1));
 }
 
 TEST(SceneFile, ShapesWithoutAMaterialAreGreyAndLightsBlack) {
     const auto loaded = load(
         "<shape type=\"sphere\"/><shape type=\"sphere\"><emitter type=\"area\"><rgb name=\"radiance\" "
         "value=\"3\"/></emitter></shape>");
-    EXPECT_EQ(loaded.scene->bsdf_of_shape(0).coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.5f);
-    EXPECT_FALSE(loaded.scene->bsdf_of_shape(0).two_sided());
-    EXPECT_EQ(loaded.scene->bsdf_of_shape(1).coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.f);
+    EXPECT_EQ(loaded.scene->material_of_shape(0).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.5f);
+    EXPECT_FALSE(loaded.scene->material_of_shape(0).two_sided());
+    EXPECT_EQ(loaded.scene->material_of_shape(1).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.f);
     ASSERT_EQ(loaded.scene->lights().size(), 1u);
     EXPECT_EQ(std::get<AreaLight>(loaded.scene->lights()[0]).radiance[2], 3.f);
 }
 
 TEST(SceneFile, MaterialsKeepMitsubasDefaults) {
-    const auto bsdf = [](const std::string& xml) { return load("<bsdf id=\"x\" " + xml + ball).scene->bsdfs()[0]; };
+    const auto bsdf = [](const std::string& xml) {
+        return *load("<bsdf id=\"x\" " + xml + ball).scene->materials()[0].constant();
+    };
     const auto eta_of = [](const Bsdf& b) {
-        const auto s = b.sample_local(Vec3(0, 0, 1), 0.999f, Vec2(0.5f, 0.5f), Transport::power);
+        const auto s = b.sample_local(Vec3(0, 0, 1), Vec2(0.999f, 0.5f), Vec2(0.5f, 0.5f), Transport::power);
         return s->eta;
     };
     EXPECT_NEAR(eta_of(bsdf("type=\"dielectric\"/>")), 1.5046 / 1.000277, 1e-6);

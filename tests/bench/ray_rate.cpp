@@ -44,7 +44,7 @@ void for_each_pixel(const Scene& scene, std::size_t begin, std::size_t end, std:
     }
 }
 
-PathLimits limits_of(const LoadedScene& scene) { return {scene.max_edges, true}; }
+PathSettings settings_of(const LoadedScene& scene) { return {scene.max_edges, true, features_of(*scene.scene)}; }
 
 std::size_t chunks_per_pass(const Scene& scene) {
     const auto pixels =
@@ -61,7 +61,7 @@ std::uint64_t trace_chunk(const LoadedScene& scene, std::size_t chunk, RayLog* l
     RayQueries rays(*scene.scene, log);
     for_each_pixel(*scene.scene, begin, std::min(pixels, begin + pixels_per_chunk),
                    static_cast<std::uint32_t>(chunk / per_pass), [&](const Sampler& sampler, const Ray& ray) {
-                       benchmark::DoNotOptimize(trace_path(rays, ray, sampler, limits_of(scene)));
+                       benchmark::DoNotOptimize(trace_path(rays, ray, sampler, settings_of(scene)));
                    });
     return rays.count();
 }

@@ -1,0 +1,170 @@
+#include "common/material.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace gib {
+
+namespace {
+
+using Matrix = Eigen::Matrix3f;
+
+/// How the light of one part of a material comes to it: a share of it, seen through frames and from behind.
+struct Passage {
+    float share = 1.f;
+    Frame frame;  ///< the shading frame as tilted so far, in world space
+    Matrix to_layer = Matrix::Identity();
+    bool tilted = false, flipped = false;
+};
+
+Matrix axes(const Frame& f) {
+    Matrix m;
+    m << f.s, f.t, f.n;
+    return m;
+}
+
+/// Collects the layers of a material at a point.
+class Layers {
+public:
+    explicit Layers(const MaterialPoint& point) : point_(point) {}
+
+    void add(const Material& material, const Passage& passage) {
+        if (passage.share > 0.f) std::visit([&](const auto& node) { add(node, passage); }, material.node());
+    }
+    Bsdf bsdf() && { return Bsdf(std::move(layers_), pass_through_); }
+
+private:
+    void add(const TexturedScattering& node, const Passage& passage) {
+        Bsdf::Layer layer{node.model, passage.share, passage.flipped};
+        for (const TexturedParameter& p : node.parameters) {
+            if (p.set_color) p.set_color(layer.model, p.texture.color(point_.uv).max(0.f));
+            else p.set_value(layer.model, p.texture.value(point_.uv));
+        }
+        if (passage.tilted) layer.to_layer = passage.to_layer;
+        layers_.push_back(std::move(layer));
+    }
+    void add(const Nothing&, const Passage& passage) { pass_through_ += passage.share; }
+    void add(const Blend& node, Passage passage) {
+        const float share = passage.share, weight = std::clamp(node.weight.value(point_.uv), 0.f, 1.f);
+        passage.share = share * (1.f - weight);
+        add(*node.first, passage);
+        passage.share = share * weight;
+        add(*node.second, passage);
+    }
+    void add(const Mask& node, Passage passage) {
+        const float opacity = std::clamp(node.opacity.value(point_.uv), 0.f, 1.f);
+        pass_through_ += passage.share * (1.f - opacity);
+        passage.share *= opacity;
+        add(*node.nested, passage);
+    }
+    void add(const TwoSided& node, Passage passage) {
+        add(*node.front, passage);
+        passage.flipped = !passage.flipped;
+        passage.to_layer = Eigen::Vector3f(1.f, 1.f, -1.f).asDiagonal() * passage.to_layer;
+        add(*node.back, passage);
+    }
+    void add(const BumpMap& node, const Passage& passage) {
+        const Vec3& n = passage.frame.n;
+        const Vec2 slope = node.scale * node.height.gradient(point_.uv);
+        const Vec3 du = point_.dp_du + n * (slope.x() - n.dot(point_.dp_du));
+        const Vec3 dv = point_.dp_dv + n * (slope.y() - n.dot(point_.dp_dv));
+        Vec3 tilted = du.cross(dv);
+        if (point_.ng.dot(tilted) < 0.f) tilted = -tilted;
+        add_tilted(*node.nested, passage, tilted);
+    }
+    void add(const NormalMap& node, const Passage& passage) {
+        const Color c = node.normal.color(point_.uv);
+        add_tilted(*node.nested, passage, passage.frame.to_world(Vec3((2.f * c - 1.f).matrix())));
+    }
+    /// `normal` of any length; one without a direction tilts nothing.
+    void add_tilted(const Material& nested, Passage passage, const Vec3& normal) {
+        const float length = normal.norm();
+        if (length > 0.f && std::isfinite(length)) {
+            const Frame tilted = frame_along(normal / length, point_.dp_du);
+            passage.to_layer = axes(tilted).transpose() * axes(passage.frame) * passage.to_layer;
+            passage.frame = tilted;
+            passage.tilted = true;
+        }
+        add(nested, passage);
+    }
+
+    const MaterialPoint& point_;
+    std::vector<Bsdf::Layer> layers_;
+    float pass_through_ = 0.f;
+};
+
+/// Every combination of a model's extreme textures: its traits depend on whether a colour is black and on which side of
+/// glossy_roughness it lies.
+LobeTraits possible_traits(const TexturedScattering& node) {
+    LobeTraits traits;
+    for (bool high : {false, true}) {
+        Scattering model = node.model;
+        for (const TexturedParameter& p : node.parameters) {
+            const Color c = high ? p.texture.maximum() : p.texture.minimum();
+            if (p.set_color) p.set_color(model, c.max(0.f));
+            else p.set_value(model, high ? c.maxCoeff() : c.minCoeff());
+        }
+        traits |= std::visit([](const auto& m) { return m.traits(); }, model);
+    }
+    return traits;
+}
+
+}  // namespace
+
+Material::Material(Node node) : node_(std::move(node)) {
+    bool constant = true;
+    const auto nest = [&](const NestedMaterial& nested) {
+        traits_ |= nested->traits_;
+        has_holes_ |= nested->has_holes_;
+        is_textured_ |= nested->is_textured_;
+        is_bumped_ |= nested->is_bumped_;
+        two_sided_ |= nested->two_sided_;
+        models_ += nested->models_;
+        constant &= nested->constant_ != nullptr;
+    };
+    const auto vary = [&](const Texture& texture) {
+        if (texture.constant()) return;
+        is_textured_ = true;
+        constant = false;
+    };
+    if (const auto* model = std::get_if<TexturedScattering>(&node_)) {
+        traits_ = possible_traits(*model);
+        models_ = 1;
+        for (const auto& p : model->parameters)
+            vary(p.texture);
+    } else if (std::holds_alternative<Nothing>(node_)) {
+        has_holes_ = true;
+    } else if (const auto* blend = std::get_if<Blend>(&node_)) {
+        nest(blend->first);
+        nest(blend->second);
+        vary(blend->weight);
+    } else if (const auto* mask = std::get_if<Mask>(&node_)) {
+        nest(mask->nested);
+        vary(mask->opacity);
+        has_holes_ |= mask->opacity.minimum().minCoeff() < 1.f;
+    } else if (const auto* sides = std::get_if<TwoSided>(&node_)) {
+        nest(sides->front);
+        nest(sides->back);
+        two_sided_ = true;
+    } else {
+        const auto* bump = std::get_if<BumpMap>(&node_);
+        nest(bump ? bump->nested : std::get<NormalMap>(node_).nested);
+        is_bumped_ = true;
+        constant = false;
+    }
+    if (models_ > Bsdf::max_layers) throw std::invalid_argument("a material of too many models");
+    if (!constant) return;
+    const MaterialPoint anywhere{Vec2::Zero(), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), Frame(Vec3::UnitZ())};
+    constant_ = std::make_shared<const Bsdf>(at(anywhere));
+}
+
+Bsdf Material::at(const MaterialPoint& point) const {
+    Passage passage;
+    passage.frame = point.shading;
+    Layers layers(point);
+    layers.add(*this, passage);
+    return std::move(layers).bsdf();
+}
+
+}  // namespace gib
