@@ -1,6 +1,6 @@
 #pragma once
-// The test by which Mitsuba 3 judges its own renderings: every pixel against a converged reference, with the variance of
-// one sample that was stored with the reference. (Mitsuba 3, src/render/tests/test_renders.py.)
+// The test by which Mitsuba 3 judges its own renderings (its src/render/tests/test_renders.py): every pixel against a
+// converged reference, with the variance of one sample that was stored with the reference.
 
 #include "common/image.h"
 

@@ -8,12 +8,13 @@
 //
 // Heavy tails: if d is symmetric, they make the test conservative (Efron 1969, "Student's t-test under symmetry
 // conditions"; Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But
-// the noise of path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small an
-// s. With s alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never
-// below what the block should have: the V of the 7 x 7 blocks around in sum, shared out as the reference's variances are
-// (which have met the rare paths), or evenly if the reference has no standard error. Too dark blocks are then judged with
-// the variance that the hypothesis predicts, too bright ones with their own, whose growth with S bounds T. The price:
-// where noise changes from block to block otherwise than the reference's, the test is weaker than it could be.
+// the noise of path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small
+// an s. With s alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is
+// never below what the block should have: the V of the 7 x 7 blocks around in sum, shared out as the reference's
+// variances are (which have met the rare paths), or evenly if the reference has no standard error. Too dark blocks are
+// then judged with the variance that the hypothesis predicts, too bright ones with their own, whose growth with S
+// bounds T. The price: where noise changes from block to block otherwise than the reference's, the test is weaker than
+// it could be.
 //
 // Replicates tell whether pixels share noise (photon maps): the variance of their block means over the sum of their
 // pixels' variances. If this is above 1 beyond its own uncertainty, V is multiplied with it, and the variance of the
@@ -62,8 +63,8 @@ void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, boo
         if (!blocks[i].equal) blocks[i].difference.raise_to(least[i]);
 }
 
-/// The variance of the blocks' sums over what it is if pixels are independent, from the replicates of one side: with twice
-/// the scatter that so many blocks and replicates of normal noise have added, or 1 if it is not above 1 by four times
+/// The variance of the blocks' sums over what it is if pixels are independent, from the replicates of one side. Twice
+/// the scatter that so many blocks and replicates of normal noise have is added; 1 if it is not above 1 by four times
 /// that.
 double shared_noise(const std::vector<BlockSums>& blocks, BlockSide BlockSums::*side) {
     const std::size_t replicates = (blocks.front().*side).groups.size();
@@ -106,7 +107,7 @@ struct NoiseOfBlock {
         degrees = std::max(1.0, block.degrees / c);
     }
     /// Of the whole image, where the replicates' means say it without any assumption. Their few degrees of freedom are
-    /// not raised by what is better known of the other side: an estimate of that is largest when the scatter is too small.
+    /// not raised by what is better known of the other side: that would raise them most when the scatter is too small.
     static NoiseOfBlock of_image(const BlockSums& image, const SharedNoise& shared) {
         NoiseOfBlock noise(image, {});
         for (const auto& [c, side] : {std::pair(shared.x, &image.x), std::pair(shared.r, &image.r)}) {

@@ -1,6 +1,6 @@
 #pragma once
-// Does an image differ from a reference by more than noise? Every channel of blocks of 8 x 8 and 64 x 64 pixels and of the
-// whole image; and are the means shown to agree? z_test.cpp has the derivation.
+// Does an image differ from a reference by more than noise? Every channel of blocks of 8 x 8 and 64 x 64 pixels and of
+// the whole image; and are the means shown to agree? z_test.cpp has the derivation.
 
 #include "experiments/reference_image.h"
 #include "experiments/statistics.h"
@@ -43,13 +43,13 @@ struct MeanDeviation {
 struct LayerZTest {
     std::array<std::vector<BlockTest>, scale_count> tests;  ///< every block and channel
     std::array<MeanDeviation, 3> means;
-    /// Variance of the block means of the test's replicates over what it is if pixels are independent; 1: not more. The
-    /// largest of the channels.
+    /// Variance of the block means of the test's replicates over what it is if pixels are independent, at most; 1: it
+    /// is that. The largest of the channels.
     double shared_noise = 1;
 };
 
-/// `x`: the test, with its standard error and replicates (as groups) if there are any; `r_total`: the reference's total.
-/// All are finite and of one size, not empty.
+/// `x`: the test, with its standard error and replicates (as groups) if there are any; `r_total`: the reference's
+/// total. All are finite and of one size, not empty.
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total);
 
 /// The decision over all layers, with Holm's correction at each scale.
