@@ -36,6 +36,7 @@ Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_
         const auto shape = static_cast<std::uint32_t>(shapes_.size());
         bounds_.add(bounds_of(object.shape));
         shapes_.push_back(std::move(object.shape));
+        if (auto* mesh = std::get_if<Mesh>(&shapes_.back())) mesh->prepare();
         std::uint32_t light = no_light;
         if (object.radiance && !is_black(object.radiance->maximum())) {
             light = static_cast<std::uint32_t>(lights_.size());
@@ -63,14 +64,16 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
 
 std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     const auto i = accelerator_->intersect(ray);
-    if (!i) return std::nullopt;
+    std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
+    if (!i) return hit;
     const Surface& surface = surfaces_[i->shape];
     const Material& material = materials_[surface.material];
-    SurfaceHit hit{surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d), material.constant(),
-                   nullptr, surface.light, Frame()};
-    if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
-    hit.shading = Frame(hit.ns);
-    if (!hit.bsdf || material.follows_uv()) resolve_material(material, i->shape, i->primitive, hit);
+    hit.emplace(surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d));
+    hit->bsdf = material.constant();
+    hit->light = surface.light;
+    if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
+    hit->shading = Frame(hit->ns);
+    if (!hit->bsdf || material.follows_uv()) resolve_material(material, i->shape, i->primitive, *hit);
     return hit;
 }
 
