@@ -58,20 +58,21 @@ Bsdf::Bsdf(std::vector<Layer> layers, float pass_through) : layers_(std::move(la
 }
 
 void Bsdf::prepare() {
-    traits_above_ = traits_of_side(false);
-    traits_below_ = traits_of_side(true);
-    traits_ = traits_above_;
-    traits_ |= traits_below_;
+    traits_of_side_ = {traits_of_side(false), traits_of_side(true)};
+    traits_ = traits_of_side_[0];
+    traits_ |= traits_of_side_[1];
     mixes_kinds_ = traits_.diffuse && traits_.glossy;
     const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f; };
-    if (layers_.size() == 1 && plain(layers_[0])) above_ = below_ = 0;
+    if (layers_.size() == 1 && plain(layers_[0])) only_ = {0, 0};
     const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
                               layers_[1].flipped && !traits_.transmission;
-    if (back_to_back) above_ = 0, below_ = 1;
-    several_lobes_ =
-        (above_ < 0 && !layers_.empty()) || std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) {
-            return !std::holds_alternative<Diffuse>(l.model) && !std::holds_alternative<Conductor>(l.model);
-        });
+    if (back_to_back) only_ = {0, 1};
+    for (std::size_t side = 0; side < 2; ++side) {
+        if (only_[side] < 0) continue;
+        const Layer& layer = layers_[static_cast<std::size_t>(only_[side])];
+        if (const auto* diffuse = std::get_if<Diffuse>(&layer.model))
+            diffuse_sides_[side] = {*diffuse, true, layer.flipped ? -1.f : 1.f};
+    }
 }
 
 bool Bsdf::two_sided() const {
@@ -87,7 +88,7 @@ LobeTraits Bsdf::traits_of_side(bool below) const {
     return traits;
 }
 
-LobeValues Bsdf::f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
+LobeValues Bsdf::layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
     if (const Layer* only = only_layer(wo.z())) {
         const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);
         return std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, only->model);
@@ -109,7 +110,7 @@ LobeValues Bsdf::mixture_f_local(const Vec3& wo, const Vec3& wi, Transport trans
     return sum;
 }
 
-float Bsdf::pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
+float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
     if (const Layer* only = only_layer(wo.z())) {
         const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);
         return std::visit([&](const auto& m) { return m.pdf_w_local(o, i, which); }, only->model);
@@ -126,8 +127,8 @@ float Bsdf::pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
     return total > 0.f ? sum / total : 0.f;
 }
 
-std::optional<BsdfSample> Bsdf::sample_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u, Transport transport,
-                                             Lobes which) const {
+std::optional<BsdfSample> Bsdf::sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
+                                                     Transport transport, Lobes which) const {
     const Layer* only = only_layer(wo.z());
     if (!only) return sample_mixture_local(wo, u_lobe, u, transport, which);
     auto sample =

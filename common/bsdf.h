@@ -7,6 +7,7 @@
 #include "common/rough_scattering.h"
 #include "common/smooth_scattering.h"
 
+#include <array>
 #include <variant>
 #include <vector>
 
@@ -41,15 +42,28 @@ public:
     float pass_through() const { return pass_through_; }
 
     /// f(wo, wi) of the lobes that are no delta [1/sr].
-    LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
+    LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const {
+        const DiffuseSide& side = diffuse_side(wo.z());
+        return side.alone ? side.model.f_local(side.seen(wo), side.seen(wi), transport)
+                          : layered_f_local(wo, wi, transport);
+    }
     /// Density of sample_local for those lobes [1/sr].
-    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which = Lobes::all) const;
+    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which = Lobes::all) const {
+        const DiffuseSide& side = diffuse_side(wo.z());
+        return side.alone ? side.model.pdf_w_local(side.seen(wo), side.seen(wi), which)
+                          : layered_pdf_w_local(wo, wi, which);
+    }
     /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have given
     /// the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their f; the
     /// sample's f is then that lobe's f over this probability, so that each class of paths has its own share of light.
-    /// u_lobe matters only if several_lobes().
     std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u, Transport transport,
-                                           Lobes which = Lobes::all) const;
+                                           Lobes which = Lobes::all) const {
+        const DiffuseSide& side = diffuse_side(wo.z());
+        if (!side.alone) return sample_layered_local(wo, u_lobe, u, transport, which);
+        auto sample = side.model.sample_local(side.seen(wo), u_lobe.x(), u, transport, which);
+        if (sample) sample->wi = side.seen(sample->wi);
+        return sample;
+    }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
 
@@ -57,21 +71,35 @@ public:
     const LobeTraits& traits() const { return traits_; }
     /// Some light is scattered at all.
     bool reflects() const { return traits_.scatters(); }
-    bool several_lobes() const { return several_lobes_; }
     bool two_sided() const;
     const std::vector<Layer>& layers() const { return layers_; }
 
     /// The lobes that light meets which leaves on the side of this cosine.
-    const LobeTraits& traits_at(float cos_o) const { return cos_o < 0.f ? traits_below_ : traits_above_; }
+    const LobeTraits& traits_at(float cos_o) const { return traits_of_side_[below(cos_o)]; }
 
 private:
+    /// A side with nothing but an ideal diffuse layer, by far the most common, which is evaluated without a call.
+    struct DiffuseSide {
+        Diffuse model{Color::Zero()};
+        bool alone = false;
+        float front = 1.f;  ///< the sign of its front's z
+
+        Vec3 seen(const Vec3& w) const { return {w.x(), w.y(), front * w.z()}; }
+    };
+    static std::size_t below(float cos_o) { return cos_o < 0.f ? 1 : 0; }
+    const DiffuseSide& diffuse_side(float cos_o) const { return diffuse_sides_[below(cos_o)]; }
+
     void prepare();
     /// The layer that alone matters on this side; null if there are several, or tilted ones.
     const Layer* only_layer(float cos_o) const {
-        const int i = cos_o < 0.f ? below_ : above_;
+        const int i = only_[below(cos_o)];
         return i < 0 ? nullptr : &layers_[static_cast<std::size_t>(i)];
     }
     LobeTraits traits_of_side(bool below) const;
+    LobeValues layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
+    float layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const;
+    std::optional<BsdfSample> sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
+                                                   Transport transport, Lobes which) const;
     LobeValues mixture_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
     std::optional<BsdfSample> sample_mixture_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
                                                    Transport transport, Lobes which) const;
@@ -79,10 +107,12 @@ private:
 
     std::vector<Layer> layers_;
     float pass_through_ = 0.f;
-    LobeTraits traits_, traits_above_, traits_below_;
-    bool several_lobes_ = false;
-    bool mixes_kinds_ = false;     ///< diffuse and glossy lobes together
-    int above_ = -1, below_ = -1;  ///< the index of only_layer() by side
+    LobeTraits traits_;
+    bool mixes_kinds_ = false;  ///< diffuse and glossy lobes together
+    // By side, above and below:
+    std::array<LobeTraits, 2> traits_of_side_;
+    std::array<int, 2> only_ = {-1, -1};  ///< the index of only_layer()
+    std::array<DiffuseSide, 2> diffuse_sides_;
 };
 
 }  // namespace gib

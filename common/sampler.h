@@ -25,8 +25,18 @@ inline std::uint64_t combine_keys(std::uint64_t a, std::uint64_t b) {
     return mix64(mix64(a + 0x9e3779b97f4a7c15ull) ^ (b + 0xd1b54a32d192ed03ull));
 }
 
+/// The same for 32 bits, in vector registers too. Source: lowbias32 of C. Wellons, "Prospecting for Hash Functions" (2018), whose
+/// avalanche is closer to 1/2 than that of MurmurHash3's finaliser.
+inline std::uint32_t mix32(std::uint32_t x) {
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
 /// The top 24 bits as a float in [0, 1): every value is a multiple of 2^-24, and 1 cannot be reached by rounding.
-inline float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+inline float unit_float(std::uint32_t bits) {
+    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
+}
 
 inline std::uint32_t reverse_bits(std::uint32_t x) {
     x = __builtin_bswap32(x);
@@ -37,7 +47,7 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
 
 /// Owen's nested uniform scrambling of a number given with its bits REVERSED (each bit is flipped by a hash of the bits
 /// below it). Source: Laine and Karras 2011, section 3.1; Burley 2020, "Practical Hash-based Owen Scrambling", JCGT
-/// 9(4).
+/// 9(4); with the constants of Vegdahl 2021, "Building a Better LK Hash".
 inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -64,45 +74,8 @@ enum class PointSet {
 };
 inline constexpr std::array<std::string_view, 2> point_set_names = {"independent", "sobol"};
 
-/// Higher dimensions are independent in every set: the integrand is too rough there for a net to help, and a hash is
-/// cheaper.
-inline constexpr std::uint32_t sobol_dimensions = 20;
-
-/// The random numbers of one path: `index` is its pixel or photon, `pass` its place in the sequence.
-class Sampler {
-public:
-    Sampler(PointSet set, std::uint64_t seed, std::uint64_t index, std::uint32_t pass)
-        : sobol_dimensions_(set == PointSet::sobol ? sobol_dimensions : 0),
-          pass_(pass),
-          sequence_key_(combine_keys(seed, index)),
-          pass_key_(combine_keys(sequence_key_, pass)) {}
-
-    /// A number in [0, 1).
-    float get_1d(std::uint32_t dimension) const { return get_2d(dimension).x(); }
-
-    /// A point in [0, 1)^2. Different dimensions are independent of each other.
-    Vec2 get_2d(std::uint32_t dimension) const {
-        const bool sobol = dimension < sobol_dimensions_;
-        const std::uint64_t bits = mix64((sobol ? sequence_key_ : pass_key_) + (dimension + 1) * 0x9e3779b97f4a7c15ull);
-        const auto low = static_cast<std::uint32_t>(bits);
-        const auto high = static_cast<std::uint32_t>(bits >> 32);
-        if (!sobol) return {unit_float(low), unit_float(high)};
-        // Three scramblings from one hash: of the order of the points, of x, and of y.
-        const std::uint32_t index = reverse_bits(scramble_reversed(reverse_bits(pass_), low));
-        const std::uint32_t x = reverse_bits(scramble_reversed(index, high));
-        const std::uint32_t y =
-            reverse_bits(scramble_reversed(sobol_second_reversed(index), (low ^ std::rotl(high, 13)) * 0x9e3779b1u));
-        return {unit_float(x), unit_float(y)};
-    }
-
-private:
-    std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers
-    std::uint32_t pass_;
-    std::uint64_t sequence_key_, pass_key_;
-};
-
-/// The dimensions of a path from the eye or from a light: which number decides what. The same everywhere, so that a
-/// value is never used twice.
+/// The dimensions of a path from the eye or from a light: which point of the square decides what. The same everywhere, so
+/// that a value is never used twice.
 namespace dimension {
 inline constexpr std::uint32_t film = 0;
 inline constexpr std::uint32_t lens = 1;
@@ -110,12 +83,11 @@ inline constexpr std::uint32_t emission_light = 0;
 inline constexpr std::uint32_t emission_position = 1;
 inline constexpr std::uint32_t emission_direction = 2;
 inline constexpr std::uint32_t first_vertex = 3;
-inline constexpr std::uint32_t light_choice = 0;
+inline constexpr std::uint32_t choices = 0;  ///< x: of a light; y: whether the path goes on
 inline constexpr std::uint32_t light_position = 1;
 inline constexpr std::uint32_t bsdf_lobe = 2;
 inline constexpr std::uint32_t bsdf_direction = 3;
-inline constexpr std::uint32_t roulette = 4;
-inline constexpr std::uint32_t per_vertex = 5;
+inline constexpr std::uint32_t per_vertex = 4;
 /// Whether the n-th surface with holes on a path is there: first_hole + n.
 inline constexpr std::uint32_t first_hole = 0x40000000;
 /// The dimension of `what` at vertex number `vertex` (the first surface hit is 0).
@@ -123,5 +95,89 @@ inline constexpr std::uint32_t at_vertex(int vertex, std::uint32_t what) {
     return first_vertex + static_cast<std::uint32_t>(vertex) * per_vertex + what;
 }
 }  // namespace dimension
+
+/// Higher dimensions are independent in every set: the integrand is too rough there for a net to help, and a hash is
+/// cheaper.
+inline constexpr std::uint32_t sobol_dimensions = dimension::at_vertex(4, 0);
+
+/// What a path decides at one of its vertices.
+class VertexNumbers {
+public:
+    explicit VertexNumbers(const std::array<float, 2 * dimension::per_vertex>& numbers) : numbers_(numbers) {}
+
+    float light_choice() const { return numbers_[2 * dimension::choices]; }
+    float roulette() const { return numbers_[2 * dimension::choices + 1]; }
+    Vec2 light_position() const { return point(dimension::light_position); }
+    Vec2 bsdf_lobe() const { return point(dimension::bsdf_lobe); }
+    Vec2 bsdf_direction() const { return point(dimension::bsdf_direction); }
+
+private:
+    Vec2 point(std::uint32_t dimension) const { return {numbers_[2 * dimension], numbers_[2 * dimension + 1]}; }
+
+    alignas(32) std::array<float, 2 * dimension::per_vertex> numbers_;
+};
+
+/// The random numbers of one path: `index` is its pixel or photon, `pass` its place in the sequence.
+class Sampler {
+public:
+    Sampler(PointSet set, std::uint64_t seed, std::uint64_t index, std::uint32_t pass)
+        : sobol_dimensions_(set == PointSet::sobol ? sobol_dimensions : 0), reversed_pass_(reverse_bits(pass)) {
+        const std::uint64_t sequence = combine_keys(seed, index);
+        sequence_key_ = Key(sequence);
+        pass_key_ = Key(combine_keys(sequence, pass));
+    }
+
+    /// A number in [0, 1).
+    float get_1d(std::uint32_t dimension) const { return get_2d(dimension).x(); }
+
+    /// A point in [0, 1)^2. Different dimensions are independent of each other.
+    Vec2 get_2d(std::uint32_t dimension) const {
+        const std::uint32_t x = 2 * dimension, y = x + 1;
+        if (dimension < sobol_dimensions_) return {sobol_number(x), sobol_number(y)};
+        return {independent_number(x), independent_number(y)};
+    }
+
+    /// get_2d of all dimensions of a vertex. The loops become vector instructions, which is what makes random numbers
+    /// cheap beside ray queries.
+    VertexNumbers at_vertex(int vertex) const {
+        const std::uint32_t dimension = dimension::at_vertex(vertex, 0);
+        std::array<float, 2 * dimension::per_vertex> numbers;
+        if (dimension < sobol_dimensions_) {
+            for (std::uint32_t i = 0; i < numbers.size(); ++i)
+                numbers[i] = sobol_number(2 * dimension + i);
+        } else {
+            for (std::uint32_t i = 0; i < numbers.size(); ++i)
+                numbers[i] = independent_number(2 * dimension + i);
+        }
+        return VertexNumbers(numbers);
+    }
+
+private:
+    struct Key {
+        std::uint32_t low = 0, high = 0;
+
+        Key() = default;
+        explicit Key(std::uint64_t key)
+            : low(static_cast<std::uint32_t>(key)), high(static_cast<std::uint32_t>(key >> 32)) {}
+    };
+    /// Weyl's sequence: one step per number, so that no two of a path enter a hash alike.
+    static constexpr std::uint32_t step = 0x9e3779b9u;
+
+    /// Coordinate n % 2 of dimension n / 2.
+    float sobol_number(std::uint32_t n) const {
+        const std::uint32_t shuffle = mix32(sequence_key_.low + (n / 2) * step);
+        const std::uint32_t scramble = mix32(sequence_key_.high + n * step);
+        const std::uint32_t index = reverse_bits(scramble_reversed(reversed_pass_, shuffle));
+        const std::uint32_t reversed = n % 2 == 0 ? index : sobol_second_reversed(index);
+        return unit_float(reverse_bits(scramble_reversed(reversed, scramble)));
+    }
+    float independent_number(std::uint32_t n) const {
+        return unit_float(mix32(mix32(pass_key_.low + n * step) ^ pass_key_.high));
+    }
+
+    std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers
+    std::uint32_t reversed_pass_;
+    Key sequence_key_, pass_key_;
+};
 
 }  // namespace gib

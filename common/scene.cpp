@@ -60,6 +60,7 @@ Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_
 void Scene::add(SceneParts::Object&& object) {
     const auto shape = static_cast<std::uint32_t>(shapes_.size());
     shapes_.push_back(std::move(object.shape));
+    if (auto* mesh = std::get_if<Mesh>(&shapes_.back())) mesh->prepare();
     std::uint32_t light = no_light;
     if (object.radiance && !is_black(object.radiance->maximum())) {
         light = static_cast<std::uint32_t>(lights_.size());
@@ -89,14 +90,19 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
 
 std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     const auto i = accelerator_->intersect(ray);
-    if (!i) return std::nullopt;
+    std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
+    if (!i) return hit;
     const Surface& surface = surfaces_[i->shape];
     const Material& material = materials_[surface.material];
-    SurfaceHit hit{geometry_at(*i, ray), material.constant(), nullptr, surface.light, Frame(), i->shape,
-                   i->primitive,         i->instance};
-    if (surface.light != no_light) hit.emitter = &std::get<AreaLight>(lights_[surface.light]);
-    hit.shading = Frame(hit.ns);
-    if (!hit.bsdf || material.follows_uv()) resolve_material(material, hit);
+    hit.emplace(geometry_at(*i, ray));
+    hit->bsdf = material.constant();
+    hit->light = surface.light;
+    hit->shape = i->shape;
+    hit->primitive = i->primitive;
+    hit->instance = i->instance;
+    if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
+    hit->shading = Frame(hit->ns);
+    if (!hit->bsdf || material.follows_uv()) resolve_material(material, *hit);
     return hit;
 }
 

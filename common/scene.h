@@ -15,9 +15,11 @@ namespace gib {
 
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
-    const Bsdf* bsdf;
-    const AreaLight* emitter;                  ///< null: not a light
-    std::uint32_t light;                       ///< index of the emitter among the scene's lights
+    explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry) {}
+
+    const Bsdf* bsdf = nullptr;
+    const AreaLight* emitter = nullptr;        ///< null: not a light
+    std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
     Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
     std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null

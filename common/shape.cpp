@@ -34,22 +34,37 @@ float length_of(const Vec3& n) {
     return in_range ? std::sqrt(squared) : n.stableNorm();
 }
 
-/// The point v0 + b1 e1 + b2 e2 of a triangle with normal n = e1 x e2, not of unit length, and its offset. Both terms bound
-/// distances along the normal, component by component, so that a floor of any size that lies in a coordinate plane needs
-/// next to none. The first is the rounding of p. The second is that of a ray-triangle test that starts there: it forms (v0 - p) . n,
-/// in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m
-/// (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
-SurfacePoint point_on_triangle(const Triangle& t, float b1, float b2, const Vec3& n, float length, bool flip) {
-    SurfacePoint s;
-    s.p = t.v0 + (b1 * t.e1 + b2 * t.e2);
-    const float scale = 1.f / length;
-    s.ng = n * (flip ? -scale : scale);
+/// Mesh::facets of a triangle. A point's offset is the sum of two bounds of distances along the normal, component by component,
+/// so that a floor of any size that lies in a coordinate plane needs next to none. That of the rounding of p depends on p; that
+/// of a ray-triangle test which starts there does not: it forms (v0 - p) . n, in which |v0 - p| <= |e1| + |e2| and the rounding
+/// of n's components is that of the products that they are sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it
+/// grow for needles, whose normal is uncertain.
+Eigen::Vector4f facet_of(const Mesh& mesh, std::size_t triangle) {
+    const Triangle t = triangle_of(mesh, triangle);
+    const Vec3 n = t.e1.cross(t.e2);
+    const float scale = 1.f / length_of(n);
     const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
     const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
                  a1.x() * a2.y() + a1.y() * a2.x());
-    s.offset = gamma(8) * s.ng.cwiseAbs().dot(s.p.cwiseAbs()) + gamma(16) * scale * (a1 + a2).dot(m) +
-               off_the_plane * (a1 + a2).sum();
-    return s;
+    Eigen::Vector4f facet;
+    facet << n * (mesh.flip_normals ? -scale : scale),
+        gamma(16) * scale * (a1 + a2).dot(m) + off_the_plane * (a1 + a2).sum();
+    return facet;
+}
+
+/// x, y and z of a vertex; w is any number: the vertex after it, or the extra element.
+Eigen::Vector4f padded_vertex(const Mesh& mesh, std::uint32_t i) {
+    return Eigen::Map<const Eigen::Vector4f>(mesh.vertices[i].data());
+}
+
+/// The point v0 + b1 e1 + b2 e2.
+SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float b1, float b2) {
+    const Eigen::Vector4f facet = mesh.facets.empty() ? facet_of(mesh, triangle) : mesh.facets[triangle];
+    const auto& t = mesh.triangles[triangle];
+    const Eigen::Vector4f v0 = padded_vertex(mesh, t[0]);
+    const Eigen::Vector4f p = v0 + (b1 * (padded_vertex(mesh, t[1]) - v0) + b2 * (padded_vertex(mesh, t[2]) - v0));
+    const Eigen::Vector4f rounding = facet.cwiseAbs().cwiseProduct(p.cwiseAbs());
+    return {p.head<3>(), facet.head<3>(), gamma(8) * rounding.head<3>().sum() + facet.w()};
 }
 
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
@@ -90,12 +105,6 @@ float turns(float x, float y) {
 Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
     const Vec3 d = sphere.axes.transpose() * direction;
     return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
-}
-
-SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float u, float v) {
-    const Triangle t = triangle_of(mesh, triangle);
-    const Vec3 n = t.e1.cross(t.e2);
-    return point_on_triangle(t, u, v, n, length_of(n), mesh.flip_normals);
 }
 
 /// The shading normal between a triangle's vertex normals. Normals that cancel out leave no direction: then the face's.
@@ -146,6 +155,12 @@ bool within(const Ray& ray, double t) {
 }
 
 }  // namespace
+
+void Mesh::prepare() {
+    facets.resize(triangles.size());
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+        facets[i] = facet_of(*this, i);
+}
 
 Vec3 Mesh::normal_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);

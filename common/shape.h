@@ -32,6 +32,11 @@ struct Mesh {
     std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
     bool flip_normals = false;
 
+    /// What the points of one triangle share: ng (x, y, z) and the part of their offset that does not depend on p (w).
+    std::vector<Eigen::Vector4f> facets;  ///< by prepare(); empty: computed for each point
+    /// To be called once the other members are final.
+    void prepare();
+
     Vec3 vertex(std::uint32_t i) const { return {vertices[i][0], vertices[i][1], vertices[i][2]}; }
     /// (v1 - v0) x (v2 - v0) of triangle i, towards its front side; its length is twice the area.
     Vec3 normal_of(std::size_t i) const;

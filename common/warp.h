@@ -18,16 +18,27 @@ inline float power_heuristic(float pdf, float other_pdf) {
     return 1.f / (1.f + ratio * ratio);
 }
 
+struct SineCosine {
+    float sine, cosine;
+};
+/// For |x| <= pi / 4, by Taylor's series: their next terms are below 2^-25. No call, which would spill every register around it.
+inline SineCosine small_sine_cosine(float x) {
+    const float x2 = x * x;
+    return {x * (1.f + x2 * (-1.f / 6 + x2 * (1.f / 120 + x2 * (-1.f / 5040 + x2 * (1.f / 362880))))),
+            1.f + x2 * (-1.f / 2 + x2 * (1.f / 24 + x2 * (-1.f / 720 + x2 * (1.f / 40320))))};
+}
+
 /// Uniform on the unit disc, concentric (Shirley and Chiu 1997): neighbours stay neighbours, so stratification
 /// survives.
 inline Vec2 square_to_disk(const Vec2& u) {
     const float a = 2.f * u.x() - 1.f, b = 2.f * u.y() - 1.f;
     if (a == 0.f && b == 0.f) return Vec2::Zero();
     const bool wide = std::abs(a) > std::abs(b);
-    const float side = wide ? a : b;
+    const float side = wide ? a : b, other = wide ? b : a;
     const float r = injected(Fault::disk_warp) ? side * std::abs(side) : side;
-    const float phi = wide ? (pi / 4) * (b / a) : (pi / 2) - (pi / 4) * (a / b);
-    return {r * std::cos(phi), r * std::sin(phi)};
+    const SineCosine angle = small_sine_cosine((pi / 4) * (other / side));  // from the nearer axis
+    const float along = r * angle.cosine, across = r * angle.sine;
+    return wide ? Vec2(along, across) : Vec2(across, along);
 }
 
 /// Density cos(theta) / pi [1/sr] on the upper hemisphere, local frame.
@@ -100,9 +111,9 @@ public:
     /// Weights must be finite and >= 0. All zero: total() is 0 and sample() must not be called.
     explicit DiscreteDistribution(const std::vector<double>& weights);
 
-    std::size_t size() const { return probability_.size(); }
+    std::size_t size() const { return items_.size(); }
     double total() const { return total_; }
-    float probability(std::size_t i) const { return probability_[i]; }
+    float probability(std::size_t i) const { return items_[i].probability; }
 
     struct Choice {
         std::size_t index;
@@ -110,15 +121,22 @@ public:
         float u;  ///< the rest of the random number, uniform in [0, 1) again
     };
     Choice sample(float u) const {
-        if (probability_.size() == 1) return {0, 1.f, u};
-        return search(u);
+        // The last item that begins at or below u, by bisection without branches: they could not be predicted.
+        std::size_t i = 0;
+        for (std::size_t rest = items_.size(); rest > 1;) {
+            const std::size_t half = rest / 2;
+            i += items_[i + half].begin <= u ? half : 0;
+            rest -= half;
+        }
+        const Item& item = items_[i];
+        return {i, item.probability, std::min((u - item.begin) / item.probability, 1.f - unit_roundoff)};
     }
 
 private:
-    Choice search(float u) const;
-
-    std::vector<float> cumulative_;  ///< upper ends, the last is 1
-    std::vector<float> probability_;
+    struct Item {
+        float begin, probability;  ///< of its interval of [0, 1)
+    };
+    std::vector<Item> items_;
     double total_ = 0;
 };
 

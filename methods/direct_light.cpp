@@ -2,13 +2,9 @@
 
 namespace gib {
 
-LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                               int vertex, LightTechniques techniques, Lobes which) {
-    const Scene& scene = rays.scene();
-    const float u_choice =
-        scene.lights().size() > 1 ? sampler.get_1d(dimension::at_vertex(vertex, dimension::light_choice)) : 0.f;
-    const auto light =
-        scene.sample_light(hit.p, u_choice, sampler.get_2d(dimension::at_vertex(vertex, dimension::light_position)));
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               LightTechniques techniques, Lobes which) {
+    const auto light = rays.scene().sample_light(hit.p, u.light_choice(), u.light_position());
     if (!light) return {};
     const Vec3 wi_local = hit.shading.to_local(light->wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
@@ -24,12 +20,10 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
 }
 
-LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                           int vertex, Lobes which) {
+LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                           Lobes which) {
     LobeValues found;
-    const auto next = hit.bsdf->sample_local(
-        wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
-        sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::radiance, which);
+    const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
     if (!next || next->delta) return found;
     Color beta = next->f * (std::abs(next->wi.z()) / next->pdf_w);
     Ray ray = hit.spawn_ray(hit.shading.to_world(next->wi));

@@ -15,8 +15,8 @@ enum class LightTechniques {
 /// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes of the kinds `which` scatter towards wo straight
 /// from a light: f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling, by the kind of lobe.
 /// Source: Veach 1997, sections 8.2 (three-point form) and 9.2 (combination).
-LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                               int vertex, LightTechniques techniques, Lobes which = Lobes::all);
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               LightTechniques techniques, Lobes which = Lobes::all);
 
 /// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
 /// paths do not go on in that direction anyway.

@@ -57,22 +57,18 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
         }
         if (vertex + 1 >= settings.max_edges) break;
 
+        const VertexNumbers u = sampler.at_vertex(vertex);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
         if (sees_lights) {
             const LobeValues direct =
-                sample_direct_light(rays, *hit, wo_local, sampler, vertex, LightTechniques::light_and_bsdf_sampling);
+                sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }
 
-        const Vec2 u_lobe = hit->bsdf->several_lobes()
-                                ? sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe))
-                                : Vec2(Vec2::Zero());
-        const auto next = hit->bsdf->sample_local(
-            wo_local, u_lobe, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)),
-            Transport::radiance);
+        const auto next = hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
         if (!next) break;
         beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
         eta_scale *= sqr(next->eta);
@@ -85,7 +81,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
                 break;
             }
             const float survival = survival_probability(beta, eta_scale);
-            if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
+            if (!(u.roulette() < survival)) break;
             if (!injected(Fault::roulette_rescaling)) beta /= survival;
         }
         previous = hit->p;

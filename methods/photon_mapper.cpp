@@ -139,6 +139,7 @@ private:
             }
             if (vertex + 1 >= settings_.max_edges) break;
 
+            const VertexNumbers u = sampler.at_vertex(vertex);
             const Vec3 wo_local = hit->shading.to_local(wo);
             const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
             if (lobes.diffuse) add_diffuse(rays, *hit, wo, vertex, sampler, beta, found, sample);
@@ -146,13 +147,11 @@ private:
             const bool sees_lights = samples_lights_ && lobes.glossy;
             if (sees_lights)
                 sample[Component::emission] +=
-                    beta * sample_direct_light(rays, *hit, wo_local, sampler, vertex,
-                                               LightTechniques::light_and_bsdf_sampling, Lobes::specular)
+                    beta * sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling,
+                                               Lobes::specular)
                                .specular;
-            const auto next =
-                hit->bsdf->sample_local(wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
-                                        sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)),
-                                        Transport::radiance, Lobes::specular);
+            const auto next = hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance,
+                                                      Lobes::specular);
             if (!next) break;
             beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
             eta_scale *= sqr(next->eta);
@@ -163,7 +162,7 @@ private:
                     break;
                 }
                 const float survival = std::min(beta.maxCoeff() * eta_scale, 0.95f);
-                if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) break;
+                if (!(u.roulette() < survival)) break;
                 beta /= survival;
             }
             previous = hit->p;
@@ -177,17 +176,17 @@ private:
     void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
                      const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
         if (samples_lights_) {
+            const VertexNumbers u = sampler.at_vertex(vertex);
             const Vec3 wo_local = hit.shading.to_local(wo);
             // A lobe with a preferred direction is better followed than hit by chance.
             const bool follows = hit.bsdf->traits_at(wo_local.z()).rough;
-            sample[Component::direct] += beta * sample_direct_light(rays, hit, wo_local, sampler, vertex,
+            sample[Component::direct] += beta * sample_direct_light(rays, hit, wo_local, u,
                                                                     follows ? LightTechniques::light_and_bsdf_sampling
                                                                             : LightTechniques::light_sampling_only,
                                                                     Lobes::diffuse)
                                                     .diffuse;
             if (follows)
-                sample[Component::direct] +=
-                    beta * follow_to_light(rays, hit, wo_local, sampler, vertex, Lobes::diffuse).diffuse;
+                sample[Component::direct] += beta * follow_to_light(rays, hit, wo_local, u, Lobes::diffuse).diffuse;
         }
         const int max_photon_edges = settings_.max_edges - (vertex + 1);
         if (caustic_map_.size() > 0)

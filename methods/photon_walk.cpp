@@ -91,11 +91,10 @@ private:
         absorb(power * (1.f - albedo));
         float survival = std::clamp(albedo.maxCoeff(), 0.f, 1.f);
         if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
-        if (!(sampler.get_1d(dimension::at_vertex(vertex, dimension::roulette)) < survival)) return false;
+        const VertexNumbers u = sampler.at_vertex(vertex);
+        if (!(u.roulette() < survival)) return false;
 
-        const auto next = hit.bsdf->sample_local(
-            wo_local, sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_lobe)),
-            sampler.get_2d(dimension::at_vertex(vertex, dimension::bsdf_direction)), Transport::power);
+        const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
         const Vec3 wi = hit.shading.to_world(next->wi);
