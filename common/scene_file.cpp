@@ -12,6 +12,9 @@ namespace gib {
 
 namespace {
 
+/// MilkShape's highlight, transparency and texture are left out.
+Bsdf bsdf_of(const Ms3dMaterial& material) { return Bsdf(Scattering(Diffuse{material.diffuse})); }
+
 /// Collects the objects of a <scene>.
 class SceneBuilder {
 public:
@@ -25,7 +28,7 @@ public:
         } else if (is_shape(object, "instance")) {
             add_instance(object);
         } else {
-            bounds_.extend(add_shape(object, pending_));
+            bounds_.extend(add_shapes(object, pending_));
         }
     }
 
@@ -66,7 +69,7 @@ public:
 private:
     struct Pending {
         SourceLocation where;
-        std::optional<ParsedShape> shape;
+        ParsedShape shape;
         SourceLocation emitter_where;
         std::uint32_t bsdf;
         std::optional<Color> radiance;
@@ -93,21 +96,32 @@ private:
         return type && type->value == plugin;
     }
 
-    /// A shape that has a surface, appended to `to`. Returns its bounds.
-    BoundsD add_shape(const NestedObject& object, std::vector<Pending>& to) {
+    /// The shapes of an element that has a surface, appended to `to`. Returns their bounds.
+    BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
         Properties properties(*object.element, ids_);
-        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
         const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
         properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
-        pending.shape = parse_shape(properties, files_, hash_);
+        ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         properties.finish();
-        if (emitter) {
-            pending.radiance = parse_area_light(*emitter);
-            pending.emitter_where = emitter->where;
+        std::optional<Color> radiance;
+        if (emitter) radiance = parse_area_light(*emitter);
+        std::map<std::uint32_t, std::uint32_t> bsdf_of_material;
+        BoundsD bounds;
+        for (auto& part : shapes.parts) {
+            bounds.extend(bounds_of(part.shape));
+            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance};
+            if (bsdf) {
+                pending.bsdf = bsdf_index(*bsdf->element);
+            } else if (part.material) {
+                const auto [it, is_new] = bsdf_of_material.emplace(*part.material, bsdfs_.size());
+                if (is_new) bsdfs_.push_back(bsdf_of(shapes.materials[*part.material]));
+                pending.bsdf = it->second;
+            } else {
+                pending.bsdf = default_bsdf(emitter.has_value());
+            }
+            to.push_back(std::move(pending));
         }
-        pending.bsdf = bsdf ? bsdf_index(*bsdf->element) : default_bsdf(emitter.has_value());
-        to.push_back(std::move(pending));
-        return bounds_of(*to.back().shape);
+        return bounds;
     }
 
     /// The group of a <shape type="shapegroup">, which is read at its first mention.
@@ -121,7 +135,7 @@ private:
             for (const std::string_view plugin : {"shapegroup", "instance"})
                 if (is_shape(member, plugin))
                     throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
-            group.bounds.extend(add_shape(member, group.members));
+            group.bounds.extend(add_shapes(member, group.members));
             if (group.members.back().radiance)
                 throw InputError(group.members.back().emitter_where, "an emitter cannot stand in a shapegroup");
         }
@@ -133,6 +147,7 @@ private:
         Properties properties(*object.element, ids_);
         const Mat4d to_world = properties.transform("to_world");
         const auto group = properties.object("shape");
+        properties.number("silhouette_sampling_weight");
         properties.finish();
         if (!group) throw InputError(object.where, "an instance needs a shapegroup");
         if (!is_shape(*group, "shapegroup")) throw InputError(group->where, "an instance takes a shapegroup only");
@@ -144,7 +159,7 @@ private:
     static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
-            SceneParts::Object object{recentred(std::move(*p.shape), origin, p.where), p.bsdf, p.radiance};
+            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.bsdf, p.radiance};
             if (p.radiance && !(area_of(object.shape) > 0))
                 throw InputError(p.emitter_where, "an area emitter on a shape without area");
             objects.push_back(std::move(object));

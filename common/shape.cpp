@@ -255,6 +255,15 @@ AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(
     }
 }
 
+SurfaceGeometry AreaSampler::sample_surface(const Shape& shape, const Vec2& u) const {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        const auto choice = triangles_.sample(u.x());
+        const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
+        return surface_of_mesh(*mesh, choice.index, b.x(), b.y());
+    }
+    return surface_at(shape, 0, 0, 0, sample(shape, u).p);
+}
+
 SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
         const auto choice = triangles_.sample(u.x());

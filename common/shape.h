@@ -91,6 +91,8 @@ public:
     explicit AreaSampler(const Shape& shape);
     /// Density 1 / area() [1/scene units^2].
     SurfacePoint sample(const Shape& shape, const Vec2& u) const;
+    /// The same point with its texture coordinates, for lights whose radiance depends on them.
+    SurfaceGeometry sample_surface(const Shape& shape, const Vec2& u) const;
     float area() const { return area_; }
 
 private:
