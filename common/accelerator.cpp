@@ -9,6 +9,7 @@
 #endif
 
 #include <oneapi/tbb/task_arena.h>
+#include <span>
 
 namespace gib {
 
@@ -118,7 +119,7 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
 /// their group. Embree's own instances invert the map in float, with an error that grows with its condition; no useful
 /// bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
 struct InstanceSet {
-    const std::vector<Instance>* instances = nullptr;
+    std::span<const Instance> instances;
     struct Group {
         RTCScene scene;
         Bounds bounds;
@@ -126,7 +127,7 @@ struct InstanceSet {
     };
     std::vector<Group> groups;
 
-    const Instance& at(unsigned i) const { return (*instances)[i]; }
+    const Instance& at(unsigned i) const { return instances[i]; }
     const Group& group_of(unsigned i) const { return groups[at(i).group]; }
 };
 
@@ -214,7 +215,7 @@ void Accelerator::State::attach(RTCScene to, const AnalyticShape& shape) {
 
 void Accelerator::State::attach_instances(unsigned id) {
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(instanced.instances->size()));
+    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(instanced.instances.size()));
     rtcSetGeometryUserData(g, &instanced);
     rtcSetGeometryBoundsFunction(g, instance_bounds, nullptr);
     rtcSetGeometryIntersectFunction(g, instance_intersect);
@@ -250,7 +251,7 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
     if (!s.device) throw RunError("Embree could not create a device");
     s.scene = s.new_scene();
     s.analytic.reserve(shapes.size());  // Embree keeps the addresses
-    s.instanced.instances = &groups.instances;
+    s.instanced.instances = groups.instances;
     for (std::size_t g = 0; g + 1 < groups.begin.size(); ++g)
         s.add_group(shapes, groups.begin[g], groups.begin[g + 1]);
     const auto top_shapes = groups.begin.empty() ? static_cast<std::uint32_t>(shapes.size()) : groups.begin[0];

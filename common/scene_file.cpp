@@ -2,6 +2,7 @@
 
 #include "common/scene_bsdf.h"
 #include "common/scene_emitter.h"
+#include "common/scene_ms3d.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
 #include "common/scene_spectrum.h"
@@ -30,7 +31,7 @@ public:
         } else if (is_shape(object, "instance")) {
             add_instance(object);
         } else {
-            bounds_.extend(add_shape(object, pending_));
+            bounds_.extend(add_shapes(object, pending_));
         }
     }
 
@@ -55,7 +56,7 @@ public:
 private:
     struct Pending {
         SourceLocation where;
-        std::optional<ParsedShape> shape;
+        ParsedShape shape;
         SourceLocation emitter_where;
         std::uint32_t material;
         std::optional<Texture> radiance;
@@ -77,21 +78,34 @@ private:
         return type && type->value == plugin;
     }
 
-    /// A shape that has a surface, appended to `to`. Returns its bounds.
-    BoundsD add_shape(const NestedObject& object, std::vector<Pending>& to) {
+    /// The shapes of an element that has a surface, appended to `to`. Returns their bounds.
+    BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
         Properties properties(*object.element, ids_);
-        Pending pending{object.where, std::nullopt, {}, 0, std::nullopt};
         const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
         properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
-        pending.shape = parse_shape(properties, files_, hash_);
+        ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         properties.finish();
-        if (emitter) {
-            pending.radiance = parse_area_emitter(*emitter, textures_);
-            pending.emitter_where = emitter->where;
+        std::optional<Texture> radiance;
+        if (emitter) radiance = parse_area_emitter(*emitter, textures_);
+        std::map<std::uint32_t, std::uint32_t> index_of_material;
+        BoundsD bounds;
+        for (auto& part : shapes.parts) {
+            bounds.extend(bounds_of(part.shape));
+            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance};
+            if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
+                pending.radiance = Texture(shapes.materials[*part.material].emissive);
+            if (bsdf) {
+                pending.material = material_index(*bsdf);
+            } else if (part.material) {
+                const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
+                if (is_new) materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
+                pending.material = it->second;
+            } else {
+                pending.material = default_material(emitter.has_value());
+            }
+            to.push_back(std::move(pending));
         }
-        pending.material = bsdf ? material_index(*bsdf) : default_material(emitter.has_value());
-        to.push_back(std::move(pending));
-        return bounds_of(*to.back().shape);
+        return bounds;
     }
 
     /// The group of a <shape type="shapegroup">, which is read at its first mention.
@@ -105,7 +119,7 @@ private:
             for (const std::string_view plugin : {"shapegroup", "instance"})
                 if (is_shape(member, plugin))
                     throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
-            group.bounds.extend(add_shape(member, group.members));
+            group.bounds.extend(add_shapes(member, group.members));
             if (group.members.back().radiance)
                 throw InputError(group.members.back().emitter_where, "an emitter cannot stand in a shapegroup");
         }
@@ -117,6 +131,7 @@ private:
         Properties properties(*object.element, ids_);
         const Mat4d to_world = properties.transform("to_world");
         const auto group = properties.object("shape");
+        properties.number("silhouette_sampling_weight");
         properties.finish();
         if (!group) throw InputError(object.where, "an instance needs a shapegroup");
         if (!is_shape(*group, "shapegroup")) throw InputError(group->where, "an instance takes a shapegroup only");
@@ -128,7 +143,7 @@ private:
     static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
-            SceneParts::Object object{recentred(std::move(*p.shape), origin, p.where), p.material, p.radiance};
+            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance};
             if (p.radiance && !(area_of(object.shape) > 0))
                 throw InputError(p.emitter_where, "an area emitter on a shape without area");
             objects.push_back(std::move(object));

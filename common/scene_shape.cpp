@@ -111,34 +111,49 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
             properties.boolean("flip_normals", false)};
 }
 
-ParsedMesh parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
-                           const FileFinder& files, ContentHash& hash) {
-    const bool is_obj = type == "obj", is_serialized = type == "serialized";
+struct MeshOptions {
+    bool face_normals, flip_normals, flip_v;
+};
+
+/// The options of every mesh file, in Mitsuba's order: normals that the file lacks are computed unless the faces' are wanted.
+ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d& to_world) {
+    ParsedMesh mesh{std::move(data), options.flip_normals};
+    if (options.flip_v)
+        for (auto& uv : mesh.data.uvs)
+            uv.y() = 1.f - uv.y();
+    if (options.face_normals) mesh.data.normals.clear();
+    if (!mesh.data.normals.empty() && mirrors(to_world)) keep_front_of_normals(mesh);
+    transform_mesh(mesh.data, to_world);
+    if (!options.face_normals) compute_normals(mesh.data);
+    return mesh;
+}
+
+/// obj, ply, serialized or ms3d.
+ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
+                             const FileFinder& files, ContentHash& hash) {
+    const bool is_serialized = type == "serialized";
     const auto name = properties.string("filename");
     if (!name) throw InputError(properties.element().where, fmt::format("'{}' needs a 'filename'", type));
-    bool face_normals = properties.boolean("face_normals", false);
-    const bool flip_v = !is_serialized && properties.boolean("flip_tex_coords", is_obj);
+    MeshOptions options{properties.boolean("face_normals", false), properties.boolean("flip_normals", false),
+                        !is_serialized && properties.boolean("flip_tex_coords", type == "obj")};
     const int index = is_serialized ? properties.integer("shape_index", 0).value_or(0) : 0;
-    ParsedMesh mesh;
-    mesh.flip_normals = properties.boolean("flip_normals", false);
     const std::string path = files.find(*name, properties.element_where("filename"));
     const std::string content = read_file(path);
     hash.add(content);
-    if (is_serialized) {
-        SerializedMesh serialized = parse_serialized(content, path, index);
-        mesh.data = std::move(serialized.data);
-        face_normals |= serialized.face_normals;
-    } else {
-        mesh.data = is_obj ? parse_obj(content, path) : parse_ply(content, path);
+    if (type == "ms3d") {
+        ParsedShapes shapes;
+        Ms3dModel model = parse_ms3d(content, path);
+        for (auto& group : model.groups)
+            shapes.parts.push_back({finished_mesh(std::move(group.mesh), options, to_world), group.material});
+        shapes.materials = std::move(model.materials);
+        return shapes;
     }
-    if (flip_v)
-        for (auto& uv : mesh.data.uvs)
-            uv.y() = 1.f - uv.y();
-    if (face_normals) mesh.data.normals.clear();
-    if (!mesh.data.normals.empty() && mirrors(to_world)) keep_front_of_normals(mesh);
-    transform_mesh(mesh.data, to_world);
-    if (!face_normals) compute_normals(mesh.data);
-    return mesh;
+    if (is_serialized) {
+        SerializedMesh mesh = parse_serialized(content, path, index);
+        options.face_normals |= mesh.face_normals;
+        return finished_mesh(std::move(mesh.data), options, to_world);
+    }
+    return finished_mesh(type == "obj" ? parse_obj(content, path) : parse_ply(content, path), options, to_world);
 }
 
 void check_range(const Vec3d& p, const SourceLocation& where) {
@@ -188,9 +203,9 @@ Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLoc
 
 }  // namespace
 
-ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash) {
-    const std::string& type = properties.plugin(
-        {"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"});
+ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash) {
+    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply",
+                                                 "serialized", "ms3d", "shapegroup", "instance"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);

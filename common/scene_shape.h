@@ -1,7 +1,7 @@
 #pragma once
 // The <shape> elements of a scene file, in double and in the file's coordinates.
 
-#include "common/mesh_data.h"
+#include "common/mesh_ms3d.h"
 #include "common/shape.h"
 #include "common/xml_properties.h"
 
@@ -27,11 +27,26 @@ struct ParsedCylinder {
 };
 using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk, ParsedCylinder>;
 
+/// What one element stands for: a single shape, or the groups of an ms3d file with the materials that it holds.
+struct ParsedShapes {
+    struct Part {
+        ParsedShape shape;
+        std::optional<std::uint32_t> material;  ///< index into materials
+    };
+    std::vector<Part> parts;
+    std::vector<Ms3dMaterial> materials;
+
+    ParsedShapes() = default;
+    template <typename Shape>
+    requires std::is_constructible_v<ParsedShape, Shape> ParsedShapes(Shape&& shape)
+        : parts{{std::forward<Shape>(shape), std::nullopt}} {}
+};
+
 using BoundsD = Eigen::AlignedBox3d;
 
-/// rectangle, cube, sphere, disk, cylinder, obj, ply or serialized with its own parameters; those that every shape takes are the caller's.
-/// The bytes of mesh files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
-ParsedShape parse_shape(Properties& properties, const FileFinder& files, ContentHash& hash);
+/// A shape with a surface, with its own parameters; those that every shape takes are the caller's. The bytes of mesh files
+/// are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
+ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);
 /// The box around a box that was moved.

@@ -133,7 +133,7 @@ TEST(SceneErrors, Instances) {
          {instance("<ref id=\"g\"/><ref id=\"g\"/>"), "4:14", "only one <shape>"},
          {instance("<ref id=\"g\"/><bsdf type=\"diffuse\"/>"), "4:14", "does not take a <bsdf>"},
          {instance("<ref id=\"g\"/><float name=\"scale\" value=\"2\"/>"), "4:14",
-          "shape 'instance' does not take a parameter 'scale'; it takes: to_world, <shape>"},
+          "shape 'instance' does not take a parameter 'scale'; it takes: to_world, <shape>, silhouette"},
          {instance("<ref id=\"g\"/><transform name=\"to_world\"><scale value=\"0\"/></transform>"), "4:14",
           "the transform is singular"},
          {instance("<ref id=\"g\"/><transform name=\"to_world\"><scale value=\"1e-30\"/></transform>"), "3:1",

@@ -161,6 +161,36 @@ TEST(SurfaceParametrisation, CylindersHaveTheAngleAndTheHeight) {
     expect_uv(mirror, Vec3(0, 1, 1), Vec2(0.75f, 0.75f));
 }
 
+TEST(SurfaceParametrisation, SampledPointsHaveTheUvOfTheirPlace) {
+    Random random(9);
+    for (const std::string type : {"sphere", "disk", "cylinder", "rectangle", "cube"}) {
+        const Shape s = shape_of(shape(type, turned));
+        const AreaSampler surface(s);
+        for (int i = 0; i < 500; ++i) {
+            const Vec2 u = random.next_2d();
+            const SurfacePoint plain = surface.sample(s, u);
+            const SurfaceGeometry at = surface.sample_geometry(s, u);
+            EXPECT_LT((at.p - plain.p).norm(), 1e-5f) << type;
+            EXPECT_LT((at.ng - plain.ng).norm(), 1e-5f) << type;
+            if (!std::holds_alternative<Mesh>(s)) {
+                EXPECT_EQ(at.uv, surface_at(s, 0, 0, 0, plain.p).uv) << type;
+            } else {
+                // A step along the derivatives from the corner where uv are 0 leads there.
+                const auto& mesh = std::get<Mesh>(s);
+                double nearest = 1;
+                for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) {
+                    const SurfaceGeometry corner = surface_at(s, k, 0, 0, Vec3::Zero());
+                    const SurfaceDerivatives d = derivatives_at(s, k, corner);
+                    const Vec2 step = at.uv - corner.uv;
+                    const Vec3 reached = corner.p + step.x() * d.dp_du + step.y() * d.dp_dv;
+                    nearest = std::min(nearest, static_cast<double>((reached - at.p).norm()));
+                }
+                EXPECT_LT(nearest, 1e-4) << type;
+            }
+        }
+    }
+}
+
 TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
     for (const std::string& placed : {std::string(), turned}) {
         const Shape sphere = shape_of(shape("sphere", placed)), disk = shape_of(shape("disk", placed));
@@ -206,6 +236,48 @@ TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
     EXPECT_LT((at("obj", flip(false)) - as_stored).norm(), 1e-6f);
     EXPECT_LT((at("ply", "") - as_stored).norm(), 1e-6f);
     EXPECT_LT((at("ply", flip(true)) - turned_over).norm(), 1e-6f);
+}
+
+/// Mitsuba's: smooth unless face_normals, also where the file has no normals.
+TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
+    const TemporaryFolder folder;
+    const std::string points[] = {"-1 -1 0", "1 -1 0", "1 1 1", "-1 1 0"};
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string faces = "element face 2\nproperty list uchar int vertex_index\nend_header\n";
+    std::string obj, obj_normals,
+        ply = header + faces,
+        ply_normals = header + "property float nx\nproperty float ny\nproperty float nz\n" + faces;
+    for (const auto& p : points) {
+        obj += "v " + p + "\n";
+        obj_normals += "v " + p + "\nvn 0 3 4\n";
+        ply += p + "\n";
+        ply_normals += p + " 0 3 4\n";
+    }
+    folder.write("bare.obj", obj + "f 1 2 3\nf 1 3 4\n");
+    folder.write("full.obj", obj_normals + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n");
+    folder.write("bare.ply", ply + "3 0 1 2\n3 0 2 3\n");
+    folder.write("full.ply", ply_normals + "3 0 1 2\n3 0 2 3\n");
+    for (const std::string type : {"obj", "ply"}) {
+        const auto mesh = [&](const std::string& name, const std::string& body) {
+            const std::string path = folder / (name + "." + type);
+            return std::get<Mesh>(shape_of(shape(type, "<string name=\"filename\" value=\"" + path + "\"/>" + body)));
+        };
+        const std::string faceted = "<boolean name=\"face_normals\" value=\"true\"/>";
+        const Mesh bare = mesh("bare", ""), full = mesh("full", "");
+        ASSERT_EQ(bare.normals.size(), 4u) << type;
+        EXPECT_LT((bare.normals[1] - Vec3(bare.normal_of(0).normalized())).norm(), 1e-6f) << type;
+        EXPECT_GT((bare.normals[0] - Vec3(bare.normal_of(0).normalized())).norm(), 0.1f) << type;
+        ASSERT_EQ(full.normals.size(), 4u) << type;
+        EXPECT_LT((full.normals[3] - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f) << type;
+        EXPECT_TRUE(mesh("bare", faceted).normals.empty()) << type;
+        EXPECT_TRUE(mesh("full", faceted).normals.empty()) << type;
+        // Both normals turn.
+        const Shape turned_over = mesh("full", flipped);
+        const SurfaceGeometry at = surface_at(turned_over, 0, 0.3f, 0.3f, Vec3::Zero());
+        EXPECT_LT(at.ng.z(), 0.f) << type;
+        EXPECT_LT((at.ns + Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f) << type;
+    }
 }
 
 TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNormal) {
