@@ -36,6 +36,15 @@ const std::vector<FaultDescription>& fault_descriptions() {
         {Fault::tilted_cosine, "tilted_cosine", "a tilted normal keeps the cosine of the surface"},
         {Fault::mis_weight, "mis_weight", "light sampling keeps its full weight beside bsdf sampling"},
         {Fault::roulette_rescaling, "roulette_rescaling", "survivors of Russian roulette are not rescaled"},
+        {Fault::light_cosine, "light_cosine", "a light's density lacks the light's cosine"},
+        {Fault::cone_density, "cone_density", "a cone's density is that of a flat disc"},
+        {Fault::environment_jacobian, "environment_jacobian",
+         "the environment's density forgets how it varies within a cell"},
+        {Fault::spot_falloff, "spot_falloff", "a spot's fall-off is squared"},
+        {Fault::directional_area, "directional_area", "photons of a directional light stand for too small a disc"},
+        {Fault::light_choice, "light_choice", "the choice of a light is left out of its density"},
+        {Fault::mask_opacity, "mask_opacity", "shadow rays pass masks undimmed"},
+        {Fault::thin_lens_area, "thin_lens_area", "points on the lens crowd in its middle"},
     };
     return descriptions;
 }

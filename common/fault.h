@@ -34,7 +34,15 @@ enum class Fault {
     blend_weight,
     tilted_cosine,
     mis_weight,
-    roulette_rescaling
+    roulette_rescaling,
+    light_cosine,
+    cone_density,
+    environment_jacobian,
+    spot_falloff,
+    directional_area,
+    light_choice,
+    mask_opacity,
+    thin_lens_area
 };
 
 struct FaultDescription {

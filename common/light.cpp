@@ -22,6 +22,12 @@ struct SphereCone {
     Vec3 axis;
     float distance;  ///< to the centre
     float one_minus_cos_max;
+
+    /// [sr]
+    float solid_angle() const {
+        const float sin2 = one_minus_cos_max * (2.f - one_minus_cos_max);
+        return injected(Fault::cone_density) ? pi * sin2 : 2.f * pi * one_minus_cos_max;
+    }
 };
 
 std::optional<SphereCone> cone_to_sphere(const Sphere& sphere, const Vec3& p) {
@@ -48,8 +54,7 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     const float sin2 = std::max(1.f - w.z() * w.z(), 0.f);
     const float t = cone.distance * w.z() - safe_sqrt(sqr(sphere.radius) - sqr(cone.distance) * sin2);
     const SurfaceGeometry q = surface_at(sphere, 0, 0, 0, p + t * wi);
-    return LightSample{
-        wi, t, light.radiance_at(q.uv), 1.f / (2.f * pi * cone.one_minus_cos_max), false, shadow_ray_target(q, p)};
+    return LightSample{wi, t, light.radiance_at(q.uv), 1.f / cone.solid_angle(), false, shadow_ray_target(q, p)};
 }
 
 /// Where the shadow ray of a light at infinity may end.
@@ -100,7 +105,8 @@ private:
         const Vec3 wi = to_light / d;
         const float cos_light = -wi.dot(q.ng);
         if (!(cos_light > 0.f)) return std::nullopt;
-        return LightSample{wi, d, Le, d2 / (cos_light * light.surface.area()), false, shadow_ray_target(q, p)};
+        const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
+        return LightSample{wi, d, Le, d2 / (cosine * light.surface.area()), false, shadow_ray_target(q, p)};
     }
 
     template <typename Intensity>
@@ -159,8 +165,8 @@ private:
     /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.
     EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Color& irradiance) const {
         const Vec2 d = scene.radius * square_to_disk(u_position);
-        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w}, scene.area() * irradiance,
-                Vec3::Zero()};
+        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w},
+                scene.area() * (injected(Fault::directional_area) ? 0.9f : 1.f) * irradiance, Vec3::Zero()};
     }
 };
 
@@ -210,7 +216,7 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Sh
 }
 
 float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit) {
-    if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / (2.f * pi * cone->one_minus_cos_max);
+    if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / cone->solid_angle();
     const Vec3 to_light = hit.p - p;
     const float d2 = to_light.squaredNorm();
     const float cos_light = -to_light.dot(hit.ng) / std::sqrt(d2);

@@ -98,7 +98,8 @@ private:
                 pending.material = material_index(*bsdf);
             } else if (part.material) {
                 const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
-                if (is_new) materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
+                if (is_new)
+                    materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
                 pending.material = it->second;
             } else {
                 pending.material = default_material(emitter.has_value());

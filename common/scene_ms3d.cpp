@@ -44,8 +44,8 @@ Material opaque_material(const Ms3dMaterial& material, const std::optional<Textu
 Material material_of(const Ms3dMaterial& material, TextureFiles& files, const SourceLocation& where) {
     Material opaque = opaque_material(material, color_texture(material, files, where));
     if (material.transparency >= 1.f) return opaque;
-    return Material(Mask{Texture(Color::Constant(material.transparency)),
-                         std::make_shared<const Material>(std::move(opaque))});
+    return Material(
+        Mask{Texture(Color::Constant(material.transparency)), std::make_shared<const Material>(std::move(opaque))});
 }
 
 }  // namespace gib

@@ -48,7 +48,8 @@ private:
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
-            visibility *= hit->bsdf->pass_through();
+            if (!injected(Fault::mask_opacity) || hit->bsdf->pass_through() == 0.f)
+                visibility *= hit->bsdf->pass_through();
             if (visibility == 0.f) return 0.f;
             origin = offset_origin(*hit, to.wi);
         }
