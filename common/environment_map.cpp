@@ -95,8 +95,9 @@ float EnvironmentMap::density(const Cell& cell) const {
     const Corners c = corners(cell);
     const Color here = lerp(lerp(c.c00, c.c10, cell.s), lerp(c.c01, c.c11, cell.s), cell.t);
     const auto relative = static_cast<float>(luminance_d(here) / luminance_of(c, cell.row));
-    return uniform_share * uniform_sphere_pdf_w +
-           (1.f - uniform_share) * choice * (injected(Fault::environment_jacobian) ? 1.f : relative);
+    const double latitude = 0.5 * (theta_of(cell.row) + theta_of(cell.row + 1));
+    const float sine = injected(Fault::environment_jacobian) ? static_cast<float>(std::sin(latitude)) : 1.f;
+    return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative * sine;
 }
 
 EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {

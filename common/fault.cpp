@@ -39,7 +39,7 @@ const std::vector<FaultDescription>& fault_descriptions() {
         {Fault::light_cosine, "light_cosine", "a light's density lacks the light's cosine"},
         {Fault::cone_density, "cone_density", "a cone's density is that of a flat disc"},
         {Fault::environment_jacobian, "environment_jacobian",
-         "the environment's density forgets how it varies within a cell"},
+         "the environment's density has the sine of its latitude twice"},
         {Fault::spot_falloff, "spot_falloff", "a spot's fall-off is squared"},
         {Fault::directional_area, "directional_area", "photons of a directional light stand for too small a disc"},
         {Fault::light_choice, "light_choice", "the choice of a light is left out of its density"},
