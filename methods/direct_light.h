@@ -20,8 +20,8 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
 
 /// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
 /// paths do not go on in that direction anyway.
-LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler,
-                           int vertex, Lobes which = Lobes::all);
+LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                           Lobes which = Lobes::all);
 
 /// The weight of radiance that a bsdf's sample of density `pdf_w` from `previous` found on a light, against light sampling
 /// from there; an infinite density: light sampling could not have found it.

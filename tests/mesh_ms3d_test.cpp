@@ -211,7 +211,7 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
             .scene;
     };
     const auto reflectance = [](const Scene& scene, std::size_t shape) {
-        return scene.bsdf_of_shape(shape).coefficients_local(Vec3(0, 0, 1)).diffuse;
+        return scene.material_of_shape(shape).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse;
     };
     const auto scene = load("");
     ASSERT_EQ(scene->shapes().size(), 2u);
@@ -225,7 +225,7 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     const auto black = load("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");
     EXPECT_EQ(reflectance(*black, 0)[1], 0.f);
     EXPECT_EQ(reflectance(*black, 1)[1], 0.f);
-    EXPECT_EQ(black->bsdfs().size(), 1u);
+    EXPECT_EQ(black->materials().size(), 1u);
     const auto lamps = load("<emitter type=\"area\"/>");
     EXPECT_EQ(lamps->lights().size(), 2u);
     const auto options = load(
@@ -248,7 +248,7 @@ TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
     folder.write("m.txt", text);
     const auto loaded = load_scene(
         folder.write("s.xml", scene_with("<shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/></shape>")));
-    EXPECT_EQ(loaded.scene->bsdfs().size(), 1u);
+    EXPECT_EQ(loaded.scene->materials().size(), 1u);
 }
 
 }  // namespace
