@@ -2,6 +2,7 @@
 
 #include "common/sampler.h"
 #include "scene_text.h"
+#include "tests/moments.h"
 
 #include <gtest/gtest.h>
 
@@ -202,7 +203,7 @@ TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
     const Scene& scene = *lamp.scene;
     const Vec3 p(1.5f, 0.2f, 0.7f), normal = Vec3(-1, 0.1f, -0.3f).normalized();
     Random random(5);
-    double sum = 0, squares = 0;
+    test::Moments irradiance;
     constexpr int samples = 200'000;
     for (int i = 0; i < samples; ++i) {
         const auto s = scene.sample_light(p, random.next(), random.next_2d());
@@ -216,13 +217,11 @@ TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
                 EXPECT_NEAR(scene.light_pdf_w(p, *hit) / s->pdf_w, 1, 1e-3);
             }
         }
-        sum += e;
-        squares += e * e;
+        irradiance.add(e);
     }
-    const double mean = sum / samples;
-    const double stderr_of_mean = std::sqrt((squares / samples - mean * mean) / samples);
     // 3.9 standard errors: alpha = 1e-4; the quadrature's own error is far smaller.
-    EXPECT_NEAR(mean, irradiance_by_quadrature(scene, p, normal), 3.9 * stderr_of_mean + 1e-3 * mean);
+    EXPECT_NEAR(irradiance.mean(), irradiance_by_quadrature(scene, p, normal),
+                3.9 * irradiance.standard_error() + 1e-3 * irradiance.mean());
 }
 
 TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {

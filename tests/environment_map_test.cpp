@@ -2,6 +2,7 @@
 
 #include "common/environment_map.h"
 #include "tests/light_fixtures.h"
+#include "tests/moments.h"
 
 #include <array>
 
@@ -11,6 +12,7 @@ namespace {
 using test::envmap_direction;
 using test::identity_frame;
 using test::image_of;
+using test::Moments;
 using test::noise;
 
 constexpr std::uint32_t samples = 100'000;
@@ -106,26 +108,12 @@ TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
     }
 }
 
-/// The mean over a fixed number of samples, most of which add nothing.
-class Mean {
-public:
-    void add(double x) {
-        sum_ += x;
-        squares_ += x * x;
-    }
-    double value() const { return sum_ / samples; }
-    double error() const { return std::sqrt(std::max(squares_ / samples - value() * value(), 0.0) / samples); }
-
-private:
-    double sum_ = 0, squares_ = 0;
-};
-
 // For any function g, the mean of g / pdf over samples is its integral: here of 1 in eight octants and of the radiance.
 // 11 maps x 9 means at 4.5 standard errors: a false alarm in 1e-3 of all seeds, and the seed is fixed.
 TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
     for (const auto& [name, image] : hard_maps()) {
         const EnvironmentMap map = map_of(image);
-        std::array<Mean, 9> means;  // the first eight by the signs of x, y and z
+        std::array<Moments, 9> means;  // the first eight by the signs of x, y and z
         for (std::uint32_t i = 0; i < samples; ++i) {
             const auto s = map.sample(Sampler(PointSet::independent, 5, i, 0).get_2d(0));
             const auto octant = static_cast<std::size_t>((s.w.x() > 0) + 2 * (s.w.y() > 0) + 4 * (s.w.z() > 0));
@@ -133,12 +121,12 @@ TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
             means[8].add(static_cast<double>(s.radiance[1] / s.pdf_w));
         }
         for (std::size_t octant = 0; octant < 8; ++octant)
-            EXPECT_NEAR(means[octant].value(), std::numbers::pi / 2, 4.5 * means[octant].error()) << name << octant;
+            EXPECT_NEAR(means[octant].mean_of(samples), std::numbers::pi / 2, 4.5 * means[octant].standard_error_of(samples)) << name << octant;
         const double integral = map.integral()[1];
-        EXPECT_NEAR(means[8].value(), integral, 4.5 * means[8].error() + 1e-6 * integral) << name;
+        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral) << name;
         // In proportion to luminance but for the uniform tenth: the estimate of a grey map's integral hardly scatters.
         const bool concentrated = std::string(name) == "sun on black" || std::string(name) == "north pole";
-        EXPECT_LT(means[8].error(), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples)) << name;
+        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples)) << name;
     }
 }
 

@@ -1,6 +1,7 @@
 // Mixtures of scattering models, and materials that become one at a point: blends, masks, sides, bump and normal maps.
 #include "common/material.h"
 #include "common/sampler.h"
+#include "tests/moments.h"
 
 #include <gtest/gtest.h>
 
@@ -33,16 +34,13 @@ struct Albedo {
 };
 Albedo sampled_albedo(const Bsdf& bsdf, const Vec3& wo, Transport transport = Transport::power) {
     constexpr std::uint32_t n = 1 << 16;
-    double sum = 0, squares = 0;
+    test::Moments weights;
     for (std::uint32_t i = 0; i < n; ++i) {
         const Sampler u(PointSet::independent, 3, 5, i);
         const auto s = bsdf.sample_local(wo, u.get_2d(0), u.get_2d(1), transport);
-        const double weight = s ? static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w) : 0.0;
-        sum += weight;
-        squares += weight * weight;
+        weights.add(s ? static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w) : 0.0);
     }
-    const double mean = sum / n;
-    return {mean, std::sqrt(std::max(squares / n - mean * mean, 0.0) / n)};
+    return {weights.mean(), weights.standard_error()};
 }
 
 TEST(Material, ABlendIsTheWeightedSumOfItsParts) {

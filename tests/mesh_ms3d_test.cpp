@@ -3,6 +3,7 @@
 #include "common/mesh_ms3d.h"
 #include "common/error.h"
 #include "scene_text.h"
+#include "texture_fixtures.h"
 
 #include <gmock/gmock.h>
 
@@ -84,6 +85,13 @@ const std::string bones =
     "BoneComments: 0\n"
     "ModelComment: 1\n"
     "\n";
+
+/// The map of the second material.
+void write_map(const TemporaryFolder& folder) {
+    test::FileFormat bytes;
+    bytes.type = OIIO::TypeDesc::UINT8;
+    test::write_image(folder.write("maps/brass plate.bmp", ""), 2, 1, 3, {1, 0, 0, 0, 1, 0}, bytes);
+}
 
 std::string error_of(const std::string& text) {
     try {
@@ -204,27 +212,34 @@ TEST(Ms3dFile, ErrorsNameThePlace) {
 TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     const TemporaryFolder folder;
     folder.write("m.txt", meshes + materials + bones);
+    write_map(folder);
     const auto load = [&](const std::string& body) {
         return load_scene(
                    folder.write("s.xml", scene_with("<shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/>" +
                                                     body + "</shape>")))
             .scene;
     };
-    const auto reflectance = [](const Scene& scene, std::size_t shape) {
-        return scene.material_of_shape(shape).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse;
+    const auto albedo = [](const Scene& scene, std::size_t shape, float u = 0) {
+        const MaterialPoint point{Vec2(u, 0.5f), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), Frame(Vec3::UnitZ())};
+        const Bsdf bsdf = scene.material_of_shape(shape).at(point);
+        EXPECT_EQ(bsdf.pass_through(), scene.material_of_shape(shape).has_holes() ? 0.5f : 0.f);
+        return Color(pi * bsdf.f_local(Vec3(0, 0, 1), Vec3(0.995f, 0, 0.1f)).diffuse);  // far from the highlight
     };
     const auto scene = load("");
     ASSERT_EQ(scene->shapes().size(), 2u);
-    EXPECT_EQ(reflectance(*scene, 0)[1], 0.4f);
-    EXPECT_EQ(reflectance(*scene, 1)[1], 0.5f);  // no material: the default
+    // Half transparent; its map is red on the left and green on the right, and what the highlight leaves of 0.9 / 1.9 bounds it.
+    EXPECT_NEAR(albedo(*scene, 0, 0.25f)[0], 1 - 0.9f / 1.9f, 1e-6f);
+    EXPECT_EQ(albedo(*scene, 0, 0.25f)[1], 0.f);
+    EXPECT_NEAR(albedo(*scene, 0, 0.75f)[1], 1 - 0.8f / 1.9f, 1e-6f);
+    EXPECT_NEAR(albedo(*scene, 1)[1], 0.5f, 1e-6f);  // no material: the default
     const Mesh& floor = std::get<Mesh>(scene->shapes()[0]);
     EXPECT_EQ(floor.normals[0], Vec3(0, 0, 1));
     EXPECT_EQ(floor.uvs[0], Vec2(0, 1));
     EXPECT_FALSE(floor.flip_normals);
     EXPECT_GT(floor.normal_of(0).z(), 0.f);
     const auto black = load("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");
-    EXPECT_EQ(reflectance(*black, 0)[1], 0.f);
-    EXPECT_EQ(reflectance(*black, 1)[1], 0.f);
+    EXPECT_EQ(albedo(*black, 0)[1], 0.f);
+    EXPECT_EQ(albedo(*black, 1)[1], 0.f);
     EXPECT_EQ(black->materials().size(), 1u);
     const auto lamps = load("<emitter type=\"area\"/>");
     EXPECT_EQ(lamps->lights().size(), 2u);
@@ -246,6 +261,7 @@ TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
     std::string text = meshes + materials + bones;
     text.replace(text.find("\"roof\" 1 -1"), 11, "\"roof\" 1 1");
     folder.write("m.txt", text);
+    write_map(folder);
     const auto loaded = load_scene(
         folder.write("s.xml", scene_with("<shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/></shape>")));
     EXPECT_EQ(loaded.scene->materials().size(), 1u);

@@ -2,6 +2,7 @@
 
 #include "tests/cell_partition.h"
 #include "tests/chi_square.h"
+#include "tests/moments.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -44,6 +45,24 @@ Domain SphereChart::domain(const std::vector<double>& breaks) {
     return d;
 }
 
+namespace {
+
+/// The density that lies nearest to `sampled` among those of w and of directions that rounding cannot tell from it. Where a
+/// surface's silhouette is seen, the density falls steeply within so small an angle.
+double density_within_rounding(const std::function<double(const Vec3&)>& pdf, const Vec3& w, double sampled) {
+    double low = pdf(w), high = low;
+    if (std::abs(low - sampled) <= limits::pdf_mismatch * sampled) return low;
+    const Vec3 s = w.unitOrthogonal(), t = w.cross(s);
+    for (const Vec3& aside : {s, t, Vec3(-s), Vec3(-t)}) {
+        const double density = pdf((w + limits::direction_rounding * aside).normalized());
+        low = std::min(low, density);
+        high = std::max(high, density);
+    }
+    return std::clamp(sampled, low, high);
+}
+
+}  // namespace
+
 SamplerCase sphere_case(std::string name, const SphereChart& chart,
                         std::function<std::optional<SampledDirection>(const RandomNumbers&)> sample,
                         const std::function<double(const Vec3&)>& pdf) {
@@ -53,7 +72,8 @@ SamplerCase sphere_case(std::string name, const SphereChart& chart,
     test.sample = [chart, sample = std::move(sample), pdf](const RandomNumbers& numbers) -> std::optional<Sampled> {
         const auto s = sample(numbers);
         if (!s) return std::nullopt;
-        return Sampled{chart.point(s->w.cast<double>()), s->pdf, s->delta ? s->pdf : pdf(s->w), s->weight, s->delta};
+        return Sampled{chart.point(s->w.cast<double>()), s->pdf,
+                       s->delta ? s->pdf : density_within_rounding(pdf, s->w, s->pdf), s->weight, s->delta};
     };
     test.pdf = [chart, pdf](const Vec2d& point) { return pdf(chart.direction(point).cast<float>()); };
     return test;
@@ -213,7 +233,7 @@ private:
     void test_counts() {
         const auto n = static_cast<double>(samples_);
         const double remainder = std::max(0.0, 1 - test_.total.value_or(result_.integral));
-        const Cell rest{static_cast<double>(lost_ + delta_weights_.count + bad_), n * remainder};
+        const Cell rest{static_cast<double>(lost_ + delta_weights_.count() + bad_), n * remainder};
         for (int levels : {fine_levels, coarse_levels}) {
             const int shift = std::max(0, partition_.levels() - levels);
             std::vector<Cell> cells(partition_.cells() >> shift, Cell{0, 0});
@@ -228,8 +248,7 @@ private:
     }
 
     void test_weights() {
-        const auto n = static_cast<double>(samples_);
-        double mean = weights_.sum / n, variance = weights_.variance_of_mean(n);
+        double mean = weights_.mean_of(samples_), variance = sqr(weights_.standard_error_of(samples_));
         if (test_.value) {
             double integral = 0, integral_variance = 0;
             for (std::size_t cell = 0; cell < partition_.cells(); ++cell) {
@@ -245,27 +264,14 @@ private:
             mean = integral;
             variance = integral_variance;
         }
-        mean += delta_weights_.sum / n;
-        const double error = std::sqrt(variance + delta_weights_.variance_of_mean(n));
+        mean += delta_weights_.mean_of(samples_);
+        const double error = std::sqrt(variance + sqr(delta_weights_.standard_error_of(samples_)));
         result_.mean_weight = mean;
         if (test_.mean_weight && !(std::abs(mean - *test_.mean_weight) <= limits::mean_weight + 3 * error))
             fail("the mean weight is {:.5f} +- {:.5f} instead of {:.5f}", mean, error, *test_.mean_weight);
         if (!(mean <= test_.largest_mean_weight + limits::mean_weight + 3 * error))
             fail("the mean weight is {:.5f} +- {:.5f}, more than {}", mean, error, test_.largest_mean_weight);
     }
-
-    /// Of samples among which the others count as zero.
-    struct Sum {
-        std::uint64_t count = 0;
-        double sum = 0, squares = 0;
-
-        void add(double x) {
-            ++count;
-            sum += x;
-            squares += sqr(x);
-        }
-        double variance_of_mean(double n) const { return std::max(squares / n - sqr(sum / n), 0.0) / n; }
-    };
 
     const SamplerCase& test_;
     std::uint64_t seed_, samples_;
@@ -274,7 +280,7 @@ private:
     std::vector<std::uint64_t> counts_;
     std::vector<double> probability_;
     std::uint64_t lost_ = 0, bad_ = 0, mismatches_ = 0, outside_ = 0;
-    Sum weights_, delta_weights_;
+    Moments weights_, delta_weights_;  ///< the samples of the other kind count as zero
     std::string bad_example_, mismatch_example_;
 };
 

@@ -43,15 +43,21 @@ struct SampledShare {
     double valid = 0;   ///< the share of the samples that are not empty
 };
 
-/// With 2^16 Sobol' points: the error of smooth integrands is below 1e-3.
+/// With 2^16 points, one in each of 64 x 32 x 32 boxes of what chooses the lobe and what the direction. A jump of the weight
+/// crosses some 3000 of them, each with a variance of 1/4 at most: the standard error is below 4e-4.
 template <typename Model>
 SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transport = Transport::power,
                            Lobes which = Lobes::all) {
     constexpr std::uint32_t n = 1u << 16;
     SampledShare share;
     for (std::uint32_t i = 0; i < n; ++i) {
-        const Sampler u(PointSet::sobol, 3, 7, i);
-        if (const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), transport, which)) {
+        const Sampler jitter(PointSet::independent, 3, 7, i);
+        const Vec2 j = jitter.get_2d(1);
+        const auto within = [](std::uint32_t box, std::uint32_t boxes, float u) {
+            return std::min((static_cast<float>(box) + u) / static_cast<float>(boxes), 1.f - unit_roundoff);
+        };
+        const Vec2 u(within(i % 32, 32, j.x()), within(i / 32 % 32, 32, j.y()));
+        if (const auto s = model.sample_local(wo, within(i / 1024, 64, jitter.get_1d(0)), u, transport, which)) {
             share.weight += static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w);
             share.valid += 1;
         }

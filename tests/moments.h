@@ -1,0 +1,34 @@
+#pragma once
+// The mean of a sample and its standard error.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace gib::test {
+
+class Moments {
+public:
+    void add(double x) {
+        ++count_;
+        sum_ += x;
+        squares_ += x * x;
+    }
+    std::uint64_t count() const { return count_; }
+    double mean() const { return mean_of(count_); }
+    double standard_error() const { return standard_error_of(count_); }
+
+    /// The same of n numbers, of which those that were not added are zero.
+    double mean_of(std::uint64_t n) const { return sum_ / static_cast<double>(n); }
+    double standard_error_of(std::uint64_t n) const {
+        const auto size = static_cast<double>(n);
+        const double variance = std::max(squares_ / size - mean_of(n) * mean_of(n), 0.0) * size / (size - 1);
+        return std::sqrt(variance / size);
+    }
+
+private:
+    std::uint64_t count_ = 0;
+    double sum_ = 0, squares_ = 0;
+};
+
+}  // namespace gib::test
