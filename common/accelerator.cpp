@@ -9,6 +9,7 @@
 #endif
 
 #include <oneapi/tbb/task_arena.h>
+#include <cstring>
 #include <span>
 
 namespace gib {
@@ -36,15 +37,13 @@ Ray ray_of(const RTCRay& r) {
     return {Vec3(r.org_x, r.org_y, r.org_z), Vec3(r.dir_x, r.dir_y, r.dir_z), r.tnear, r.tfar};
 }
 
+/// Embree reads four numbers at a time, and a processor makes it wait where they were written one by one.
 void set_ray(RTCRay& r, const Ray& ray) {
-    r.org_x = ray.o.x();
-    r.org_y = ray.o.y();
-    r.org_z = ray.o.z();
-    r.tnear = ray.t_min;
-    r.dir_x = ray.d.x();
-    r.dir_y = ray.d.y();
-    r.dir_z = ray.d.z();
-    r.time = 0;
+    using Four [[gnu::vector_size(16)]] = float;
+    const Four origin = {ray.o.x(), ray.o.y(), ray.o.z(), ray.t_min},
+               direction = {ray.d.x(), ray.d.y(), ray.d.z(), 0.f};
+    std::memcpy(&r.org_x, &origin, sizeof origin);
+    std::memcpy(&r.dir_x, &direction, sizeof direction);
     r.tfar = ray.t_max;
     r.mask = ~0u;
     r.id = 0;
@@ -269,7 +268,7 @@ std::optional<Intersection> Accelerator::intersect(const Ray& ray) const {
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    Intersection result{hit.geomID, hit.primID, no_instance, rayhit.ray.tfar, hit.u, hit.v};
+    Intersection result{hit.geomID, hit.primID, no_instance, hit.u, rayhit.ray.tfar, hit.v};
     if (hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
         result.instance = hit.instID[0];
         result.shape += state_->instanced.group_of(result.instance).first_shape;

@@ -15,8 +15,10 @@ struct Intersection {
     std::uint32_t shape;
     std::uint32_t primitive;
     std::uint32_t instance;  ///< or no_instance
+    float u;                 ///< barycentric weight of a mesh's second vertex
     float t;
-    float u, v;  ///< barycentric weights of a mesh's second and third vertex
+    float
+        v;  ///< of its third; apart from u, or both would be copied as one number, which waits until Embree's two are stored
 };
 
 class Accelerator {

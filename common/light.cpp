@@ -101,10 +101,11 @@ struct LightSampler {
 private:
     std::optional<LightSample> seen_from_front(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
         const Vec3 to_light = q.p - p;
-        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2);
-        const Vec3 wi = to_light / d;
-        const float cos_light = -wi.dot(q.ng);
-        if (!(cos_light > 0.f)) return std::nullopt;
+        const float towards = -to_light.dot(q.ng);
+        if (!(towards > 0.f)) return std::nullopt;
+        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2), per_d = 1.f / d;
+        const Vec3 wi = to_light * per_d;
+        const float cos_light = towards * per_d;
         const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
         return LightSample{wi, d, Le, d2 / (cosine * light.surface.area()), false, shadow_ray_target(q, p)};
     }

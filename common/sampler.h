@@ -132,9 +132,8 @@ public:
 
     /// A point in [0, 1)^2. Different dimensions are independent of each other.
     Vec2 get_2d(std::uint32_t dimension) const {
-        const std::uint32_t x = 2 * dimension, y = x + 1;
-        if (dimension < sobol_dimensions_) return {sobol_number(x), sobol_number(y)};
-        return {independent_number(x), independent_number(y)};
+        if (dimension < sobol_dimensions_) return {sobol_number(dimension, 0), sobol_number(dimension, 1)};
+        return {independent_number(dimension, 0), independent_number(dimension, 1)};
     }
 
     /// get_2d of all dimensions of a vertex. The loops become vector instructions, which is what makes random numbers
@@ -144,10 +143,10 @@ public:
         std::array<float, 2 * dimension::per_vertex> numbers;
         if (dimension < sobol_dimensions_) {
             for (std::uint32_t i = 0; i < numbers.size(); ++i)
-                numbers[i] = sobol_number(2 * dimension + i);
+                numbers[i] = sobol_number(dimension, i);
         } else {
             for (std::uint32_t i = 0; i < numbers.size(); ++i)
-                numbers[i] = independent_number(2 * dimension + i);
+                numbers[i] = independent_number(dimension, i);
         }
         return VertexNumbers(numbers);
     }
@@ -163,16 +162,16 @@ private:
     /// Weyl's sequence: one step per number, so that no two of a path enter a hash alike.
     static constexpr std::uint32_t step = 0x9e3779b9u;
 
-    /// Coordinate n % 2 of dimension n / 2.
-    float sobol_number(std::uint32_t n) const {
-        const std::uint32_t shuffle = mix32(sequence_key_.low + (n / 2) * step);
-        const std::uint32_t scramble = mix32(sequence_key_.high + n * step);
+    /// Coordinate n % 2 of dimension d + n / 2.
+    float sobol_number(std::uint32_t d, std::uint32_t n) const {
+        const std::uint32_t shuffle = mix32(sequence_key_.low + d * step + (n / 2) * step);
+        const std::uint32_t scramble = mix32(sequence_key_.high + 2 * d * step + n * step);
         const std::uint32_t index = reverse_bits(scramble_reversed(reversed_pass_, shuffle));
         const std::uint32_t reversed = n % 2 == 0 ? index : sobol_second_reversed(index);
         return unit_float(reverse_bits(scramble_reversed(reversed, scramble)));
     }
-    float independent_number(std::uint32_t n) const {
-        return unit_float(mix32(mix32(pass_key_.low + n * step) ^ pass_key_.high));
+    float independent_number(std::uint32_t d, std::uint32_t n) const {
+        return unit_float(mix32(mix32(pass_key_.low + 2 * d * step + n * step) ^ pass_key_.high));
     }
 
     std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers

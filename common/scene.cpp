@@ -70,13 +70,10 @@ void Scene::add(SceneParts::Object&& object) {
     has_holes_ |= materials_[object.material].has_holes();
 }
 
-SurfaceGeometry Scene::geometry_at(const Intersection& i, const Ray& ray) const {
-    const auto on_shape = [&](const Ray& r) {
-        return surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d);
-    };
-    if (i.instance == no_instance) return on_shape(ray);
+SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
     const Instance& instance = groups_.instances[i.instance];
-    return carried_to_scene(instance, on_shape(carried_to_group(instance, ray)));
+    const Ray r = carried_to_group(instance, ray);
+    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d));
 }
 
 void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
@@ -94,7 +91,9 @@ std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
     if (!i) return hit;
     const Surface& surface = surfaces_[i->shape];
     const Material& material = materials_[surface.material];
-    hit.emplace(geometry_at(*i, ray));
+    hit.emplace(i->instance == no_instance
+                    ? surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d)
+                    : geometry_on_instance(*i, ray));
     hit->bsdf = material.constant();
     hit->light = surface.light;
     hit->shape = i->shape;

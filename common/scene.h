@@ -102,7 +102,7 @@ private:
     void resolve_material(const Material& material, SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
-    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray) const;
+    SurfaceGeometry geometry_on_instance(const Intersection& i, const Ray& ray) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_

@@ -123,7 +123,7 @@ Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) c
     }
     const float length = d.norm();
     // Clip distances count along the axis: t = z / cos.
-    return {o, d / length, near_clip_ * length, far_clip_ * length};
+    return {o, d * (1.f / length), near_clip_ * length, far_clip_ * length};
 }
 
 }  // namespace gib

@@ -34,39 +34,6 @@ float length_of(const Vec3& n) {
     return in_range ? std::sqrt(squared) : n.stableNorm();
 }
 
-/// Mesh::facets of a triangle. A point's offset is the sum of two bounds of distances along the normal, component by component,
-/// so that a floor of any size that lies in a coordinate plane needs next to none. That of the rounding of p depends on p; that
-/// of a ray-triangle test which starts there does not: it forms (v0 - p) . n, in which |v0 - p| <= |e1| + |e2| and the rounding
-/// of n's components is that of the products that they are sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it
-/// grow for needles, whose normal is uncertain.
-Eigen::Vector4f facet_of(const Mesh& mesh, std::size_t triangle) {
-    const Triangle t = triangle_of(mesh, triangle);
-    const Vec3 n = t.e1.cross(t.e2);
-    const float scale = 1.f / length_of(n);
-    const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
-    const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
-                 a1.x() * a2.y() + a1.y() * a2.x());
-    Eigen::Vector4f facet;
-    facet << n * (mesh.flip_normals ? -scale : scale),
-        gamma(16) * scale * (a1 + a2).dot(m) + off_the_plane * (a1 + a2).sum();
-    return facet;
-}
-
-/// x, y and z of a vertex; w is any number: the vertex after it, or the extra element.
-Eigen::Vector4f padded_vertex(const Mesh& mesh, std::uint32_t i) {
-    return Eigen::Map<const Eigen::Vector4f>(mesh.vertices[i].data());
-}
-
-/// The point v0 + b1 e1 + b2 e2.
-SurfacePoint point_of_mesh(const Mesh& mesh, std::size_t triangle, float b1, float b2) {
-    const Eigen::Vector4f facet = mesh.facets.empty() ? facet_of(mesh, triangle) : mesh.facets[triangle];
-    const auto& t = mesh.triangles[triangle];
-    const Eigen::Vector4f v0 = padded_vertex(mesh, t[0]);
-    const Eigen::Vector4f p = v0 + (b1 * (padded_vertex(mesh, t[1]) - v0) + b2 * (padded_vertex(mesh, t[2]) - v0));
-    const Eigen::Vector4f rounding = facet.cwiseAbs().cwiseProduct(p.cwiseAbs());
-    return {p.head<3>(), facet.head<3>(), gamma(8) * rounding.head<3>().sum() + facet.w()};
-}
-
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
     s.p = sphere.center + sphere.radius * direction;
@@ -107,24 +74,6 @@ Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
     return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
 }
 
-/// The shading normal between a triangle's vertex normals. Normals that cancel out leave no direction: then the face's.
-Vec3 interpolated_normal(const Mesh& mesh, std::uint32_t triangle, float u, float v, const Vec3& ng) {
-    const auto& t = mesh.triangles[triangle];
-    const Vec3 ns = (1.f - u - v) * mesh.normals[t[0]] + u * mesh.normals[t[1]] + v * mesh.normals[t[2]];
-    const float length = ns.norm();
-    return length > 0.f ? Vec3(ns * ((mesh.flip_normals ? -1.f : 1.f) / length)) : ng;
-}
-
-SurfaceGeometry surface_of_mesh(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
-    SurfaceGeometry s{point_of_mesh(mesh, triangle, u, v), Vec3(), Vec2(u, v)};
-    s.ns = mesh.normals.empty() ? s.ng : interpolated_normal(mesh, triangle, u, v, s.ng);
-    if (!mesh.uvs.empty()) {
-        const auto& t = mesh.triangles[triangle];
-        s.uv = (1.f - u - v) * mesh.uvs[t[0]] + u * mesh.uvs[t[1]] + v * mesh.uvs[t[2]];
-    }
-    return s;
-}
-
 /// Projects `p_ray` in double: the axis may be many times longer than the radius.
 SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray) {
     const Vec3d axis = cylinder.axis.cast<double>(), d = p_ray.cast<double>() - cylinder.base.cast<double>();
@@ -159,7 +108,35 @@ bool within(const Ray& ray, double t) {
 void Mesh::prepare() {
     facets.resize(triangles.size());
     for (std::size_t i = 0; i < triangles.size(); ++i)
-        facets[i] = facet_of(*this, i);
+        facets[i] = facet_of(i);
+}
+
+/// A point's offset is the sum of two bounds of distances along the normal, component by component,
+/// so that a floor of any size that lies in a coordinate plane needs next to none. The first is of the rounding of p, which
+/// is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 - p) . n, in
+/// which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m (Higham
+/// 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
+Eigen::Vector4f Mesh::facet_of(std::size_t i) const {
+    const Triangle t = triangle_of(*this, i);
+    const Vec3 n = t.e1.cross(t.e2);
+    const float scale = 1.f / length_of(n);
+    const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
+    const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
+                 a1.x() * a2.y() + a1.y() * a2.x());
+    const Vec3 furthest = t.v0.cwiseAbs().cwiseMax((t.v0 + t.e1).cwiseAbs()).cwiseMax((t.v0 + t.e2).cwiseAbs());
+    const float of_point = gamma(8) * scale * n.cwiseAbs().dot(furthest);
+    const float of_query = gamma(16) * scale * (a1 + a2).dot(m) + off_the_plane * (a1 + a2).sum();
+    Eigen::Vector4f facet;
+    facet << n * (flip_normals ? -scale : scale), of_point + of_query;
+    return facet;
+}
+
+/// Normals that cancel out leave no direction: then the face's.
+Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const {
+    const auto& t = triangles[i];
+    const Vec3 ns = (1.f - b1 - b2) * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
+    const float length = ns.norm();
+    return length > 0.f ? Vec3(ns * ((flip_normals ? -1.f : 1.f) / length)) : ng;
 }
 
 Vec3 Mesh::normal_of(std::size_t i) const {
@@ -212,8 +189,7 @@ bool has_smooth_normals(const Shape& shape) {
     return mesh && !mesh->normals.empty();
 }
 
-SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray) {
-    if (const auto* mesh = std::get_if<Mesh>(&shape)) return surface_of_mesh(*mesh, primitive, u, v);
+SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         const Vec3 direction = (p_ray - sphere->center).normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
@@ -270,12 +246,7 @@ AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(
     }
 }
 
-SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
-    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-        const auto choice = triangles_.sample(u.x());
-        const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
-        return point_of_mesh(*mesh, choice.index, b.x(), b.y());
-    }
+SurfacePoint AreaSampler::sample_analytic(const Shape& shape, const Vec2& u) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
         const float phi = 2.f * pi * u.y();
@@ -290,7 +261,7 @@ SurfaceGeometry AreaSampler::sample_geometry(const Shape& shape, const Vec2& u) 
     if (!mesh) return surface_at(shape, 0, 0, 0, sample(shape, u).p);
     const auto choice = triangles_.sample(u.x());
     const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
-    return surface_of_mesh(*mesh, static_cast<std::uint32_t>(choice.index), b.x(), b.y());
+    return mesh->surface_at(choice.index, b.x(), b.y());
 }
 
 }  // namespace gib

@@ -32,14 +32,23 @@ struct Mesh {
     std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
     bool flip_normals = false;
 
-    /// What the points of one triangle share: ng (x, y, z) and the part of their offset that does not depend on p (w).
+    /// What the points of one triangle share: ng (x, y, z) and their offset (w).
     std::vector<Eigen::Vector4f> facets;  ///< by prepare(); empty: computed for each point
     /// To be called once the other members are final.
     void prepare();
 
+    /// The point v0 + b1 e1 + b2 e2 of triangle i.
+    SurfacePoint point_at(std::size_t i, float b1, float b2) const;
+    SurfaceGeometry surface_at(std::size_t i, float b1, float b2) const;
+
     Vec3 vertex(std::uint32_t i) const { return {vertices[i][0], vertices[i][1], vertices[i][2]}; }
     /// (v1 - v0) x (v2 - v0) of triangle i, towards its front side; its length is twice the area.
     Vec3 normal_of(std::size_t i) const;
+
+private:
+    Eigen::Vector4f facet_of(std::size_t i) const;
+    /// The shading normal between the vertex normals.
+    Vec3 interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const;
 };
 
 struct Sphere {
@@ -78,6 +87,7 @@ struct SurfaceDerivatives {
 /// The hit at barycentric weights (u, v) of a mesh's second and third vertex; `p_ray`, the point computed from the ray,
 /// serves the other shapes, which project it back onto themselves.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
+SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray);
 
 /// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line) they
 /// are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in the centre of a disk, where the
@@ -101,8 +111,47 @@ public:
     float area() const { return area_; }
 
 private:
+    static SurfacePoint sample_analytic(const Shape& shape, const Vec2& u);
+
     DiscreteDistribution triangles_;  ///< of a mesh
     float area_;
 };
+
+// Every ray asks for the points below: inline, they stay in registers.
+
+inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
+    const Eigen::Vector4f facet = facets.empty() ? facet_of(i) : facets[i];
+    // x, y and z of a vertex, and any number: the vertex after it, or the extra element.
+    const auto padded = [&](std::uint32_t vertex) -> Eigen::Vector4f {
+        return Eigen::Map<const Eigen::Vector4f>(vertices[vertex].data());
+    };
+    const auto& t = triangles[i];
+    const Eigen::Vector4f v0 = padded(t[0]);
+    const Eigen::Vector4f p = v0 + (b1 * (padded(t[1]) - v0) + b2 * (padded(t[2]) - v0));
+    return {p.head<3>(), facet.head<3>(), facet.w()};
+}
+
+inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const {
+    SurfaceGeometry s{point_at(i, b1, b2), Vec3(), Vec2(b1, b2)};
+    s.ns = normals.empty() ? s.ng : interpolated_normal(i, b1, b2, s.ng);
+    if (!uvs.empty()) {
+        const auto& t = triangles[i];
+        s.uv = (1.f - b1 - b2) * uvs[t[0]] + b1 * uvs[t[1]] + b2 * uvs[t[2]];
+    }
+    return s;
+}
+
+inline SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray) {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    return mesh ? mesh->surface_at(primitive, u, v) : surface_at_analytic(shape, p_ray);
+}
+
+inline SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    if (!mesh) return sample_analytic(shape, u);
+    const auto choice = triangles_.sample(u.x());
+    const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
+    return mesh->point_at(choice.index, b.x(), b.y());
+}
 
 }  // namespace gib

@@ -56,7 +56,7 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
     // The probability is that of the rounded interval, which is what is sampled.
     float begin = 0.f;
     for (float end : ends) {
-        items_.push_back({begin, end - begin});
+        items_.push_back({begin, end - begin, 1.f / (end - begin)});
         begin = end;
     }
 }

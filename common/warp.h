@@ -129,12 +129,13 @@ public:
             rest -= half;
         }
         const Item& item = items_[i];
-        return {i, item.probability, std::min((u - item.begin) / item.probability, 1.f - unit_roundoff)};
+        return {i, item.probability, std::min((u - item.begin) * item.per_probability, 1.f - unit_roundoff)};
     }
 
 private:
     struct Item {
         float begin, probability;  ///< of its interval of [0, 1)
+        float per_probability;     ///< 1 / probability
     };
     std::vector<Item> items_;
     double total_ = 0;
