@@ -11,8 +11,18 @@ namespace gib {
 
 namespace {
 
+/// Of the index inside over that outside. Further out the models lose their digits: a coat of index 1e4 lets a share of
+/// 1e-8 out again, less than the rounding of 1.
+constexpr float lowest_relative_index = 0.01f, highest_relative_index = 100.f;
+/// Of eta and k, whose fourth powers are needed.
+constexpr float highest_conductor_index = 1e6f;
+constexpr float highest_roughness = 1e4f;
+/// Beyond it single precision does not hold a direction in the lobe.
+constexpr float highest_exponent = 1e8f;
+constexpr double highest_bump = 1e9;
+
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
-    if (properties.has(name) && !properties.is_string(name)) return properties.positive(name, 1);
+    if (!properties.is_string(name) && properties.has(name)) return properties.positive(name, 1);
     std::string wanted = properties.string(name).value_or(fallback);
     std::transform(wanted.begin(), wanted.end(), wanted.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
@@ -23,7 +33,23 @@ double parse_index(Properties& properties, const std::string& name, const std::s
 
 /// Inside over outside.
 float parse_relative_index(Properties& properties, const std::string& interior = "bk7") {
-    return static_cast<float>(parse_index(properties, "int_ior", interior) / parse_index(properties, "ext_ior", "air"));
+    const double inside = parse_index(properties, "int_ior", interior),
+                 outside = parse_index(properties, "ext_ior", "air");
+    const double eta = inside / outside;
+    if (!(eta >= lowest_relative_index && eta <= highest_relative_index))
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         fmt::format("'int_ior' over 'ext_ior' must be between {} and {}, not {:g}",
+                                     lowest_relative_index, highest_relative_index, eta));
+    return static_cast<float>(eta);
+}
+
+/// The same for the rough models: Mitsuba refuses an interface without a change of index.
+float parse_changing_index(Properties& properties, const std::string& interior) {
+    const float eta = parse_relative_index(properties, interior);
+    if (eta == 1.f)
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         "'int_ior' and 'ext_ior' must differ");
+    return eta;
 }
 
 /// Reads the parameters of a model: those that are constant into the model, the others as textures beside it.
@@ -37,16 +63,18 @@ public:
 
     /// `Set` is a lambda without captures that puts a colour into the model.
     template <typename Set>
-    void color(const std::string& name, float fallback, ColorRange range, Set set) {
+    void color(const std::string& name, float fallback, ColorRange range, Set set, float highest = infinity) {
         const Texture texture = parse_textured(properties_, name, fallback, range, files_);
+        check_highest(name, texture, highest);
         set(model_, texture.maximum());
         if (texture.constant()) return;
         parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
     }
     /// The same for a number.
     template <typename Set>
-    void number(const std::string& name, float fallback, ColorRange range, Set set) {
-        const Texture texture = parse_textured_number(properties_, name, fallback, range, files_);
+    void number(const std::string& name, float fallback, Set set, float highest) {
+        const Texture texture = parse_textured_number(properties_, name, fallback, ColorRange::non_negative, files_);
+        check_highest(name, texture, highest);
         set(model_, texture.constant() ? texture.value(Vec2::Zero()) : texture.maximum().maxCoeff());
         if (texture.constant()) return;
         parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
@@ -66,6 +94,14 @@ public:
     Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
 
 private:
+    void check_highest(const std::string& name, const Texture& texture, float highest) const {
+        const float value = texture.maximum().maxCoeff();
+        if (!(value <= highest))
+            throw InputError(properties_.where(name),
+                             fmt::format("'{}' must be at most {:g}, not {:g}{}", name, highest, value,
+                                         texture.constant() ? "" : " of its texture"));
+    }
+
     Properties& properties_;
     TextureFiles& files_;
     Model model_;
@@ -77,6 +113,8 @@ template <typename Model>
 void read_conductor_index(ModelReader<Model>& model) {
     Properties& properties = model.properties();
     const std::string material = properties.string("material").value_or("none");
+    for (const char* name : {"eta", "k"})
+        properties.declare(name);
     const bool has_index = properties.has("eta") || properties.has("k");
     if (has_index) model->index = ConductorIndex{Color::Zero(), Color::Ones()};
     const auto set_eta = [](Model& m, const Color& c) { m.index->eta = c; };
@@ -85,8 +123,8 @@ void read_conductor_index(ModelReader<Model>& model) {
         if (!has_index) return;
         if (material != "none")
             throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
-        model.color("eta", 0.f, ColorRange::non_negative, set_eta);
-        model.color("k", 1.f, ColorRange::non_negative, set_k);
+        model.color("eta", 0.f, ColorRange::non_negative, set_eta, highest_conductor_index);
+        model.color("k", 1.f, ColorRange::non_negative, set_k, highest_conductor_index);
         return;
     }
     model->index = conductor_index(material);
@@ -95,22 +133,55 @@ void read_conductor_index(ModelReader<Model>& model) {
                                                                    material, fmt::join(conductor_names(), ", ")));
 }
 
-/// distribution, alpha or alpha_u and alpha_v, and sample_visible, which changes no image.
-template <typename Model>
-void read_distribution(ModelReader<Model>& model, bool isotropic = false) {
-    Properties& properties = model.properties();
+/// distribution, and sample_visible, which changes no image.
+MicrofacetType parse_distribution_type(Properties& properties) {
     properties.boolean("sample_visible", true);
     const std::string type = properties.choice("distribution", "beckmann", {"beckmann", "ggx"});
-    model->distribution.type = type == "ggx" ? MicrofacetType::ggx : MicrofacetType::beckmann;
+    return type == "ggx" ? MicrofacetType::ggx : MicrofacetType::beckmann;
+}
+
+/// Whether alpha_u and alpha_v are given instead of alpha.
+bool has_two_roughnesses(Properties& properties) {
+    for (const char* name : {"alpha", "alpha_u", "alpha_v"})
+        properties.declare(name);
+    const bool has_u = properties.has("alpha_u"), has_v = properties.has("alpha_v");
+    if ((has_u || has_v) && (properties.has("alpha") || !has_u || !has_v))
+        throw InputError(properties.element_where(has_u ? "alpha_u" : "alpha_v"),
+                         "give either 'alpha' or both 'alpha_u' and 'alpha_v'");
+    return has_u;
+}
+
+template <typename Model>
+void read_distribution(ModelReader<Model>& model) {
+    Properties& properties = model.properties();
+    model->distribution.type = parse_distribution_type(properties);
     const auto set_u = [](Model& m, float alpha) { m.distribution.alpha_u = alpha; };
     const auto set_v = [](Model& m, float alpha) { m.distribution.alpha_v = alpha; };
     const auto set_both = [](Model& m, float alpha) { m.distribution.alpha_u = m.distribution.alpha_v = alpha; };
-    const bool has_u = properties.has("alpha_u"), has_v = properties.has("alpha_v");
-    if (isotropic || (!has_u && !has_v)) return model.number("alpha", 0.1f, ColorRange::non_negative, set_both);
-    if (properties.has("alpha") || !has_u || !has_v)
-        throw InputError(properties.element().where, "give either 'alpha' or both 'alpha_u' and 'alpha_v'");
-    model.number("alpha_u", 0.1f, ColorRange::non_negative, set_u);
-    model.number("alpha_v", 0.1f, ColorRange::non_negative, set_v);
+    if (!has_two_roughnesses(properties)) return model.number("alpha", 0.1f, set_both, highest_roughness);
+    model.number("alpha_u", 0.1f, set_u, highest_roughness);
+    model.number("alpha_v", 0.1f, set_v, highest_roughness);
+}
+
+/// Of a roughplastic, whose tables are made once and for one roughness: numbers, and as in Mitsuba the same in both
+/// directions.
+MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
+    const MicrofacetType type = parse_distribution_type(properties);
+    const auto roughness = [&](const std::string& name) {
+        const auto alpha = static_cast<float>(properties.number(name, 0.1));
+        if (!(alpha >= 0 && alpha <= highest_roughness))
+            throw InputError(properties.where(name),
+                             fmt::format("'{}' must be between 0 and {:g}, not {:g}", name, highest_roughness, alpha));
+        return alpha;
+    };
+    if (!has_two_roughnesses(properties)) {
+        const float alpha = roughness("alpha");
+        return {type, alpha, alpha};
+    }
+    const MicrofacetDistribution distribution{type, roughness("alpha_u"), roughness("alpha_v")};
+    if (distribution.alpha_u != distribution.alpha_v)
+        throw InputError(properties.where("alpha_v"), "the 'alpha_u' and 'alpha_v' of a roughplastic must be the same");
+    return distribution;
 }
 
 Material parse_diffuse(Properties& properties, TextureFiles& files) {
@@ -131,7 +202,7 @@ Material parse_dielectric(Properties& properties, TextureFiles& files) {
 
 Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
     ModelReader<RoughDielectric> model(properties, files);
-    model->eta = parse_relative_index(properties);
+    model->eta = parse_changing_index(properties, "bk7");
     read_distribution(model);
     model.reflectance();
     model.transmittance();
@@ -165,9 +236,9 @@ Material parse_plastic(Properties& properties, TextureFiles& files) {
 
 Material parse_roughplastic(Properties& properties, TextureFiles& files) {
     ModelReader<RoughPlastic> model(properties, files);
-    model->eta = parse_relative_index(properties, "polypropylene");
+    model->eta = parse_changing_index(properties, "polypropylene");
     model->nonlinear = properties.boolean("nonlinear", false);
-    read_distribution(model, true);
+    model->distribution = parse_uniform_distribution(properties);
     model->prepare();
     model.diffuse_reflectance();
     model.reflectance();
@@ -176,7 +247,8 @@ Material parse_roughplastic(Properties& properties, TextureFiles& files) {
 
 Material parse_phong(Properties& properties, TextureFiles& files) {
     ModelReader<Phong> model(properties, files);
-    model.number("exponent", 30.f, ColorRange::non_negative, [](Phong& m, float n) { m.exponent = n; });
+    model.number(
+        "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, highest_exponent);
     model.diffuse_reflectance();
     model.reflectance(0.2f);
     // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
@@ -227,19 +299,26 @@ Material parse_mask(Properties& properties, TextureFiles& files) {
 
 /// The height's texture may have any name.
 Material parse_bumpmap(Properties& properties, TextureFiles& files) {
-    const auto scale = static_cast<float>(properties.number("scale", 1));
+    const double scale = properties.number("scale", 1);
+    if (!(std::abs(scale) <= highest_bump))
+        throw InputError(properties.where("scale"), fmt::format("'scale' must be between {0:g} and {1:g}, not {2:g}",
+                                                                -highest_bump, highest_bump, scale));
     const auto height = properties.object("texture");
     if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
     const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
     const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
     if (!texture.has_gradient())
         throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
-    return Material(BumpMap{texture, scale, nested});
+    return Material(BumpMap{texture, static_cast<float>(scale), nested});
 }
 
 Material parse_normalmap(Properties& properties, TextureFiles& files) {
     const auto normal = properties.named_object("normalmap", "texture");
-    if (!normal) throw InputError(properties.element().where, "a normalmap needs a texture named 'normalmap'");
+    if (!normal) {
+        const bool is_other = properties.has("normalmap");
+        throw InputError(is_other ? properties.element_where("normalmap") : properties.element().where,
+                         "a normalmap needs a texture named 'normalmap'");
+    }
     const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
     return Material(NormalMap{parse_texture(*normal, ColorRange::non_negative, files), nested});
 }

@@ -29,6 +29,12 @@ std::string lower_case(std::string text) {
     return text;
 }
 
+/// Of a <float> or an <integer>.
+double parse_number_of(const XmlElement& element) {
+    const XmlAttribute& value = element.required("value");
+    return element.tag == "integer" ? static_cast<double>(parse_integer(value)) : parse_number(value);
+}
+
 void check_value_element(const XmlElement& element) {
     if (element.tag == "transform") return element.check_attributes({"name"});
     element.check_no_children();
@@ -89,8 +95,12 @@ const Properties::Property* Properties::find(const std::string& name) const {
     return it == properties_.end() ? nullptr : &*it;
 }
 
-const Properties::Property* Properties::mark(const std::string& name) {
+void Properties::declare(const std::string& name) {
     if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
+}
+
+const Properties::Property* Properties::mark(const std::string& name) {
+    declare(name);
     const Property* property = find(name);
     if (property) properties_[static_cast<std::size_t>(property - properties_.data())].read = true;
     return property;
@@ -99,19 +109,19 @@ const Properties::Property* Properties::mark(const std::string& name) {
 const XmlElement* Properties::read(const std::string& name, std::initializer_list<std::string_view> kinds) {
     const Property* property = mark(name);
     if (!property) return nullptr;
-    if (property->is_object)
-        throw InputError(property->where, fmt::format("'{}' cannot be a <{}> yet; it takes: <{}>", name,
-                                                      property->element->tag, fmt::join(kinds, ">, <")));
-    if (std::find(kinds.begin(), kinds.end(), property->element->tag) == kinds.end())
-        throw InputError(property->where, fmt::format("'{}' cannot be a <{}>; it takes: <{}>", name,
-                                                      property->element->tag, fmt::join(kinds, ">, <")));
-    return property->element;
+    const std::string& tag = property->element->tag;
+    if (!property->is_object && std::find(kinds.begin(), kinds.end(), tag) != kinds.end()) return property->element;
+    std::vector<std::string_view> all(kinds);
+    for (const auto& [parameter, kind] : other_kinds_)
+        if (parameter == name) all.push_back(kind);
+    throw InputError(property->where,
+                     fmt::format("'{}' cannot be a <{}>; it takes: <{}>", name, tag, fmt::join(all, ">, <")));
 }
 
 std::optional<double> Properties::number(const std::string& name) {
     const XmlElement* element = read(name, {"float", "integer"});
     if (!element) return std::nullopt;
-    const double value = parse_number(element->required("value"));
+    const double value = parse_number_of(*element);
     if (!std::isfinite(static_cast<float>(value)))
         throw InputError(where(name), fmt::format("bad number '{}': too large", value));
     return value;
@@ -180,7 +190,7 @@ Color Properties::plain_color(const XmlElement* element, const std::string& name
     if (!element) return Color::Constant(fallback);
     const XmlAttribute& value = element->required("value");
     const bool is_rgb = element->tag == "rgb";
-    const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number(value)};
+    const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number_of(*element)};
     if (numbers.size() != 1 && numbers.size() != 3)
         throw InputError(value.where, fmt::format("'{}' takes one or three numbers, found {}", name, numbers.size()));
     Color color;
@@ -192,7 +202,8 @@ Color Properties::plain_color(const XmlElement* element, const std::string& name
     return color;
 }
 
-bool Properties::is_string(const std::string& name) const {
+bool Properties::is_string(const std::string& name) {
+    other_kinds_.emplace_back(name, "string");
     const Property* property = find(name);
     return property && property->element->tag == "string";
 }
@@ -216,6 +227,8 @@ std::optional<NestedObject> Properties::object(const std::string& tag) {
 }
 
 std::optional<NestedObject> Properties::named_object(const std::string& name, const std::string& tag) {
+    declare(name);
+    other_kinds_.emplace_back(name, tag);
     for (auto& property : properties_) {
         if (property.name != name || !property.is_object || property.element->tag != tag) continue;
         property.read = true;

@@ -39,6 +39,8 @@ public:
     /// Where its element stands; the property must be given.
     const SourceLocation& element_where(const std::string& name) const { return find(name)->where; }
 
+    /// `name` is a parameter that the plugin takes, though perhaps not beside those that are given.
+    void declare(const std::string& name);
     // Reading a property declares that the plugin takes it. All of them throw InputError for a value of another kind.
     std::optional<double> number(const std::string& name);
     double number(const std::string& name, double fallback) { return number(name).value_or(fallback); }
@@ -56,8 +58,8 @@ public:
     Color color(const std::string& name, float fallback, ColorRange range);
     /// The same without <spectrum>.
     Color rgb(const std::string& name, float fallback, ColorRange range);
-    /// Whether the property is given as a <string>.
-    bool is_string(const std::string& name) const;
+    /// Whether the property is given as a <string>, which it may be.
+    bool is_string(const std::string& name);
 
     /// The nested objects of a kind ("bsdf"), in the file's order.
     std::vector<NestedObject> objects(const std::string& tag);
@@ -89,6 +91,8 @@ private:
     const XmlIds& ids_;
     std::vector<Property> properties_;
     std::vector<std::string> known_;
+    /// A parameter's name and a kind that was asked for before the one that read() is to find, for its message.
+    std::vector<std::pair<std::string, std::string>> other_kinds_;
 };
 
 }  // namespace gib

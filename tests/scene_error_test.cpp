@@ -98,6 +98,7 @@ TEST(SceneErrors, Properties) {
          {sphere("<float name=\"radius\" value=\"1e999\"/>"), "3:22", "bad number '1e999'"},
          {sphere("<float name=\"radius\" value=\"\"/>"), "3:22", "bad number ''"},
          {sphere("<float name=\"radius\" value=\"0\"/>"), "3:22", "'radius' must be above 0"},
+         {sphere("<integer name=\"radius\" value=\"1.5\"/>"), "3:24", "bad number '1.5': expected an integer"},
          {sphere("<float name=\"radius\"/>"), "3:1", "<float> needs the attribute 'value'"},
          {sphere("<float value=\"1\"/>"), "3:1", "<float> needs the attribute 'name'"},
          {sphere("<float name=\"radius\" value=\"1\" unit=\"mm\"/>"), "3:32", "unknown attribute 'unit' of <float>"},
@@ -115,6 +116,13 @@ TEST(SceneErrors, Cylinders) {
          {cylinder("<point name=\"p0\" value=\"0 1\"/>"), "3:18", "one or three numbers"},
          {cylinder("<float name=\"radius\" value=\"0\"/>"), "3:22", "'radius' must be above 0"},
          {cylinder("<float name=\"radius\" value=\"1e30\"/>"), "2:1", "coordinates above"},
+         {cylinder("<float name=\"radius\" value=\"-1\"/>"), "3:22", "'radius' must be above 0, not -1"},
+         {cylinder("<float name=\"radius\" value=\"nan\"/>"), "3:22", "bad number 'nan'"},
+         {cylinder("<rgb name=\"radius\" value=\"1\"/>"), "3:1", "cannot be a <rgb>; it takes: <float>, <integer>"},
+         {cylinder("<point name=\"p1\" value=\"0 0 inf\"/>"), "3:18", "bad number 'inf'"},
+         {cylinder("<point name=\"p1\" value=\"0 0 1e-30\"/>"), "2:1", "the cylinder is too small"},
+         {cylinder("<string name=\"p0\" value=\"0\"/>"), "3:1", "cannot be a <string>; it takes: <point>, <vector>"},
+         {cylinder("<boolean name=\"flip_normals\" value=\"1\"/>"), "3:30", "'1' is neither true nor false"},
          {cylinder("<float name=\"length\" value=\"1\"/>"), "3:1",
           "does not take a parameter 'length'; it takes: <bsdf>, <emitter>, silhouette_sampling_weight, to_world, p0, "
           "p1, radius, flip_normals"}});
@@ -262,6 +270,37 @@ TEST(SceneErrors, FilesThatAreMissing) {
     EXPECT_THAT(error("<path value=\"no\"/>"), HasSubstr("there is no file 'no'"));
     EXPECT_THAT(error("<shape type=\"ply\"/>"), HasSubstr("'ply' needs a 'filename'"));
     EXPECT_THROW(load_scene(folder / "no.xml"), InputError);
+}
+
+TEST(SceneErrors, MeshFiles) {
+    const auto shape = [](const std::string& type, const std::string& body) {
+        return "<shape type=\"" + type + "\">\n" + body + "</shape>";
+    };
+    const std::string name = "<string name=\"filename\" value=\"no.mesh\"/>\n";
+    for (const std::string type : {"obj", "ply", "serialized", "ms3d"})
+        expect_errors(
+            {{shape(type, ""), "2:1", "'" + type + "' needs a 'filename'"},
+             {shape(type, name), "3:1", "there is no file 'no.mesh'; searched: "},
+             {shape(type, "<float name=\"filename\" value=\"1\"/>"), "3:1", "'filename' cannot be a <float>"},
+             {shape(type, name + "<string name=\"face_normals\" value=\"true\"/>"), "4:1",
+              "'face_normals' cannot be a <string>; it takes: <boolean>"},
+             {shape(type, name + "<boolean name=\"flip_normals\" value=\"1\"/>"), "4:30", "neither true nor false"},
+             {shape(type, name + "<transform name=\"to_world\"><scale x=\"0\"/></transform>"), "4:1", "singular"}});
+    const std::string index = name + "<integer name=\"shape_index\" value=\"";
+    expect_errors({{shape("serialized", index + "1.5\"/>"), "4:29", "bad number '1.5': expected an integer"},
+                   {shape("serialized", index + "-1\"/>"), "4:29", "'shape_index' must be between 0 and 2147483647"},
+                   {shape("serialized", index + "9999999999\"/>"), "4:29", "'shape_index' must be between 0 and"}});
+    const TemporaryFolder folder;
+    folder.write("text.mesh", "this is no mesh");
+    folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const auto error = [&](const std::string& type, const std::string& body) {
+        return error_of(scene_with(shape(type, body)), {}, folder / "t.xml");
+    };
+    for (const std::string type : {"obj", "ply", "serialized", "ms3d"})
+        EXPECT_THAT(error(type, "<string name=\"filename\" value=\"text.mesh\"/>"),
+                    StartsWith((folder / "text.mesh") + ":1:"));
+    EXPECT_THAT(error("obj", "<string name=\"filename\" value=\"t.obj\"/>\n<float name=\"radius\" value=\"1\"/>"),
+                StartsWith((folder / "t.xml") + ":4:1: shape 'obj' does not take a parameter 'radius'; it takes: "));
 }
 
 TEST(SceneErrors, StandInTheFileThatCausedThem) {

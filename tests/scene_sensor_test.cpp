@@ -175,6 +175,14 @@ TEST(SceneSensorErrors, Lenses) {
     EXPECT_THAT(lens(number("aperture_radius", "-1")),
                 StartsWith("t.xml:3:31: 'aperture_radius' must not be negative: -1"));
     EXPECT_THAT(lens(number("aperture_radius", "x")), StartsWith("t.xml:3:31: bad number 'x'"));
+    EXPECT_THAT(lens(number("aperture_radius", "nan")), StartsWith("t.xml:3:31: bad number 'nan'"));
+    EXPECT_THAT(lens(radius + number("focus_distance", "inf")), StartsWith("t.xml:4:30: bad number 'inf'"));
+    EXPECT_THAT(lens(radius + "<rgb name=\"focus_distance\" value=\"1\"/>"),
+                StartsWith("t.xml:4:1: 'focus_distance' cannot be a <rgb>; it takes: <float>, <integer>"));
+    EXPECT_THAT(error_of("<sensor type=\"orthographic\">\n" + radius + "</sensor>"),
+                StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'aperture_radius'"));
+    EXPECT_THAT(error_of("<sensor type=\"orthographic\">\n" + number("fov", "50") + "</sensor>"),
+                StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'fov'; it takes: to_world"));
     EXPECT_THAT(lens(number("aperture_radius", "1e30")), StartsWith("t.xml:3:31: the lens is too large"));
     EXPECT_THAT(lens("<string name=\"aperture_radius\" value=\"1\"/>"), HasSubstr("cannot be a <string>"));
     for (const char* distance : {"0", "-2", "1e-40"})
@@ -217,6 +225,10 @@ TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
                 StartsWith("t.xml:3:43: 'radius' must be above 0"));
     EXPECT_THAT(filter("<rfilter type=\"tent\"><float name=\"stddev\" value=\"1\"/></rfilter>"),
                 HasSubstr("rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"));
+    EXPECT_THAT(filter("<rfilter type=\"gaussian\"><float name=\"stddev\" value=\"0\"/></rfilter>"),
+                StartsWith("t.xml:3:47: 'stddev' must be above 0"));
+    EXPECT_THAT(filter("<rfilter type=\"gaussian\"><float name=\"radius\" value=\"2\"/></rfilter>"),
+                StartsWith("t.xml:3:26: rfilter 'gaussian' does not take a parameter 'radius'; it takes: stddev"));
     EXPECT_THAT(error_of("<sensor type=\"perspective\">\n<sampler type=\"independent\"><integer name=\"sample_count\" "
                          "value=\"0\"/></sampler></sensor>"),
                 StartsWith("t.xml:3:58: 'sample_count' must be between 1 and"));
