@@ -82,6 +82,18 @@ void check_version(const XmlElement& root) {
         throw InputError(version.where, fmt::format("version '{}' is not supported: only 2.x and 3.x", version.value));
 }
 
+/// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under either
+/// tag. Here the tag tells those that are the same everywhere from those that vary.
+void unify_texture_tag(XmlElement& element) {
+    if (element.tag != "texture" && element.tag != "spectrum") return;
+    const XmlAttribute* type = element.find("type");
+    if (!type) return;
+    for (const std::string_view plugin : {"uniform", "regular", "irregular", "srgb", "d65", "blackbody"})
+        if (type->value == plugin) element.tag = "spectrum";
+    for (const std::string_view plugin : {"bitmap", "checkerboard"})
+        if (type->value == plugin) element.tag = "texture";
+}
+
 class Expander {
 public:
     Expander(FileFinder& files, Parameters& parameters, ContentHash& hash)
@@ -110,6 +122,7 @@ private:
     void expand_into(std::vector<XmlElement>& target, XmlElement& element, int depth) {
         for (auto& attribute : element.attributes)
             parameters_.substitute(attribute);
+        unify_texture_tag(element);
         if (element.tag == "default") {
             declare(element);
         } else if (element.tag == "path") {
