@@ -313,14 +313,13 @@ Material parse_bumpmap(Properties& properties, TextureFiles& files) {
 }
 
 Material parse_normalmap(Properties& properties, TextureFiles& files) {
-    const auto normal = properties.named_object("normalmap", "texture");
-    if (!normal) {
-        const bool is_other = properties.has("normalmap");
-        throw InputError(is_other ? properties.element_where("normalmap") : properties.element().where,
-                         "a normalmap needs a texture named 'normalmap'");
-    }
-    const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
-    return Material(NormalMap{parse_texture(*normal, ColorRange::non_negative, files), nested});
+    if (!properties.has("normalmap"))
+        throw InputError(properties.element().where, "a normalmap needs a texture named 'normalmap'");
+    // An image may hold anything; a value is a colour.
+    const auto image = properties.named_object("normalmap", "texture");
+    const Texture normal = image ? parse_texture(*image, ColorRange::non_negative, files)
+                                 : Texture(properties.color("normalmap", 1, ColorRange::unit));
+    return Material(NormalMap{normal, parse_nested(nested_bsdfs(properties, 1, 1)[0], files)});
 }
 
 using Parse = Material (*)(Properties&, TextureFiles&);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <climits>
 #include <filesystem>
+#include <set>
 
 namespace gib {
 
@@ -86,7 +87,10 @@ private:
         ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         properties.finish();
         std::optional<Texture> radiance;
-        if (emitter) radiance = parse_area_emitter(*emitter, textures_);
+        if (emitter) {
+            radiance = parse_area_emitter(*emitter, textures_);
+            area_emitters_.insert(emitter->element);
+        }
         std::map<std::uint32_t, std::uint32_t> index_of_material;
         BoundsD bounds;
         for (auto& part : shapes.parts) {
@@ -175,6 +179,7 @@ private:
     std::vector<Light> parse_emitters(const Vec3d& origin) {
         std::vector<Light> lights;
         for (const auto& emitter : emitters_) {
+            if (area_emitters_.count(emitter.element)) continue;  // stands in the shape that refers to it
             lights.push_back(parse_emitter(emitter, textures_, origin));
             if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
                 throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
@@ -209,6 +214,7 @@ private:
     std::map<const XmlElement*, std::uint32_t> group_of_element_;
     std::vector<PendingInstance> instances_;
     std::vector<NestedObject> emitters_;
+    std::set<const XmlElement*> area_emitters_;  ///< of the shapes
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];

@@ -93,12 +93,8 @@ Texture parse_textured(Properties& properties, const std::string& name, float fa
 Texture parse_textured_number(Properties& properties, const std::string& name, float fallback, ColorRange range,
                               TextureFiles& files) {
     if (const auto object = properties.named_object(name, "texture")) return parse_within(*object, name, range, files);
-    const auto value = static_cast<float>(properties.number(name, fallback));
-    if (range == ColorRange::unit && !(value >= 0 && value <= 1))
-        throw InputError(properties.where(name), fmt::format("'{}' must be between 0 and 1, not {}", name, value));
-    if (!(value >= 0))
-        throw InputError(properties.where(name), fmt::format("'{}' must not be negative: {}", name, value));
-    return Texture(Color::Constant(value));
+    const Texture color(properties.color(name, fallback, range));
+    return Texture(Color::Constant(color.value(Vec2::Zero())));
 }
 
 }  // namespace gib

@@ -54,7 +54,7 @@ Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles
 Texture parse_textured(Properties& properties, const std::string& name, float fallback, ColorRange range,
                        TextureFiles& files);
 
-/// The number `name`: a <float>, or a texture of which value() is taken, within `range`.
+/// The number `name`: a <float>, or a texture or colour of which value() is taken, within `range`.
 Texture parse_textured_number(Properties& properties, const std::string& name, float fallback, ColorRange range,
                               TextureFiles& files);
 

@@ -116,7 +116,7 @@ Color Texture::varying_color(const Vec2& uv) const {
 }
 
 float Texture::value(const Vec2& uv) const {
-    if (!varying_) return number(constant_, is_grey(constant_));
+    if (!varying_) return is_grey(constant_) ? constant_[0] : constant_.mean();
     if (const auto* bitmap = varying_->bitmap()) return number(color_of(*bitmap, uv), bitmap->bitmap->grey());
     const auto& board = varying_->checkerboard();
     return (on_diagonal(board, uv) ? board.color1 : board.color0).value(uv);

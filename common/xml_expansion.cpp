@@ -82,6 +82,18 @@ void check_version(const XmlElement& root) {
         throw InputError(version.where, fmt::format("version '{}' is not supported: only 2.x and 3.x", version.value));
 }
 
+/// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under either
+/// tag. Here the tag tells those that are the same everywhere from those that vary.
+void unify_texture_tag(XmlElement& element) {
+    if (element.tag != "texture" && element.tag != "spectrum") return;
+    const XmlAttribute* type = element.find("type");
+    if (!type) return;
+    for (const std::string_view plugin : {"uniform", "regular", "irregular", "srgb", "d65", "blackbody"})
+        if (type->value == plugin) element.tag = "spectrum";
+    for (const std::string_view plugin : {"bitmap", "checkerboard"})
+        if (type->value == plugin) element.tag = "texture";
+}
+
 class Expander {
 public:
     Expander(FileFinder& files, Parameters& parameters, ContentHash& hash)
@@ -110,6 +122,7 @@ private:
     void expand_into(std::vector<XmlElement>& target, XmlElement& element, int depth) {
         for (auto& attribute : element.attributes)
             parameters_.substitute(attribute);
+        unify_texture_tag(element);
         if (element.tag == "default") {
             declare(element);
         } else if (element.tag == "path") {
@@ -127,7 +140,7 @@ private:
     void find_spectrum_file(XmlElement& element) {
         for (auto& attribute : element.attributes) {
             if (attribute.name != "filename") continue;
-            attribute.value = files_.find(attribute.value, attribute.where);
+            attribute.value = files_.find(attribute.value, attribute.where, folders_);
             hash_.add(read_file(attribute.value));
         }
     }
@@ -143,43 +156,64 @@ private:
     void add_path(const XmlElement& element) {
         element.check_attributes({"value"});
         element.check_no_children();
-        const std::string folder = files_.find(element.required("value").value, element.where);
+        const std::string folder = files_.find(element.required("value").value, element.where, folders_);
         if (!std::filesystem::is_directory(folder))
             throw InputError(element.where, fmt::format("'{}' is not a folder", folder));
         files_.add_path(folder);
     }
 
     void include(std::vector<XmlElement>& target, const XmlElement& element, int depth) {
-        element.check_attributes({"filename"});
+        element.check_attributes({"filename", "name"});
         element.check_no_children();
         if (depth == deepest_include)
             throw InputError(element.where,
                              fmt::format("includes are nested deeper than {} files: circular?", deepest_include));
-        const std::string path = files_.find(element.required("filename").value, element.where);
+        const std::string path = files_.find(element.required("filename").value, element.where, folders_);
         const std::string text = read_file(path);
         hash_.add(text);
         XmlElement root = parse_xml(text, path);
-        if (root.tag != "scene") return expand_into(target, root, depth + 1);
         if (root.find("version")) check_version(root);
+        folders_.insert(folders_.begin(), std::filesystem::path(path).parent_path().string());
+        if (root.tag == "scene") include_children(target, root, element, depth);
+        else include_object(target, root, element, depth);
+        folders_.erase(folders_.begin());
+    }
+
+    void include_children(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
+        if (const XmlAttribute* name = include.find("name"))
+            throw InputError(name->where, "an include of a <scene> cannot have a name: it is not one object");
         for (auto& child : root.children)
             expand_into(target, child, depth + 1);
+    }
+
+    /// The root is one more child of what holds the <include>, under the name that this gives it.
+    void include_object(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
+        std::erase_if(root.attributes, [](const XmlAttribute& a) { return a.name == "version"; });
+        if (const XmlAttribute* name = include.find("name")) {
+            std::erase_if(root.attributes, [](const XmlAttribute& a) { return a.name == "name"; });
+            root.attributes.push_back(*name);
+        }
+        expand_into(target, root, depth + 1);
     }
 
     FileFinder& files_;
     Parameters& parameters_;
     ContentHash& hash_;
+    std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
 };
 
 }  // namespace
 
-std::string FileFinder::find(const std::string& name, const SourceLocation& where) const {
+std::string FileFinder::find(const std::string& name, const SourceLocation& where,
+                             const std::vector<std::string>& first) const {
     namespace fs = std::filesystem;
     std::error_code error;
     if (fs::path(name).is_absolute()) {
         if (fs::exists(name, error)) return name;
         throw InputError(where, fmt::format("there is no file '{}'", name));
     }
-    std::vector<std::string> searched{main_folder_};
+    std::vector<std::string> searched = first;
+    searched.push_back(main_folder_);
     searched.insert(searched.end(), paths_.begin(), paths_.end());
     for (auto& folder : searched) {
         const fs::path path = fs::path(folder) / name;

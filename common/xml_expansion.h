@@ -15,8 +15,9 @@ class FileFinder {
 public:
     explicit FileFinder(std::string main_folder) : main_folder_(std::move(main_folder)) {}
     void add_path(std::string folder) { paths_.insert(paths_.begin(), std::move(folder)); }
-    /// Throws InputError at `where`, with the folders searched.
-    std::string find(const std::string& name, const SourceLocation& where) const;
+    /// Looks into the folders `first` before all others. Throws InputError at `where`, with the folders searched.
+    std::string find(const std::string& name, const SourceLocation& where,
+                     const std::vector<std::string>& first = {}) const;
 
 private:
     std::string main_folder_;

@@ -73,9 +73,8 @@ int render(const RenderOptions& options, std::ostream& out) {
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
-    const auto keep_last = [&](const Checkpoint& checkpoint, const ComponentImages& components) {
-        if (checkpoint.passes == work.spp) image = layers_of(components);
-    };
+    // Which checkpoint is the last is not known before: a method may converge.
+    const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](std::uint32_t passes, double seconds) {
         const double share = static_cast<double>(passes) / work.spp;
         progress.update(share, seconds * (1 / share - 1), loaded.name + ", " + options.method);

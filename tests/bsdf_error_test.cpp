@@ -336,8 +336,9 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
                    {"bumpmap", height + squares("scale"), "6:1", "'scale' cannot be a <texture>"},
                    {"normalmap", grey, "3:1", needs},
                    {"normalmap", grey + squares("normals"), "3:1", needs},
-                   {"normalmap", grey + "\n" + rgb("normalmap", "0 0 1"), "5:1", needs},
-                   {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1", needs},
+                   {"normalmap", grey + "\n" + rgb("normalmap", "0 0 2"), "5:24", "between 0 and 1"},
+                   {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1",
+                    "'normalmap' cannot be a <bsdf>"},
                    {"normalmap", grey + squares("normalmap") + "\n" + squares("other"), "5:1",
                     "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, <bsdf>"},
                    {"normalmap", bitmap("normalmap", "no.png") + grey, "5:1", "there is no file 'no.png'"}});

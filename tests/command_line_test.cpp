@@ -86,6 +86,24 @@ TEST_F(CommandLineTest, RenderWritesLayersAndMetadata) {
     EXPECT_EQ(image.metadata.at("scene"), "tiny");
 }
 
+// Of a scene's integrator, where -1 is unlimited; 0 edges show nothing, as in Mitsuba.
+TEST_F(CommandLineTest, AMaxDepthOfZeroIsABlackImage) {
+    std::string xml = tiny_scene_xml();
+    xml.insert(xml.find("<sensor"), "<integrator type='path'><integer name='max_depth' value='0'/></integrator>");
+    folder_.write("dark.xml", xml);
+    for (const std::string method : {"path", "photon_mapper"}) {
+        const ProgramResult result = run("render dark.xml --method '" + method + " spp=4' -o a.exr");
+        ASSERT_EQ(result.code, 0) << result.err;
+        const LayeredImage image = read_image(folder_ / "a.exr");
+        ASSERT_NE(image.find("direct"), nullptr);
+        for (const auto& [name, layer] : image.layers)
+            EXPECT_THAT(layer.rgb, ::testing::Each(0.f)) << name;
+    }
+    ASSERT_EQ(run("render dark.xml --method 'path max_depth=0' -o a.exr").code, 0);
+    EXPECT_THAT(read_image(folder_ / "a.exr").find("")->rgb, ::testing::Contains(::testing::Gt(0.f)))
+        << "a method's own 0 is unlimited";
+}
+
 TEST_F(CommandLineTest, SameSeedGivesTheSamePixelsForAnyThreads) {
     ASSERT_EQ(run("render tiny.xml --method path --threads 1 -o a.exr").code, 0);
     ASSERT_EQ(run("render tiny.xml --method path --threads 3 -o b.exr").code, 0);

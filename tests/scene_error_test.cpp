@@ -204,6 +204,10 @@ TEST(SceneErrors, References) {
     expect_errors({{"<shape type=\"sphere\"><ref id=\"a\"/></shape>", "2:27", "there is no object with the id 'a'"},
                    {ball + "<bsdf type=\"diffuse\" id=\"a\"/>\n<bsdf type=\"diffuse\" id=\"a\"/>", "3:22",
                     "the id 'a' is given twice, first at t.xml:2:23"},
+                   {ball + "\n<emitter type=\"area\" id=\"e\"/>", "3:1", "an area emitter must stand in a shape"},
+                   {"<emitter type=\"area\" id=\"e\"><rgb name=\"radiance\"\nvalue=\"-1\"/></emitter><shape "
+                    "type=\"sphere\"><ref id=\"e\"/></shape>",
+                    "3:1", "'radiance' must not be negative"},
                    {ball + "<alias id=\"a\" as=\"b\"/>", "2:30", "there is no object with the id 'a'"}});
 }
 
@@ -268,6 +272,22 @@ TEST(SceneErrors, FilesThatAreMissing) {
     EXPECT_THAT(error("<include filename=\"no.xml\"/>"),
                 StartsWith((folder / "main.xml") + ":2:1: there is no file 'no.xml'"));
     EXPECT_THAT(error("<path value=\"no\"/>"), HasSubstr("there is no file 'no'"));
+    folder.write("sub/part.xml", "<scene>\n<include filename=\"x.xml\"/></scene>");
+    folder.write("beside.xml", ball);
+    EXPECT_THAT(error("<include filename=\"sub/part.xml\"/><include filename=\"beside.xml\"/>"),
+                AllOf(StartsWith((folder / "sub/part.xml") + ":2:1: there is no file 'x.xml'; searched: "),
+                      HasSubstr(folder / "sub,")));
+    folder.write("sub/x.xml", ball);
+    EXPECT_THAT(error("<include filename=\"sub/part.xml\"/><include filename=\"x.xml\"/>"),
+                StartsWith((folder / "main.xml") + ":2:35: there is no file 'x.xml'"))
+        << "an included file's folder is its own";
+    folder.write("old.xml", "<bsdf version=\"0.6.0\" type=\"diffuse\"/>");
+    EXPECT_THAT(error("<include filename=\"old.xml\"/>"),
+                StartsWith((folder / "old.xml") + ":1:7: version '0.6.0' is not supported"));
+    EXPECT_THAT(error("<include filename=\"sub/part.xml\" name=\"a\"/>"),
+                StartsWith((folder / "main.xml") + ":2:34: an include of a <scene> cannot have a name"));
+    EXPECT_THAT(error("<include filename=\"beside.xml\" id=\"a\"/>"),
+                StartsWith((folder / "main.xml") + ":2:32: unknown attribute 'id' of <include>"));
     EXPECT_THAT(error("<shape type=\"ply\"/>"), HasSubstr("'ply' needs a 'filename'"));
     EXPECT_THROW(load_scene(folder / "no.xml"), InputError);
 }

@@ -224,6 +224,72 @@ TEST(SceneFile, IncludesAndPathsAreFound) {
     EXPECT_EQ(std::get<Sphere>(loaded.scene->shapes()[1]).radius, 2.f);
 }
 
+TEST(SceneFile, NormalMapsMayBeOneColour) {
+    const auto normal = [](const std::string& map) {
+        const auto loaded = load("<shape type=\"rectangle\"><bsdf type=\"normalmap\">" + map +
+                                 "<bsdf type=\"diffuse\"/></bsdf></shape>");
+        const Material& material = loaded.scene->material_of_shape(0);
+        EXPECT_TRUE(material.is_bumped());
+        return std::get<NormalMap>(material.node()).normal.color({0.5f, 0.5f});
+    };
+    const Color expected(0.5f, 0.25f, 1.f);
+    for (const char* map :
+         {"<rgb name=\"normalmap\" value=\"0.5 0.25 1\"/>",
+          "<spectrum name=\"normalmap\" type=\"srgb\"><rgb name=\"color\" value=\"0.5 0.25 1\"/></spectrum>",
+          "<texture name=\"normalmap\" type=\"srgb\"><rgb name=\"color\" value=\"0.5 0.25 1\"/></texture>"})
+        EXPECT_TRUE((normal(map) == expected).all()) << map;
+}
+
+TEST(SceneFile, ShapesMayReferToAnAreaEmitterOfTheScene) {
+    const std::string emitter = "<emitter type=\"area\" id=\"e\"><rgb name=\"radiance\" value=\"7\"/></emitter>",
+                      shape = "<shape type=\"sphere\"><ref id=\"e\"/></shape>";
+    for (const std::string& body : {emitter + shape, shape + emitter}) {
+        const auto loaded = load(body);
+        ASSERT_EQ(loaded.scene->lights().size(), 1u);
+        EXPECT_EQ(std::get<AreaLight>(loaded.scene->lights()[0]).radiance[0], 7.f);
+    }
+}
+
+TEST(SceneFile, IncludesMayBeOneObjectOfWhatHoldsThem) {
+    const TemporaryFolder folder;
+    folder.write("grey.xml",
+                 "<bsdf version=\"3.0.0\" type=\"diffuse\" id=\"grey\"><include filename=\"colour.xml\" "
+                 "name=\"reflectance\"/></bsdf>");
+    folder.write("colour.xml",
+                 "<texture version=\"3.0.0\" name=\"other\" type=\"srgb\"><rgb name=\"color\" "
+                 "value=\"0.1 0.2 0.3\"/></texture>");
+    const std::string include = "<include filename=\"grey.xml\"/>";
+    for (const std::string& body : {"<shape type=\"sphere\">" + include + "</shape>",
+                                    include + "<shape type=\"sphere\"><ref id=\"grey\"/></shape>"}) {
+        const auto loaded = load_scene(folder.write("main.xml", scene_with(body)));
+        const Bsdf* bsdf = loaded.scene->material_of_shape(0).constant();
+        ASSERT_TRUE(bsdf);
+        EXPECT_EQ(std::get<Diffuse>(bsdf->layers()[0].model).reflectance[2], 0.3f);
+    }
+}
+
+TEST(SceneFile, NestedIncludesAreFoundBesideTheirFileFirst) {
+    const TemporaryFolder folder;
+    const auto ball_of = [](const std::string& radius) {
+        return "<shape type=\"sphere\"><float name=\"radius\" value=\"" + radius + "\"/></shape>";
+    };
+    folder.write("ball.xml", ball_of("1"));
+    folder.write("sub/ball.xml", ball_of("2"));
+    folder.write("sub/deep/ball.xml", ball_of("3"));
+    folder.write("sub/beside.xml", ball_of("4"));
+    folder.write("sub/part.xml",
+                 "<scene><include filename=\"ball.xml\"/><include filename=\"deep/part.xml\"/></scene>");
+    folder.write("sub/deep/part.xml",
+                 "<scene><include filename=\"ball.xml\"/><include filename=\"beside.xml\"/></scene>");
+    const auto main =
+        folder.write("main.xml", scene_with("<include filename=\"sub/part.xml\"/><include filename=\"ball.xml\"/>"));
+    std::vector<float> radii;
+    const auto loaded = load_scene(main);
+    for (const auto& shape : loaded.scene->shapes())
+        radii.push_back(std::get<Sphere>(shape).radius);
+    EXPECT_EQ(radii, (std::vector<float>{2, 3, 4, 1}));
+}
+
 /// The normals at the front and below, of the first hit along -z from (0.1, 0.2, 9).
 Vec3 normal_from_above(const std::string& shape) {
     const auto loaded = load(shape);

@@ -146,13 +146,52 @@ TEST_F(SceneTextures, AsNumbersTakeFloatsAndTextures) {
     EXPECT_EQ(number("").value({0, 0}), 0.5f);
     EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value({0, 0}), 0.3f);
     EXPECT_NEAR(number(bitmap("two.png")).value({0.25f, 0.5f}), 0, 1e-6);
+    // Mitsuba's eval_1 of a constant colour is the mean of its channels, also within a texture.
+    const Texture colour = number("<rgb name=\"reflectance\" value=\"0.1 0.2 0.6\"/>");
+    EXPECT_NEAR(colour.value({0, 0}), 0.3f, 1e-7f);
+    EXPECT_EQ(colour.value({0, 0}), colour.maximum()[0]);
+    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value({0, 0}), 0.25f);
+    const std::string board = "<rgb name=\"color1\" value=\"0.1 0.2 0.6\"/></texture>";
+    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value({0.25f, 0.25f}), 0.3f,
+                1e-7f);
     const auto error = [&](const std::string& property) {
         return error_of("<bsdf type=\"mask\">\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
     };
     EXPECT_THAT(error("<float name=\"reflectance\" value=\"1.5\"/>"),
                 StartsWith(main_ + ":3:27: 'reflectance' must be between 0 and 1, not 1.5"));
-    EXPECT_THAT(error("<rgb name=\"reflectance\" value=\"0.5\"/>"),
-                StartsWith(main_ + ":3:1: 'reflectance' cannot be a <rgb>"));
+    EXPECT_THAT(error("<rgb name=\"reflectance\" value=\"0.5 0.5 1.5\"/>"),
+                StartsWith(main_ + ":3:25: 'reflectance' must be between 0 and 1, not 1.5"));
+    EXPECT_THAT(error("<string name=\"reflectance\" value=\"0.5\"/>"),
+                StartsWith(main_ + ":3:1: 'reflectance' cannot be a <string>; it takes: <rgb>, <float>, <integer>, "
+                                   "<spectrum>"));
+}
+
+// In Mitsuba both tags make objects of one class.
+TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
+    const std::string colour = "<rgb name=\"color\" value=\"0.4 0.2 0.1\"/>";
+    for (const std::string tag : {"texture", "spectrum"}) {
+        const auto object = [&](const std::string& attributes, const std::string& inside) {
+            return "<" + tag + " " + attributes + ">" + inside + "</" + tag + ">";
+        };
+        const Texture srgb = reflectance(object("name=\"reflectance\" type=\"srgb\"", colour));
+        EXPECT_TRUE((srgb.color({0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
+        const Texture uniform =
+            reflectance(object("name=\"reflectance\" type=\"uniform\"", "<float name=\"value\" value=\"0.3\"/>"));
+        EXPECT_TRUE((uniform.color({0, 0}) == 0.3f).all());
+        EXPECT_FALSE(reflectance(object("name=\"reflectance\" type=\"checkerboard\"", "")).constant());
+        const Texture nested = reflectance("<texture name=\"reflectance\" type=\"checkerboard\">" +
+                                           object("name=\"color0\" type=\"srgb\"", colour) + "</texture>");
+        EXPECT_EQ(nested.color({0.25f, 0.25f})[0], 0.4f);
+        const std::string shared = object("id=\"s\" type=\"srgb\"", colour);
+        EXPECT_EQ(
+            parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],
+            0.2f);
+        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"srgb\"", "")),
+                    StartsWith(main_ + ":3:1: the spectrum 'srgb' needs 'color'"));
+        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"marble\"", "")),
+                    StartsWith(main_ + ":3:" + (tag == "texture" ? "29" : "30") + ": the " + tag +
+                               " 'marble' is not supported"));
+    }
 }
 
 TEST_F(SceneTextures, AddTheBytesOfTheirImagesToTheHash) {
