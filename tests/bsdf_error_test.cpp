@@ -58,6 +58,9 @@ std::string bitmap(const std::string& name, const std::string& file) {
 std::string value_place(const std::string& tag, const std::string& name) {
     return "4:" + std::to_string((tag + name).size() + std::string("< name=\"\" ").size() + 1);
 }
+
+const std::string textured_kinds = "<rgb>, <float>, <integer>, <spectrum>, <texture>";
+
 std::string number_place(const std::string& name) { return value_place("float", name); }
 
 const std::string grey = "<bsdf type=\"diffuse\"/>", glass = "<bsdf type=\"dielectric\"/>";
@@ -123,7 +126,7 @@ TEST(BsdfErrors, Reflectances) {
     for (const auto& [type, names] : reflectances) {
         for (const std::string& name : names) {
             const std::string range = "'" + name + "' must be between 0 and 1, not ";
-            const std::string kinds = "; it takes: <rgb>, <float>, <integer>, <spectrum>, <texture>";
+            const std::string kinds = "; it takes: " + textured_kinds;
             const std::string rgb_place = value_place("rgb", name), path = "5:1";
             expect_errors(
                 {{type, number(name, "1.5"), number_place(name), range + "1.5"},
@@ -206,15 +209,16 @@ TEST(BsdfErrors, Roughnesses) {
     const std::string either = "give either 'alpha' or both 'alpha_u' and 'alpha_v'";
     const std::string u = number("alpha_u", "0.1"), v = number("alpha_v", "0.2");
     for (const std::string& type : rough) {
+        const std::string kinds = type == "roughplastic" ? "<float>, <integer>" : textured_kinds;
         expect_errors(
             {{type, number("alpha", "-0.1"), "4:21", "'alpha' must "},
              {type, number("alpha", "nan"), "4:21", "bad number 'nan'"},
              {type, number("alpha", "2e4"), "4:21", "10000, not 2"},
-             {type, word("alpha", "0.1"), "4:1", "'alpha' cannot be a <string>; it takes: <float>, <integer>"},
-             {type, rgb("alpha", "0.1"), "4:1", "'alpha' cannot be a <rgb>; it takes: <float>, <integer>"},
+             {type, word("alpha", "0.1"), "4:1", "'alpha' cannot be a <string>; it takes: " + kinds},
+             {type, "<vector name=\"alpha\" value=\"1\"/>", "4:1", "'alpha' cannot be a <vector>; it takes: " + kinds},
              {type, number("alpha_u", "-1") + v, "4:23", "'alpha_u' must "},
              {type, u + "\n" + number("alpha_v", "nan"), "5:23", "bad number 'nan'"},
-             {type, u + "\n" + rgb("alpha_v", "1"), "5:1", "'alpha_v' cannot be a <rgb>"},
+             {type, u + "\n" + word("alpha_v", "1"), "5:1", "'alpha_v' cannot be a <string>"},
              {type, u, "4:1", either},
              {type, v, "4:1", either},
              {type, number("alpha", "0.1") + "\n" + u, "5:1", either},
@@ -258,8 +262,7 @@ TEST(BsdfErrors, Phong) {
          {"phong", number("exponent", "nan"), "4:24", "bad number 'nan'"},
          {"phong", number("exponent", "1e9"), "4:24", "'exponent' must be at most 1e+08, not 1e+09"},
          {"phong", "<integer name=\"exponent\" value=\"2.5\"/>", "4:26", "bad number '2.5': expected an integer"},
-         {"phong", word("exponent", "3"), "4:1", "cannot be a <string>; it takes: <float>, <integer>, <texture>"},
-         {"phong", rgb("exponent", "3"), "4:1", "'exponent' cannot be a <rgb>; it takes: <float>, <integer>"},
+         {"phong", word("exponent", "3"), "4:1", "cannot be a <string>; it takes: " + textured_kinds},
          {"phong", number("diffuse_reflectance", "0.9"), "3:1", sum},
          {"phong", number("specular_reflectance", "0.6"), "3:1", sum},
          {"phong", rgb("diffuse_reflectance", "0.1 0.2 0.5") + rgb("specular_reflectance", "0.1 0.2 0.51"), "3:1", sum},
@@ -274,12 +277,12 @@ TEST(BsdfErrors, WeightsAndOpacities) {
     } rows[] = {{"blendbsdf", "weight", grey + grey}, {"mask", "opacity", grey}};
     for (const auto& [type, name, nested] : rows) {
         const std::string place = number_place(name), range = "'" + name + "' must be between 0 and 1, not ";
-        const std::string kinds = "; it takes: <float>, <integer>, <texture>";
+        const std::string kinds = "; it takes: " + textured_kinds;
         expect_errors({{type, number(name, "1.5") + nested, place, range + "1.5"},
                        {type, number(name, "-0.1") + nested, place, range + "-0.1"},
                        {type, number(name, "nan") + nested, place, "bad number 'nan'"},
                        {type, word(name, "0.5") + nested, "4:1", "'" + name + "' cannot be a <string>" + kinds},
-                       {type, rgb(name, "0.5") + nested, "4:1", "'" + name + "' cannot be a <rgb>" + kinds},
+                       {type, rgb(name, "1.5") + nested, value_place("rgb", name), range + "1.5"},
                        {type, bitmap(name, "no.png") + nested, "5:1", "there is no file 'no.png'"}});
     }
 }
@@ -323,25 +326,25 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
     const TemporaryFolder folder;
     const std::string height = bitmap("any", test::write_image(folder / "height.exr", 2, 1, 1, {0, 1})) + grey + "\n";
     const std::string needs = "a normalmap needs a texture named 'normalmap'";
-    expect_errors({{"bumpmap", grey, "3:1", "a bumpmap needs a texture"},
-                   {"bumpmap", grey + "\n" + squares("any"), "5:1", "must be a bitmap: it needs a slope"},
-                   {"bumpmap", height + squares("other"), "6:1", "can hold only one <texture>"},
-                   {"bumpmap", bitmap("any", "no.png") + grey, "5:1", "there is no file 'no.png'"},
-                   {"bumpmap", "<texture type=\"bitmap\"/>" + grey, "4:1", "'bitmap' needs a 'filename'"},
-                   {"bumpmap", height + number("any_float", "1"), "6:1", "does not take a parameter 'any_float'"},
-                   {"bumpmap", height + number("scale", "nan"), "6:21", "bad number 'nan'"},
-                   {"bumpmap", height + number("scale", "1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
-                   {"bumpmap", height + number("scale", "-1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
-                   {"bumpmap", height + word("scale", "1"), "6:1", "'scale' cannot be a <string>"},
-                   {"bumpmap", height + squares("scale"), "6:1", "'scale' cannot be a <texture>"},
-                   {"normalmap", grey, "3:1", needs},
-                   {"normalmap", grey + squares("normals"), "3:1", needs},
-                   {"normalmap", grey + "\n" + rgb("normalmap", "0 0 2"), "5:24", "between 0 and 1"},
-                   {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1",
-                    "'normalmap' cannot be a <bsdf>"},
-                   {"normalmap", grey + squares("normalmap") + "\n" + squares("other"), "5:1",
-                    "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, <bsdf>"},
-                   {"normalmap", bitmap("normalmap", "no.png") + grey, "5:1", "there is no file 'no.png'"}});
+    expect_errors(
+        {{"bumpmap", grey, "3:1", "a bumpmap needs a texture"},
+         {"bumpmap", grey + "\n" + squares("any"), "5:1", "must be a bitmap: it needs a slope"},
+         {"bumpmap", height + squares("other"), "6:1", "can hold only one <texture>"},
+         {"bumpmap", bitmap("any", "no.png") + grey, "5:1", "there is no file 'no.png'"},
+         {"bumpmap", "<texture type=\"bitmap\"/>" + grey, "4:1", "'bitmap' needs a 'filename'"},
+         {"bumpmap", height + number("any_float", "1"), "6:1", "does not take a parameter 'any_float'"},
+         {"bumpmap", height + number("scale", "nan"), "6:21", "bad number 'nan'"},
+         {"bumpmap", height + number("scale", "1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
+         {"bumpmap", height + number("scale", "-1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
+         {"bumpmap", height + word("scale", "1"), "6:1", "'scale' cannot be a <string>"},
+         {"bumpmap", height + squares("scale"), "6:1", "'scale' cannot be a <texture>"},
+         {"normalmap", grey, "3:1", needs},
+         {"normalmap", grey + squares("normals"), "3:1", needs},
+         {"normalmap", grey + "\n" + rgb("normalmap", "0 0 2"), "5:23", "between 0 and 1"},
+         {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1", "'normalmap' cannot be a <bsdf>"},
+         {"normalmap", grey + squares("normalmap") + "\n" + squares("other"), "5:1",
+          "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, <bsdf>"},
+         {"normalmap", bitmap("normalmap", "no.png") + grey, "5:1", "there is no file 'no.png'"}});
     EXPECT_EQ(error_of("bumpmap", height + number("scale", "-3")), "no error");
 }
 

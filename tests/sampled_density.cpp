@@ -48,7 +48,8 @@ Domain SphereChart::domain(const std::vector<double>& breaks) {
 namespace {
 
 /// The density that lies nearest to `sampled` among those of w and of directions that rounding cannot tell from it. Where a
-/// surface's silhouette is seen, the density falls steeply within so small an angle.
+/// surface's silhouette is seen, the density falls steeply within so small an angle; where one of those directions misses the
+/// surface, it has no bound.
 double density_within_rounding(const std::function<double(const Vec3&)>& pdf, const Vec3& w, double sampled) {
     double low = pdf(w), high = low;
     if (std::abs(low - sampled) <= limits::pdf_mismatch * sampled) return low;
@@ -58,7 +59,7 @@ double density_within_rounding(const std::function<double(const Vec3&)>& pdf, co
         low = std::min(low, density);
         high = std::max(high, density);
     }
-    return std::clamp(sampled, low, high);
+    return low == 0 ? sampled : std::clamp(sampled, low, high);
 }
 
 }  // namespace
