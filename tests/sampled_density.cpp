@@ -45,25 +45,6 @@ Domain SphereChart::domain(const std::vector<double>& breaks) {
     return d;
 }
 
-namespace {
-
-/// The density that lies nearest to `sampled` among those of w and of directions that rounding cannot tell from it. Where a
-/// surface's silhouette is seen, the density falls steeply within so small an angle; where one of those directions misses the
-/// surface, it has no bound.
-double density_within_rounding(const std::function<double(const Vec3&)>& pdf, const Vec3& w, double sampled) {
-    double low = pdf(w), high = low;
-    if (std::abs(low - sampled) <= limits::pdf_mismatch * sampled) return low;
-    const Vec3 s = w.unitOrthogonal(), t = w.cross(s);
-    for (const Vec3& aside : {s, t, Vec3(-s), Vec3(-t)}) {
-        const double density = pdf((w + limits::direction_rounding * aside).normalized());
-        low = std::min(low, density);
-        high = std::max(high, density);
-    }
-    return low == 0 ? sampled : std::clamp(sampled, low, high);
-}
-
-}  // namespace
-
 SamplerCase sphere_case(std::string name, const SphereChart& chart,
                         std::function<std::optional<SampledDirection>(const RandomNumbers&)> sample,
                         const std::function<double(const Vec3&)>& pdf) {
@@ -73,8 +54,7 @@ SamplerCase sphere_case(std::string name, const SphereChart& chart,
     test.sample = [chart, sample = std::move(sample), pdf](const RandomNumbers& numbers) -> std::optional<Sampled> {
         const auto s = sample(numbers);
         if (!s) return std::nullopt;
-        return Sampled{chart.point(s->w.cast<double>()), s->pdf,
-                       s->delta ? s->pdf : density_within_rounding(pdf, s->w, s->pdf), s->weight, s->delta};
+        return Sampled{chart.point(s->w.cast<double>()), s->pdf, s->delta ? s->pdf : pdf(s->w), s->weight, s->delta};
     };
     test.pdf = [chart, pdf](const Vec2d& point) { return pdf(chart.direction(point).cast<float>()); };
     return test;

@@ -87,8 +87,7 @@ SamplerCase plane_case(std::string name, Domain domain, std::function<Vec2(const
 
 /// Limits on what is not a matter of chance.
 namespace limits {
-inline constexpr double pdf_mismatch = 1e-3;                    ///< relative, of the two densities of a sample ...
-inline constexpr float direction_rounding = 4 * unit_roundoff;  ///< an angle: of a direction, and of the point it meets
+inline constexpr double pdf_mismatch = 1e-3;      ///< relative, of the two densities of a sample ...
 inline constexpr double mismatch_share = 1e-5;    ///< ... which this share of samples may exceed: rounding at jumps
 inline constexpr double lost_share = 1e-5;        ///< of samples given up though the density integrates to 1
 inline constexpr double integral = 1e-3;          ///< of the density's integral
