@@ -121,12 +121,16 @@ TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
             means[8].add(static_cast<double>(s.radiance[1] / s.pdf_w));
         }
         for (std::size_t octant = 0; octant < 8; ++octant)
-            EXPECT_NEAR(means[octant].mean_of(samples), std::numbers::pi / 2, 4.5 * means[octant].standard_error_of(samples)) << name << octant;
+            EXPECT_NEAR(means[octant].mean_of(samples), std::numbers::pi / 2,
+                        4.5 * means[octant].standard_error_of(samples))
+                << name << octant;
         const double integral = map.integral()[1];
-        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral) << name;
+        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral)
+            << name;
         // In proportion to luminance but for the uniform tenth: the estimate of a grey map's integral hardly scatters.
         const bool concentrated = std::string(name) == "sun on black" || std::string(name) == "north pole";
-        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples)) << name;
+        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples))
+            << name;
     }
 }
 
