@@ -124,9 +124,11 @@ private:
             for (const std::string_view plugin : {"shapegroup", "instance"})
                 if (is_shape(member, plugin))
                     throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
+            const std::size_t first = group.members.size();
             group.bounds.extend(add_shapes(member, group.members));
-            if (group.members.back().radiance)
-                throw InputError(group.members.back().emitter_where, "an emitter cannot stand in a shapegroup");
+            for (std::size_t i = first; i < group.members.size(); ++i)
+                if (group.members[i].radiance)
+                    throw InputError(group.members[i].emitter_where, "an emitter cannot stand in a shapegroup");
         }
         groups_.push_back(std::move(group));
         return group_of_element_[&element] = static_cast<std::uint32_t>(groups_.size() - 1);

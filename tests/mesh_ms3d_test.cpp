@@ -237,6 +237,8 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     EXPECT_EQ(floor.uvs[0], Vec2(0, 1));
     EXPECT_FALSE(floor.flip_normals);
     EXPECT_GT(floor.normal_of(0).z(), 0.f);
+    ASSERT_EQ(scene->lights().size(), 1u);  // the brass glows
+    EXPECT_EQ(std::get<AreaLight>(scene->lights()[0]).radiance[2], 0.3f);
     const auto black = load("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");
     EXPECT_EQ(albedo(*black, 0)[1], 0.f);
     EXPECT_EQ(albedo(*black, 1)[1], 0.f);
@@ -254,6 +256,20 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     EXPECT_NEAR(area_of(options->shapes()[0]), 16, 1e-5);
     EXPECT_THROW(load("<float name=\"scale\" value=\"2\"/>"), InputError);
     EXPECT_THROW(load("<integer name=\"shape_index\" value=\"0\"/>"), InputError);
+}
+
+TEST(Ms3dFile, EmissiveMaterialsCannotBeInstanced) {
+    const TemporaryFolder folder;
+    folder.write("m.txt", meshes + materials + bones);
+    write_map(folder);
+    const std::string group =
+        "<shape type=\"shapegroup\"><shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/></shape></shape>";
+    try {
+        load_scene(folder.write("s.xml", scene_with(group)));
+        ADD_FAILURE() << "no error";
+    } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("an emitter cannot stand in a shapegroup"));
+    }
 }
 
 TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
