@@ -15,10 +15,10 @@ struct Intersection {
     std::uint32_t shape;
     std::uint32_t primitive;
     std::uint32_t instance;  ///< or no_instance
-    float u;                 ///< barycentric weight of a mesh's second vertex
+    // u and v lie apart: together they would be copied as one number, which waits until Embree's two are stored.
+    float u;  ///< barycentric weight of a mesh's second vertex
     float t;
-    float
-        v;  ///< of its third; apart from u, or both would be copied as one number, which waits until Embree's two are stored
+    float v;  ///< barycentric weight of its third vertex
 };
 
 class Accelerator {

@@ -1,5 +1,6 @@
 #include "common/mesh_ms3d.h"
 
+#include "common/phong.h"
 #include "common/text_cursor.h"
 
 #include <fmt/format.h>
@@ -120,7 +121,7 @@ private:
         material.diffuse = color("the diffuse colour");
         material.specular = color("the specular colour");
         material.emissive = color("the emissive colour");
-        material.shininess = line_number("the shininess", 0, infinity);
+        material.shininess = line_number("the shininess", 0, Phong::highest_exponent);
         material.transparency = line_number("the transparency", 0, 1);
         line();
         material.texture = quoted();
@@ -244,9 +245,7 @@ private:
         const float value = number(what);
         if (!(value >= lowest && value <= highest))
             throw InputError(cursor_.marked(),
-                             highest < infinity
-                                 ? fmt::format("{} must be between {} and {}, not {}", what, lowest, highest, value)
-                                 : fmt::format("{} must not be below {}: {}", what, lowest, value));
+                             fmt::format("{} must be between {} and {}, not {}", what, lowest, highest, value));
         return value;
     }
     float line_number(const char* what, float lowest, float highest) {

@@ -11,7 +11,7 @@ namespace gib {
 struct Ms3dMaterial {
     std::string name;
     Color diffuse, specular, emissive;
-    float shininess;      ///< exponent of the highlight, from 0
+    float shininess;      ///< exponent of the highlight, from 0 to Phong::highest_exponent
     float transparency;   ///< from 0, invisible, to 1, opaque
     std::string texture;  ///< the colour texture's file name as written; empty: none
 };

@@ -14,7 +14,9 @@ namespace gib {
 struct Phong {
     Color diffuse_reflectance = Color::Constant(0.5f);
     Color specular_reflectance = Color::Constant(0.2f);
-    float exponent = 30.f;  ///< n >= 0
+    float exponent = 30.f;  ///< n, from 0 to highest_exponent
+    /// Beyond it single precision does not hold a direction in the lobe.
+    static constexpr float highest_exponent = 1e8f;
 
     LobeTraits traits() const;
     LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport) const;

@@ -17,8 +17,6 @@ constexpr float lowest_relative_index = 0.01f, highest_relative_index = 100.f;
 /// Of eta and k, whose fourth powers are needed.
 constexpr float highest_conductor_index = 1e6f;
 constexpr float highest_roughness = 1e4f;
-/// Beyond it single precision does not hold a direction in the lobe.
-constexpr float highest_exponent = 1e8f;
 constexpr double highest_bump = 1e9;
 
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
@@ -248,7 +246,7 @@ Material parse_roughplastic(Properties& properties, TextureFiles& files) {
 Material parse_phong(Properties& properties, TextureFiles& files) {
     ModelReader<Phong> model(properties, files);
     model.number(
-        "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, highest_exponent);
+        "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
     model.diffuse_reflectance();
     model.reflectance(0.2f);
     // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.

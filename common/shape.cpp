@@ -259,9 +259,8 @@ SurfacePoint AreaSampler::sample_analytic(const Shape& shape, const Vec2& u) {
 SurfaceGeometry AreaSampler::sample_geometry(const Shape& shape, const Vec2& u) const {
     const auto* mesh = std::get_if<Mesh>(&shape);
     if (!mesh) return surface_at(shape, 0, 0, 0, sample(shape, u).p);
-    const auto choice = triangles_.sample(u.x());
-    const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
-    return mesh->surface_at(choice.index, b.x(), b.y());
+    const MeshSample at = sample_mesh(u);
+    return mesh->surface_at(at.triangle, at.b.x(), at.b.y());
 }
 
 }  // namespace gib

@@ -87,6 +87,7 @@ struct SurfaceDerivatives {
 /// The hit at barycentric weights (u, v) of a mesh's second and third vertex; `p_ray`, the point computed from the ray,
 /// serves the other shapes, which project it back onto themselves.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
+/// The same for a shape that is no mesh.
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray);
 
 /// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line) they
@@ -111,6 +112,14 @@ public:
     float area() const { return area_; }
 
 private:
+    struct MeshSample {
+        std::size_t triangle;
+        Vec2 b;  ///< barycentric weights of its second and third vertex
+    };
+    MeshSample sample_mesh(const Vec2& u) const {
+        const auto choice = triangles_.sample(u.x());
+        return {choice.index, square_to_triangle(Vec2(choice.u, u.y()))};
+    }
     static SurfacePoint sample_analytic(const Shape& shape, const Vec2& u);
 
     DiscreteDistribution triangles_;  ///< of a mesh
@@ -149,9 +158,8 @@ inline SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, f
 inline SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
     const auto* mesh = std::get_if<Mesh>(&shape);
     if (!mesh) return sample_analytic(shape, u);
-    const auto choice = triangles_.sample(u.x());
-    const Vec2 b = square_to_triangle(Vec2(choice.u, u.y()));
-    return mesh->point_at(choice.index, b.x(), b.y());
+    const MeshSample at = sample_mesh(u);
+    return mesh->point_at(at.triangle, at.b.x(), at.b.y());
 }
 
 }  // namespace gib

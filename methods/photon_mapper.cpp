@@ -142,7 +142,7 @@ private:
             const VertexNumbers u = sampler.at_vertex(vertex);
             const Vec3 wo_local = hit->shading.to_local(wo);
             const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
-            if (lobes.diffuse) add_diffuse(rays, *hit, wo, vertex, sampler, beta, found, sample);
+            if (lobes.diffuse) add_diffuse(rays, *hit, wo, vertex, u, sampler, beta, found, sample);
             if (!follows_specular_ || !lobes.specular()) break;
             const bool sees_lights = samples_lights_ && lobes.glossy;
             if (sees_lights)
@@ -173,10 +173,10 @@ private:
     }
 
     /// The three ways in which light reaches the first diffuse surface.
-    void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const Sampler& sampler,
-                     const Color& beta, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+    void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const VertexNumbers& u,
+                     const Sampler& sampler, const Color& beta, std::vector<PhotonMap::Neighbour>& found,
+                     PixelSample& sample) const {
         if (samples_lights_) {
-            const VertexNumbers u = sampler.at_vertex(vertex);
             const Vec3 wo_local = hit.shading.to_local(wo);
             // A lobe with a preferred direction is better followed than hit by chance.
             const bool follows = hit.bsdf->traits_at(wo_local.z()).rough;

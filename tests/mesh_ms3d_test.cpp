@@ -203,7 +203,9 @@ TEST(Ms3dFile, ErrorsNameThePlace) {
     EXPECT_THAT(error_with("0.8 0.1 0.2 1", "0.8 1.1 0.2 1"),
                 StartsWith("m.txt:34:5: the diffuse colour must be between 0 and 1, not 1.1"));
     EXPECT_THAT(error_with("0.8 0.1 0.2 1", "0.8 0.1 0.2"), StartsWith("m.txt:34:12: a number is missing"));
-    EXPECT_THAT(error_with("64.000000", "-1"), StartsWith("m.txt:46:1: the shininess must not be below 0: -1"));
+    EXPECT_THAT(error_with("64.000000", "-1"),
+                StartsWith("m.txt:46:1: the shininess must be between 0 and 1e+08, not -1"));
+    EXPECT_THAT(error_with("64.000000", "1e9"), StartsWith("m.txt:46:1: the shininess must be between 0 and"));
     EXPECT_THAT(error_with("0.500000", "1.5"),
                 StartsWith("m.txt:47:1: the transparency must be between 0 and 1, not 1.5"));
     EXPECT_THAT(error_with("30 1 2 3", "30 1 2"), StartsWith("m.txt:57:7: a number is missing"));

@@ -72,7 +72,7 @@ TEST(Plastic, AWhiteOneReflectsAllLight) {
                 const Plastic m = plastic(eta, Color::Ones(), nonlinear);
                 const Vec3 wo = direction_at(degrees, 0.3);
                 const double coat = fresnel_dielectric(wo.z(), eta).reflectance;
-                EXPECT_NEAR(reflected_integral(m, wo) + coat, 1, 5e-4) << eta << ' ' << degrees;
+                EXPECT_NEAR(reflected_integral(m, wo) + coat, 1, 2e-4) << eta << ' ' << degrees;
                 EXPECT_NEAR(sampled_share(m, wo).weight, 1, 1e-3) << eta << ' ' << degrees;
                 EXPECT_NEAR(sampled_share(m, wo, Transport::power, Lobes::specular).weight, coat, 1e-6);
                 EXPECT_NEAR(m.coefficients_local(wo).of(Lobes::all)[0], 1.f, 2e-5f);
@@ -147,7 +147,7 @@ TEST(Plastic, IsReciprocalAndOneSided) {
     expect_reciprocal_and_one_sided(rough_plastic(MicrofacetType::ggx, 0.4f, Color(0.9f, 0.5f, 0.1f), true));
 }
 
-// The table against the rough dielectric, whose samples scatter by 1e-3.
+// The table against the rough dielectric, whose sampled shares have a standard error below 4e-4: four of them.
 TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
     for (auto type : types)
         for (float alpha : {0.05f, 0.3f, 1.f}) {
@@ -158,7 +158,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
             for (int node : {1, 5, 30, 63}) {
                 const float c = static_cast<float>(node) / 63;
                 const Vec3 wo(std::sqrt(1 - c * c), 0, c);
-                EXPECT_NEAR(static_cast<double>(coat.transmittance(c)), sampled_share(transmitting, wo).weight, 3e-3)
+                EXPECT_NEAR(static_cast<double>(coat.transmittance(c)), sampled_share(transmitting, wo).weight, 1.6e-3)
                     << alpha << ' ' << node;
             }
             const float between = 10.25f / 63;
@@ -170,7 +170,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
                 mean += 2 * static_cast<double>(c) *
                         sampled_share(reflecting, Vec3(std::sqrt(1 - c * c), 0, -c)).weight / 64;
             }
-            EXPECT_NEAR(static_cast<double>(coat.internal_reflectance), mean, 1e-3) << alpha;
+            EXPECT_NEAR(static_cast<double>(coat.internal_reflectance), mean, 3e-4) << alpha;
         }
 }
 
