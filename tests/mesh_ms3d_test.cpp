@@ -204,7 +204,7 @@ TEST(Ms3dFile, ErrorsNameThePlace) {
                 StartsWith("m.txt:34:5: the diffuse colour must be between 0 and 1, not 1.1"));
     EXPECT_THAT(error_with("0.8 0.1 0.2 1", "0.8 0.1 0.2"), StartsWith("m.txt:34:12: a number is missing"));
     EXPECT_THAT(error_with("64.000000", "-1"),
-                StartsWith("m.txt:46:1: the shininess must be between 0 and 1e+08, not -1"));
+                StartsWith("m.txt:46:1: the shininess must be between 0 and 100000000, not -1"));
     EXPECT_THAT(error_with("64.000000", "1e9"), StartsWith("m.txt:46:1: the shininess must be between 0 and"));
     EXPECT_THAT(error_with("0.500000", "1.5"),
                 StartsWith("m.txt:47:1: the transparency must be between 0 and 1, not 1.5"));

@@ -64,7 +64,8 @@ TEST(Plastic, DiffuseFresnelReflectanceIsWalshs) {
     EXPECT_NEAR(static_cast<double>(diffuse_fresnel_reflectance(1 / 1.5f)), sum, 2e-5);
 }
 
-// Nothing is absorbed: what is not reflected by the coat comes back from the base. The tolerance is the quadrature's.
+// Nothing is absorbed: what is not reflected by the coat comes back from the base. The tolerance is the quadrature's, which
+// loses more where light cannot enter beyond a critical angle.
 TEST(Plastic, AWhiteOneReflectsAllLight) {
     for (float eta : {1.2f, 1.49f, 1.9f, 0.8f})
         for (bool nonlinear : {false, true})
@@ -72,7 +73,7 @@ TEST(Plastic, AWhiteOneReflectsAllLight) {
                 const Plastic m = plastic(eta, Color::Ones(), nonlinear);
                 const Vec3 wo = direction_at(degrees, 0.3);
                 const double coat = fresnel_dielectric(wo.z(), eta).reflectance;
-                EXPECT_NEAR(reflected_integral(m, wo) + coat, 1, 2e-4) << eta << ' ' << degrees;
+                EXPECT_NEAR(reflected_integral(m, wo) + coat, 1, eta < 1 ? 3e-4 : 2e-4) << eta << ' ' << degrees;
                 EXPECT_NEAR(sampled_share(m, wo).weight, 1, 1e-3) << eta << ' ' << degrees;
                 EXPECT_NEAR(sampled_share(m, wo, Transport::power, Lobes::specular).weight, coat, 1e-6);
                 EXPECT_NEAR(m.coefficients_local(wo).of(Lobes::all)[0], 1.f, 2e-5f);
