@@ -9,6 +9,8 @@
 #endif
 
 #include <oneapi/tbb/task_arena.h>
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <span>
 
@@ -83,6 +85,20 @@ void query(RTCScene scene, RTCRay& ray) {
 #endif
 }
 
+void query(RTCScene scene, const int* valid, RTCRayHit8& packet) {
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect8(valid, scene, &packet, &arguments);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect8(valid, scene, &context, &packet);
+#endif
+}
+
 void commit(RTCScene scene, std::size_t primitives) {
     const auto build = [&] { rtcJoinCommitScene(scene); };
     if (primitives <= serial_build_limit) tbb::task_arena(1).execute(build);
@@ -94,24 +110,33 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     set_bounds(*args->bounds_o, bounds_of(*a->shape));
 }
 
+/// Calls body(ray, i) for each ray that a callback is asked about: one, or some of a packet.
+template <typename Body>
+void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, const Body& body) {
+    for (unsigned i = 0; i < n; ++i)
+        if (valid[i]) body(ray_of(rtcGetRayFromRayN(rays, n, i)), i);
+}
+
 void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
-    if (!args->valid[0]) return;
     const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
-    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const auto t = intersect_analytic(*a->shape, ray_of(rayhit->ray));
-    if (!t) return;
-    rayhit->ray.tfar = *t;
-    rayhit->hit.u = rayhit->hit.v = 0;
-    rayhit->hit.geomID = a->id;
-    rayhit->hit.primID = 0;
-    rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+    for_each_valid(args->valid, rays, args->N, [&](const Ray& ray, unsigned i) {
+        const auto t = intersect_analytic(*a->shape, ray);
+        if (!t) return;
+        RTCRayN_tfar(rays, args->N, i) = *t;
+        RTCHitN_u(hits, args->N, i) = RTCHitN_v(hits, args->N, i) = 0;
+        RTCHitN_geomID(hits, args->N, i) = a->id;
+        RTCHitN_primID(hits, args->N, i) = 0;
+        RTCHitN_instID(hits, args->N, i, 0) = RTC_INVALID_GEOMETRY_ID;
+    });
 }
 
 void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
-    if (!args->valid[0]) return;
     const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
-    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    if (intersect_analytic(*a->shape, ray_of(*ray))) ray->tfar = -infinity;
+    for_each_valid(args->valid, args->ray, args->N, [&](const Ray& ray, unsigned i) {
+        if (intersect_analytic(*a->shape, ray)) RTCRayN_tfar(args->ray, args->N, i) = -infinity;
+    });
 }
 
 /// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree of
@@ -136,26 +161,28 @@ void instance_bounds(const RTCBoundsFunctionArguments* args) {
 }
 
 void instance_intersect(const RTCIntersectFunctionNArguments* args) {
-    if (!args->valid[0]) return;
     const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
-    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    RTCRayHit in_group;
-    set_ray(in_group.ray, carried_to_group(set->at(args->primID), ray_of(rayhit->ray)));
-    query(set->group_of(args->primID).scene, in_group);
-    if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
-    rayhit->ray.tfar = in_group.ray.tfar;
-    rayhit->hit = in_group.hit;
-    rayhit->hit.instID[0] = args->primID;
+    RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+    for_each_valid(args->valid, rays, args->N, [&](const Ray& ray, unsigned i) {
+        RTCRayHit in_group;
+        set_ray(in_group.ray, carried_to_group(set->at(args->primID), ray));
+        query(set->group_of(args->primID).scene, in_group);
+        if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+        in_group.hit.instID[0] = args->primID;
+        RTCRayN_tfar(rays, args->N, i) = in_group.ray.tfar;
+        rtcCopyHitToHitN(hits, &in_group.hit, args->N, i);
+    });
 }
 
 void instance_occluded(const RTCOccludedFunctionNArguments* args) {
-    if (!args->valid[0]) return;
     const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
-    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    RTCRay in_group;
-    set_ray(in_group, carried_to_group(set->at(args->primID), ray_of(*ray)));
-    query(set->group_of(args->primID).scene, in_group);
-    if (in_group.tfar < 0.f) ray->tfar = -infinity;
+    for_each_valid(args->valid, args->ray, args->N, [&](const Ray& ray, unsigned i) {
+        RTCRay in_group;
+        set_ray(in_group, carried_to_group(set->at(args->primID), ray));
+        query(set->group_of(args->primID).scene, in_group);
+        if (in_group.tfar < 0.f) RTCRayN_tfar(args->ray, args->N, i) = -infinity;
+    });
 }
 
 }  // namespace
@@ -268,12 +295,45 @@ std::optional<Intersection> Accelerator::intersect(const Ray& ray) const {
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    Intersection result{hit.geomID, hit.primID, no_instance, hit.u, rayhit.ray.tfar, hit.v};
-    if (hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
-        result.instance = hit.instID[0];
-        result.shape += state_->instanced.group_of(result.instance).first_shape;
+    return intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
+}
+
+void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const {
+    alignas(32) std::array<int, packet_size> valid;
+    RTCRayHit8 packet;
+    for (std::size_t i = 0; i < packet_size; ++i) {
+        valid[i] = i < rays.size() ? -1 : 0;
+        const Ray& ray = rays[std::min(i, rays.size() - 1)];
+        packet.ray.org_x[i] = ray.o.x();
+        packet.ray.org_y[i] = ray.o.y();
+        packet.ray.org_z[i] = ray.o.z();
+        packet.ray.tnear[i] = ray.t_min;
+        packet.ray.dir_x[i] = ray.d.x();
+        packet.ray.dir_y[i] = ray.d.y();
+        packet.ray.dir_z[i] = ray.d.z();
+        packet.ray.time[i] = 0.f;
+        packet.ray.tfar[i] = ray.t_max;
+        packet.ray.mask[i] = ~0u;
+        packet.ray.id[i] = 0;
+        packet.ray.flags[i] = 0;
+        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    return result;
+    query(state_->scene, valid.data(), packet);
+    const auto& hit = packet.hit;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        found[i].reset();
+        if (hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+            found[i] =
+                intersection_of(hit.geomID[i], hit.primID[i], hit.instID[0][i], hit.u[i], hit.v[i], packet.ray.tfar[i]);
+    }
+}
+
+Intersection Accelerator::intersection_of(std::uint32_t geometry, std::uint32_t primitive, std::uint32_t instance,
+                                          float u, float v, float t) const {
+    static_assert(no_instance == RTC_INVALID_GEOMETRY_ID);
+    if (instance != no_instance) geometry += state_->instanced.group_of(instance).first_shape;
+    return {geometry, primitive, instance, u, t, v};
 }
 
 bool Accelerator::occluded(const Ray& ray) const {

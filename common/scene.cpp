@@ -85,8 +85,7 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
     lights_.push_back(std::move(light));
 }
 
-std::optional<SurfaceHit> Scene::intersect(const Ray& ray) const {
-    const auto i = accelerator_->intersect(ray);
+std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional<Intersection>& i) const {
     std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
     if (!i) return hit;
     const Surface& surface = surfaces_[i->shape];

@@ -67,7 +67,9 @@ public:
     float diagonal() const { return bounds_.diagonal(); }
     const Accelerator& accelerator() const { return *accelerator_; }
 
-    std::optional<SurfaceHit> intersect(const Ray& ray) const;
+    std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
+    /// The surface where the accelerator found `intersection` on the ray.
+    std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
     /// At what intersect() returned.
     SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }

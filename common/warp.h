@@ -74,16 +74,10 @@ inline Vec3 square_to_cone(const Vec2& u, float one_minus_cos_max) {
 /// Barycentric weights of the second and third vertex, uniform on the triangle.
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 inline Vec2 square_to_triangle(const Vec2& u) {
-    float a = u.x(), b = u.y();
-    if (injected(Fault::triangle_warp)) return {a, b * (1.f - a)};
-    if (b > a) {
-        a *= 0.5f;
-        b -= a;
-    } else {
-        b *= 0.5f;
-        a -= b;
-    }
-    return {a, b};
+    if (injected(Fault::triangle_warp)) return {u.x(), u.y() * (1.f - u.x())};
+    // Both lose half of the smaller one. A branch on which that is could not be predicted.
+    const float half = 0.5f * std::min(u.x(), u.y());
+    return {u.x() - half, u.y() - half};
 }
 
 /// x in [0, 1] with a density that is linear from `f0` at 0 to `f1` at 1; both >= 0. Uniform if both are 0.

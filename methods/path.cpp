@@ -28,22 +28,22 @@ constexpr int first_roulette_vertex = 3;
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
 template <PathFeatures features>
-PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathSettings& settings) {
+PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
     Color beta = Color::Ones();  // throughput: f cos / pdf of all vertices so far
     float eta_scale = 1.f;       // product of eta^2 that beta was divided by at refractions
     float pdf_w = infinity;      // density of the last direction; infinite: nothing else could have sampled it
-    Vec3 previous = ray.o;
+    Vec3 previous = traced.ray.o;
     PathClass path;
     std::uint32_t holes = 0;
     for (int vertex = 0; vertex < settings.max_edges;) {
-        const auto hit = rays.intersect(ray);
+        const auto hit = rays.surface_hit(traced);
         if (!hit) {
             if (rays.scene().environment())
-                sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, ray.d);
+                sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, traced.ray.d);
             break;
         }
-        const Vec3 wo = -ray.d;
+        const Vec3 wo = -traced.ray.d;
 
         const Color Le = hit->Le(wo);
         if (!is_black(Le))
@@ -51,7 +51,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
         if constexpr (features.holes) {
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                ray = hit->spawn_ray(ray.d);
+                traced = rays.trace(hit->spawn_ray(traced.ray.d));
                 continue;
             }
         }
@@ -85,7 +85,7 @@ PixelSample trace(RayQueries& rays, Ray ray, const Sampler& sampler, const PathS
             if (!injected(Fault::roulette_rescaling)) beta /= survival;
         }
         previous = hit->p;
-        ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+        traced = rays.trace(hit->spawn_ray(hit->shading.to_world(next->wi)));
         ++vertex;
     }
     return sample;
@@ -100,13 +100,13 @@ PathFeatures features_of(const Scene& scene) {
     return features;
 }
 
-PixelSample trace_path(RayQueries& rays, Ray ray, const Sampler& sampler, const PathSettings& settings) {
+PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings) {
     const auto [holes, glossy] = settings.features;
     if (holes)
-        return glossy ? trace<PathFeatures{true, true}>(rays, ray, sampler, settings)
-                      : trace<PathFeatures{true, false}>(rays, ray, sampler, settings);
-    return glossy ? trace<PathFeatures{false, true}>(rays, ray, sampler, settings)
-                  : trace<PathFeatures{false, false}>(rays, ray, sampler, settings);
+        return glossy ? trace<PathFeatures{true, true}>(rays, eye, sampler, settings)
+                      : trace<PathFeatures{true, false}>(rays, eye, sampler, settings);
+    return glossy ? trace<PathFeatures{false, true}>(rays, eye, sampler, settings)
+                  : trace<PathFeatures{false, false}>(rays, eye, sampler, settings);
 }
 
 namespace {
@@ -135,8 +135,8 @@ public:
         if (!traces_) return Progress::converged;
         const auto timer = stages_.time(pass_eye_paths);
         rays_ += sample_pixels(scene_, film_, points_, seed_, pass, [this] {
-            return [this](RayQueries& rays, const Ray& ray, const Sampler& sampler) {
-                return trace_path(rays, ray, sampler, settings_);
+            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+                return trace_path(rays, eye, sampler, settings_);
             };
         });
         return Progress::more;

@@ -89,9 +89,9 @@ public:
         if (!traces_) return Progress::converged;
         const auto timer = stages_.time("gather");
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
-            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const Ray& ray,
+            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
                                                                        const Sampler& sampler) mutable {
-                return gather(rays, ray, sampler, found);
+                return gather(rays, eye, sampler, found);
             };
         });
         return Progress::more;
@@ -114,27 +114,27 @@ private:
     }
 
     /// One sample of a pixel: a path of specular vertices, with what each of them shows of its diffuse lobes.
-    PixelSample gather(RayQueries& rays, Ray ray, const Sampler& sampler,
+    PixelSample gather(RayQueries& rays, TracedRay traced, const Sampler& sampler,
                        std::vector<PhotonMap::Neighbour>& found) const {
         PixelSample sample;
         Color beta = Color::Ones();
         float eta_scale = 1.f;   // product of eta^2 that beta was divided by at refractions
         float pdf_w = infinity;  // density of the last direction; infinite: nothing else could have sampled it
-        Vec3 previous = ray.o;
+        Vec3 previous = traced.ray.o;
         std::uint32_t holes = 0;
         for (int vertex = 0; vertex < settings_.max_edges;) {
-            const auto hit = rays.intersect(ray);
+            const auto hit = rays.surface_hit(traced);
             if (!hit) {
-                sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, ray.d);
+                sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, traced.ray.d);
                 break;
             }
-            const Vec3 wo = -ray.d;
+            const Vec3 wo = -traced.ray.d;
             const Color Le = hit->Le(wo);
             if (!is_black(Le))
                 sample[Component::emission] += beta * Le * bsdf_sampling_weight(scene_, previous, pdf_w, *hit);
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                ray = hit->spawn_ray(ray.d);
+                traced = rays.trace(hit->spawn_ray(traced.ray.d));
                 continue;
             }
             if (vertex + 1 >= settings_.max_edges) break;
@@ -166,7 +166,7 @@ private:
                 beta /= survival;
             }
             previous = hit->p;
-            ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+            traced = rays.trace(hit->spawn_ray(hit->shading.to_world(next->wi)));
             ++vertex;
         }
         return sample;

@@ -6,30 +6,52 @@
 #include "common/sampler.h"
 #include "methods/ray_queries.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 
 namespace gib {
 
+/// Calls body(pixel, TracedRay, Sampler) for pixels [begin, end) of a pass, with a ray from the camera. Rays into neighbouring
+/// pixels are traced at once.
+template <typename Body>
+void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::uint32_t pass, std::size_t begin,
+                    std::size_t end, Body&& body) {
+    const Sensor& sensor = rays.scene().sensor();
+    const auto width = static_cast<std::size_t>(sensor.width());
+    const auto sampler_of = [&](std::size_t pixel) { return Sampler(points, seed, pixel, pass); };
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    for (std::size_t first = begin; first < end; first += packet.size()) {
+        const std::size_t count = std::min(packet.size(), end - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t pixel = first + i;
+            packet[i] =
+                sensor.sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler_of(pixel));
+        }
+        rays.trace(std::span(packet).first(count), found);
+        for (std::size_t i = 0; i < count; ++i)
+            body(first + i, TracedRay{packet[i], found[i]}, sampler_of(first + i));
+    }
+}
+
 /// Adds one sample of every pixel to the film and returns the number of rays traced. `start_block()` gives the sampling
-/// function of one block of pixels, which may own scratch memory: PixelSample(RayQueries&, const Ray&, const Sampler&).
+/// function of one block of pixels, which may own scratch memory: PixelSample(RayQueries&, const TracedRay&, const Sampler&).
 template <typename StartBlock>
 std::uint64_t sample_pixels(const Scene& scene, Film& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
                             StartBlock&& start_block) {
     const Sensor& sensor = scene.sensor();
-    const auto width = static_cast<std::size_t>(sensor.width());
+    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
     std::atomic<std::uint64_t> traced = 0;
-    parallel_blocks(
-        width * static_cast<std::size_t>(sensor.height()), 256, [&](std::size_t begin, std::size_t end, std::size_t) {
-            RayQueries rays(scene);
-            auto sample = start_block();
-            for (std::size_t pixel = begin; pixel < end; ++pixel) {
-                const Sampler sampler(points, seed, pixel, pass);
-                const Ray ray =
-                    sensor.sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler);
-                film.add(pixel, pass, sample(rays, ray, sampler));
-            }
-            traced += rays.count();
-        });
+    parallel_blocks(pixels, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries rays(scene);
+        auto sample = start_block();
+        for_each_pixel(rays, points, seed, pass, begin, end,
+                       [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
+                           film.add(pixel, pass, sample(rays, eye, sampler));
+                       });
+        traced += rays.count();
+    });
     return traced;
 }
 

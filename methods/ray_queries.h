@@ -5,6 +5,7 @@
 #include "common/scene.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace gib {
@@ -18,6 +19,12 @@ struct RayLog {
     std::vector<Entry> entries;
 };
 
+/// A ray and its closest hit, of which the surface is not computed yet.
+struct TracedRay {
+    Ray ray;
+    std::optional<Intersection> found;
+};
+
 class RayQueries {
 public:
     /// `log` may be null: nothing is recorded.
@@ -29,6 +36,20 @@ public:
     std::optional<SurfaceHit> intersect(const Ray& ray) {
         note(ray, false);
         return scene_.intersect(ray);
+    }
+    /// intersect() in two steps.
+    TracedRay trace(const Ray& ray) {
+        note(ray, false);
+        return {ray, scene_.accelerator().intersect(ray)};
+    }
+    std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
+        return scene_.surface_hit(traced.ray, traced.found);
+    }
+    /// trace() of at most Accelerator::packet_size rays at once.
+    void trace(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) {
+        for (const Ray& ray : rays)
+            note(ray, false);
+        scene_.accelerator().intersect(rays, found);
     }
     /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes (masks).
     /// Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them needs no

@@ -1,10 +1,10 @@
 // Rays per second of a method's estimator beside those of bare Embree on the same rays: what everything but ray queries
 // costs.
 #include "common/parallel.h"
-#include "common/sampler.h"
 #include "common/scene_file.h"
 #include "common/warp.h"
 #include "methods/path.h"
+#include "methods/pixel_samples.h"
 
 #include <benchmark/benchmark.h>
 
@@ -34,16 +34,6 @@ struct Workload {
     std::size_t rays = 0;
 };
 
-template <typename Body>
-void for_each_pixel(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t pass, const Body& body) {
-    const auto width = static_cast<std::size_t>(scene.sensor().width());
-    for (std::size_t pixel = begin; pixel < end; ++pixel) {
-        const Sampler sampler(PointSet::sobol, 1, pixel, pass);
-        body(sampler,
-             scene.sensor().sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler));
-    }
-}
-
 PathSettings settings_of(const LoadedScene& scene) { return {scene.max_edges, true, features_of(*scene.scene)}; }
 
 std::size_t chunks_per_pass(const Scene& scene) {
@@ -58,10 +48,12 @@ std::uint64_t trace_chunk(const LoadedScene& scene, std::size_t chunk, RayLog* l
     const auto pixels = static_cast<std::size_t>(scene.scene->sensor().width()) *
                         static_cast<std::size_t>(scene.scene->sensor().height());
     const std::size_t begin = chunk % per_pass * pixels_per_chunk;
+    const PathSettings settings = settings_of(scene);
     RayQueries rays(*scene.scene, log);
-    for_each_pixel(*scene.scene, begin, std::min(pixels, begin + pixels_per_chunk),
-                   static_cast<std::uint32_t>(chunk / per_pass), [&](const Sampler& sampler, const Ray& ray) {
-                       benchmark::DoNotOptimize(trace_path(rays, ray, sampler, settings_of(scene)));
+    for_each_pixel(rays, PointSet::sobol, 1, static_cast<std::uint32_t>(chunk / per_pass), begin,
+                   std::min(pixels, begin + pixels_per_chunk),
+                   [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
+                       benchmark::DoNotOptimize(trace_path(rays, eye, sampler, settings));
                    });
     return rays.count();
 }

@@ -1,0 +1,71 @@
+#include "common/accelerator.h"
+
+#include "common/sampler.h"
+#include "common/warp.h"
+#include "scene_text.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+/// A mesh, every other kind of shape, and instances of both around and beside each other.
+LoadedScene every_shape() {
+    const std::string move = "<transform name=\"to_world\"><translate x=\"4\"/></transform>";
+    const std::string tilt =
+        "<transform name=\"to_world\"><rotate x=\"1\" y=\"0.3\" angle=\"70\"/><translate y=\"3\"/></transform>";
+    return test::load("<shape type=\"cube\"/><shape type=\"sphere\">" + move + "</shape><shape type=\"disk\">" + tilt +
+                      "</shape><shape type=\"cylinder\"><point name=\"p0\" x=\"-3\" y=\"0\" z=\"-2\"/><point "
+                      "name=\"p1\" x=\"-3\" y=\"0\" "
+                      "z=\"2\"/><float name=\"radius\" value=\"0.7\"/></shape>" +
+                      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/><shape type=\"cube\">" + move +
+                      "</shape></shape><shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><scale "
+                      "x=\"0.5\" y=\"1.5\"/><translate z=\"5\"/></transform></shape><shape type=\"instance\"><ref "
+                      "id=\"g\"/><transform name=\"to_world\"><rotate z=\"1\" angle=\"30\"/><translate y=\"-5\" "
+                      "x=\"-2\"/></transform></shape>");
+}
+
+// Packets of every size, of rays side by side and of rays in all directions.
+TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
+    const LoadedScene loaded = every_shape();
+    const Scene& scene = *loaded.scene;
+    const Accelerator& accelerator = scene.accelerator();
+    std::array<Ray, Accelerator::packet_size> rays;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    std::vector<int> hits_of_shape(scene.shapes().size());
+    int hits_of_instances = 0, misses = 0;
+    for (std::uint64_t packet = 0; packet < 8000; ++packet) {
+        const std::size_t count = 1 + packet % rays.size();
+        const bool coherent = packet % 3 == 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Sampler own(PointSet::independent, 1, packet, static_cast<std::uint32_t>(i + 1));
+            const Sampler& u = coherent ? Sampler(PointSet::independent, 1, packet, 0) : own;
+            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
+            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
+            const Vec3 aside = 0.01f * square_to_sphere(own.get_2d(3));
+            rays[i] = {from, (at + aside - from).normalized(), 0.f, packet % 5 == 0 ? scene.diagonal() : infinity};
+        }
+        accelerator.intersect(std::span(rays).first(count), found);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto alone = accelerator.intersect(rays[i]);
+            ASSERT_EQ(found[i].has_value(), alone.has_value()) << packet << ' ' << i;
+            misses += !alone;
+            if (!alone) continue;
+            EXPECT_EQ(found[i]->shape, alone->shape);
+            EXPECT_EQ(found[i]->primitive, alone->primitive);
+            EXPECT_EQ(found[i]->instance, alone->instance);
+            EXPECT_NEAR(found[i]->t, alone->t, 1e-6f * scene.diagonal());
+            EXPECT_NEAR(found[i]->u, alone->u, 1e-4f);
+            EXPECT_NEAR(found[i]->v, alone->v, 1e-4f);
+            ++hits_of_shape[alone->shape];
+            hits_of_instances += alone->instance != no_instance;
+        }
+    }
+    for (int hits : hits_of_shape)
+        EXPECT_GT(hits, 100);
+    EXPECT_GT(hits_of_instances, 1000);
+    EXPECT_GT(misses, 1000);
+}
+
+}  // namespace
+}  // namespace gib
