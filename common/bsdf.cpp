@@ -38,12 +38,104 @@ float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const V
     return std::abs(ratio);
 }
 
-float choice_weight(const Bsdf::Layer& layer, const Vec3& wo_layer, Lobes which) {
-    return layer.weight *
+/// 0 for a layer that scatters nothing from wo. Where the eye is still to be found, each layer has the share of directions for
+/// which it exists.
+float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Transport transport) {
+    const Vec3 wo_layer = to_layer(layer, wo);
+    if (!same_side(layer, wo, wo_layer)) return 0.f;
+    if (transport == Transport::radiance && !layer.exists_for(wo)) return 0.f;
+    const float share = transport == Transport::radiance ? 1.f : layer.share();
+    return share * layer.weight *
            std::visit([&](const auto& m) { return m.coefficients_local(wo_layer).of(which).mean(); }, layer.model);
 }
 
+/// Whether light leaves a layer along wi: power only towards eyes that see it.
+bool joins(const Bsdf::Layer& layer, Transport transport, const Vec3& wi, const Vec3& wi_layer) {
+    return same_side(layer, wi, wi_layer) && (transport == Transport::radiance || layer.exists_for(wi));
+}
+
+/// Power leaves a tilted diffuse layer by the surface's cosine. Samples by the layer's own, which is next to nothing towards its
+/// horizon, would have weights without bound there; so this share of them goes by the surface's.
+constexpr float untilted_share = 0.5f;
+
+bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which) {
+    return transport == Transport::power && layer.to_layer && which != Lobes::specular &&
+           traits_of(layer.model).diffuse;
+}
+
+/// Of the samples of one layer.
+float layer_pdf_w(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo, const Vec3& wo_layer,
+                  const Vec3& wi, const Vec3& wi_layer) {
+    const float tilted =
+        std::visit([&](const auto& m) { return m.pdf_w_local(wo_layer, wi_layer, which); }, layer.model);
+    if (!samples_untilted(layer, transport, which)) return tilted;
+    return untilted_share * cosine_hemisphere_pdf(std::copysign(1.f, wo.z()) * wi.z()) +
+           (1.f - untilted_share) * tilted;
+}
+
+/// A direction in the shading frame of the hit; of a delta lobe also f and density, those of the layer alone.
+std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo,
+                                       float u_lobe, const Vec2& u) {
+    const bool untilted = samples_untilted(layer, transport, which);
+    if (untilted && u_lobe < untilted_share) {
+        const Vec3 w = square_to_cosine_hemisphere(u);
+        return BsdfSample{
+            {w.x(), w.y(), std::copysign(w.z(), wo.z())}, Color::Zero(), 0.f, false, LobeKind::diffuse, 1.f};
+    }
+    if (untilted) u_lobe = std::min((u_lobe - untilted_share) / (1.f - untilted_share), 1.f - unit_roundoff);
+    auto sample = std::visit(
+        [&](const auto& m) { return m.sample_local(to_layer(layer, wo), u_lobe, u, transport, which); }, layer.model);
+    if (!sample) return sample;
+    if (untilted) sample->pdf_w *= 1.f - untilted_share;
+    sample->wi = from_layer(layer, sample->wi);
+    return sample;
+}
+
+/// What the maps of a layer leave of light between these directions: nothing, where the eye sees another normal.
+float perturbed_share(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wi) {
+    if (layer.perturbations.empty()) return 1.f;
+    const bool radiance = transport == Transport::radiance;
+    return layer.exists_for(radiance ? wo : wi) ? layer.shadowing(radiance ? wi : wo) : 0.f;
+}
+
 }  // namespace
+
+Perturbation::Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows)
+    : base_(base), tilted_(tilted), eye_(eye) {
+    const float cosine = base.dot(tilted), sine2 = base.cross(tilted).squaredNorm();
+    alpha2_ = !shadows ? 0.f : sine2 < 8.f * sqr(cosine) ? 0.125f * sine2 / sqr(cosine) : 1.f;
+}
+
+float Perturbation::share() const {
+    if (eye_ == Eye::any) return 1.f;
+    const float behind = std::acos(std::clamp(base_.dot(tilted_), -1.f, 1.f)) * inv_pi;
+    return eye_ == Eye::in_front ? 1.f - behind : behind;
+}
+
+float Perturbation::shadowing(const Vec3& light) const {
+    if (alpha2_ == 0.f) return 1.f;
+    const float cosine = light.dot(base_), sine2 = base_.cross(light).squaredNorm();
+    // 2 / (1 + sqrt(1 + alpha^2 tan^2)), which has no limit of its own at the horizon.
+    return 2.f * std::abs(cosine) / (std::abs(cosine) + std::sqrt(sqr(cosine) + alpha2_ * sine2));
+}
+
+bool Bsdf::Layer::exists_for(const Vec3& eye) const {
+    return std::all_of(perturbations.begin(), perturbations.end(), [&](const auto& p) { return p.exists_for(eye); });
+}
+
+float Bsdf::Layer::shadowing(const Vec3& light) const {
+    float product = 1.f;
+    for (const Perturbation& p : perturbations)
+        product *= p.shadowing(light);
+    return product;
+}
+
+float Bsdf::Layer::share() const {
+    float product = 1.f;
+    for (const Perturbation& p : perturbations)
+        product *= p.share();
+    return product;
+}
 
 Bsdf::Bsdf(Scattering one_sided) : layers_{{one_sided}} { prepare(); }
 
@@ -102,15 +194,17 @@ LobeValues Bsdf::mixture_f_local(const Vec3& wo, const Vec3& wi, Transport trans
     for (const Layer& layer : layers_) {
         const Vec3 o = to_layer(layer, wo), i = to_layer(layer, wi);
         if (!same_side(layer, wo, o) || !same_side(layer, wi, i)) continue;
+        const float share = layer.weight * perturbed_share(layer, transport, wo, wi);
+        if (share == 0.f) continue;
         const LobeValues f = std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, layer.model);
-        const float weight = layer.weight * tilted_cosine_ratio(layer, transport, wo, o, wi, i);
+        const float weight = share * tilted_cosine_ratio(layer, transport, wo, o, wi, i);
         sum.diffuse += weight * f.diffuse;
         sum.specular += weight * f.specular;
     }
     return sum;
 }
 
-float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
+float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Transport transport) const {
     if (const Layer* only = only_layer(wo.z())) {
         const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);
         return std::visit([&](const auto& m) { return m.pdf_w_local(o, i, which); }, only->model);
@@ -118,11 +212,10 @@ float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) con
     float sum = 0.f, total = 0.f;
     for (const Layer& layer : layers_) {
         const Vec3 o = to_layer(layer, wo), i = to_layer(layer, wi);
-        if (!same_side(layer, wo, o)) continue;
-        const float weight = choice_weight(layer, o, which);
+        const float weight = choice_weight(layer, wo, which, transport);
         total += weight;
-        if (weight > 0.f && same_side(layer, wi, i))
-            sum += weight * std::visit([&](const auto& m) { return m.pdf_w_local(o, i, which); }, layer.model);
+        if (weight > 0.f && joins(layer, transport, wi, i))
+            sum += weight * layer_pdf_w(layer, transport, which, wo, o, wi, i);
     }
     return total > 0.f ? sum / total : 0.f;
 }
@@ -145,8 +238,7 @@ std::optional<BsdfSample> Bsdf::sample_mixture_local(const Vec3& wo, const Vec2&
     std::array<float, max_layers> weights;
     float total = 0.f;
     for (std::size_t l = 0; l < layers_.size(); ++l) {
-        const Vec3 o = to_layer(layers_[l], wo);
-        weights[l] = same_side(layers_[l], wo, o) ? choice_weight(layers_[l], o, which) : 0.f;
+        weights[l] = choice_weight(layers_[l], wo, which, transport);
         total += weights[l];
     }
     if (!(total > 0.f)) return std::nullopt;
@@ -160,21 +252,18 @@ std::optional<BsdfSample> Bsdf::sample_mixture_local(const Vec3& wo, const Vec2&
         rest -= weights[l];
     }
     const Layer& layer = layers_[chosen];
-    const Vec3 o = to_layer(layer, wo);
     const float u_layer = std::clamp(rest / weights[chosen], 0.f, 1.f - unit_roundoff);
-    auto sample =
-        std::visit([&](const auto& m) { return m.sample_local(o, u_layer, u, transport, which); }, layer.model);
+    auto sample = sample_layer(layer, transport, which, wo, u_layer, u);
     if (!sample) return sample;
-    const Vec3 wi = from_layer(layer, sample->wi);
-    if (wi.z() == 0.f || !same_side(layer, wi, sample->wi)) return std::nullopt;
+    const Vec3 wi = sample->wi, o = to_layer(layer, wo), i = to_layer(layer, wi);
+    if (wi.z() == 0.f || !joins(layer, transport, wi, i)) return std::nullopt;
     if (sample->delta) {
-        sample->f *= layer.weight * tilted_cosine_ratio(layer, transport, wo, o, wi, sample->wi);
+        sample->f *= layer.weight * perturbed_share(layer, transport, wo, wi) *
+                     tilted_cosine_ratio(layer, transport, wo, o, wi, i);
         sample->pdf_w *= weights[chosen] / total;
-        sample->wi = wi;
         return sample;
     }
-    sample->wi = wi;
-    sample->pdf_w = pdf_w_local(wo, wi, which);
+    sample->pdf_w = pdf_w_local(wo, wi, which, transport);
     if (!(sample->pdf_w > 0.f)) return std::nullopt;
     if (mixes_kinds_ && which == Lobes::all) choose_kind(wo, u_lobe.y(), transport, *sample);
     else sample->f = f_local(wo, wi, transport).of(which);
@@ -194,7 +283,7 @@ ScatteringCoefficients Bsdf::coefficients_local(const Vec3& wo) const {
     ScatteringCoefficients sum;
     for (const Layer& layer : layers_) {
         const Vec3 o = to_layer(layer, wo);
-        if (!same_side(layer, wo, o)) continue;
+        if (!same_side(layer, wo, o) || !layer.exists_for(wo)) continue;
         const auto c = std::visit([&](const auto& m) { return m.coefficients_local(o); }, layer.model);
         sum.diffuse += layer.weight * c.diffuse;
         sum.specular += layer.weight * c.specular;

@@ -16,6 +16,42 @@ namespace gib {
 using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, RoughConductor, RoughDielectric,
                                 Plastic, RoughPlastic, Phong>;
 
+/// A bump or normal map as one layer sees it, in the shading frame of the hit.
+///
+/// Mitsuba turns a normal that the eye would see from behind about the surface's own (`flip_invalid_normals`). Light that is
+/// traced from its source does not know yet where the eye lies: a layer then stands for one of the two normals, and scatters only
+/// towards eyes that see this one.
+///
+/// The shadowing is that of Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+/// Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3: the light's, whichever way it is followed.
+class Perturbation {
+public:
+    enum class Eye {
+        any,
+        in_front,
+        behind
+    };  ///< of the normal before it was turned; of the surface, eyes see either side
+
+    /// `base` and `tilted`, both normalised: the normal before and after the map, not turned. `shadows`: the factor is not 1.
+    Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows);
+
+    /// Whether the layer exists for an eye in this direction.
+    bool exists_for(const Vec3& eye) const {
+        return eye_ == Eye::any || (eye.dot(base_) * eye.dot(tilted_) > 0.f) == (eye_ == Eye::in_front);
+    }
+    /// The share of directions for which it exists.
+    float share() const;
+    /// It leaves all light to its layer, for every eye.
+    bool does_nothing() const { return eye_ == Eye::any && alpha2_ == 0.f; }
+    /// 0 to 1.
+    float shadowing(const Vec3& light) const;
+
+private:
+    Vec3 base_, tilted_;
+    Eye eye_;
+    float alpha2_;  ///< of the distribution of normals that the map stands for
+};
+
 /// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there with
 /// probability o. Directions are in the shading frame of the hit.
 class Bsdf {
@@ -27,9 +63,14 @@ public:
         bool flipped = false;  ///< its front is the surface's back
         std::optional<Eigen::Matrix3f> to_layer =
             {};  ///< orthogonal, the flip included: from the shading frame to a tilted one
+        std::vector<Perturbation> perturbations = {};  ///< of the maps that tilted it, without those that do nothing
+
+        bool exists_for(const Vec3& eye) const;
+        float shadowing(const Vec3& light) const;
+        float share() const;
     };
 
-    static constexpr std::size_t max_layers = 16;
+    static constexpr std::size_t max_layers = 32;
 
     explicit Bsdf(Scattering one_sided);
     /// Two models back to back (Mitsuba's `twosided`).
@@ -48,10 +89,11 @@ public:
                           : layered_f_local(wo, wi, transport);
     }
     /// Density of sample_local for those lobes [1/sr].
-    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which = Lobes::all) const {
+    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which = Lobes::all,
+                      Transport transport = Transport::radiance) const {
         const DiffuseSide& side = diffuse_side(wo.z());
         return side.alone ? side.model.pdf_w_local(side.seen(wo), side.seen(wi), which)
-                          : layered_pdf_w_local(wo, wi, which);
+                          : layered_pdf_w_local(wo, wi, which, transport);
     }
     /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have given
     /// the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their f; the
@@ -97,7 +139,7 @@ private:
     }
     LobeTraits traits_of_side(bool below) const;
     LobeValues layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
-    float layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const;
+    float layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Transport transport) const;
     std::optional<BsdfSample> sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
                                                    Transport transport, Lobes which) const;
     LobeValues mixture_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;

@@ -16,6 +16,8 @@ struct Passage {
     Frame frame;  ///< the shading frame as tilted so far, in world space
     Matrix to_layer = Matrix::Identity();
     bool tilted = false, flipped = false;
+    bool again = false;  ///< the same part seen with another normal, whose holes are counted
+    std::vector<Perturbation> perturbations;
 };
 
 Matrix axes(const Frame& f) {
@@ -41,10 +43,13 @@ private:
             if (p.set_color) p.set_color(layer.model, p.texture.color(point_.uv).max(0.f));
             else p.set_value(layer.model, p.texture.value(point_.uv));
         }
-        if (passage.tilted) layer.to_layer = passage.to_layer;
+        if (passage.tilted) {
+            layer.to_layer = passage.to_layer;
+            layer.perturbations = passage.perturbations;
+        }
         layers_.push_back(std::move(layer));
     }
-    void add(const Nothing&, const Passage& passage) { pass_through_ += passage.share; }
+    void add(const Nothing&, const Passage& passage) { pass_through(passage, passage.share); }
     void add(const Blend& node, Passage passage) {
         const float share = passage.share;
         float weight = std::clamp(node.weight.value(point_.uv), 0.f, 1.f);
@@ -56,9 +61,12 @@ private:
     }
     void add(const Mask& node, Passage passage) {
         const float opacity = std::clamp(node.opacity.value(point_.uv), 0.f, 1.f);
-        pass_through_ += passage.share * (1.f - opacity);
+        pass_through(passage, passage.share * (1.f - opacity));
         passage.share *= opacity;
         add(*node.nested, passage);
+    }
+    void pass_through(const Passage& passage, float share) {
+        if (!passage.again) pass_through_ += share;
     }
     void add(const TwoSided& node, Passage passage) {
         add(*node.front, passage);
@@ -73,21 +81,36 @@ private:
         const Vec3 dv = point_.dp_dv + n * (slope.y() - n.dot(point_.dp_dv));
         Vec3 tilted = du.cross(dv);
         if (point_.ng.dot(tilted) < 0.f) tilted = -tilted;
-        add_tilted(*node.nested, passage, tilted);
+        add_perturbed(*node.nested, node.options, passage, tilted);
     }
     void add(const NormalMap& node, const Passage& passage) {
         const Color c = node.normal.color(point_.uv);
-        add_tilted(*node.nested, passage, passage.frame.to_world(Vec3((2.f * c - 1.f).matrix())));
+        add_perturbed(*node.nested, node.options, passage, passage.frame.to_world(Vec3((2.f * c - 1.f).matrix())));
     }
     /// `normal` of any length; one without a direction tilts nothing.
-    void add_tilted(const Material& nested, Passage passage, const Vec3& normal) {
+    void add_perturbed(const Material& nested, const PerturbationOptions& options, Passage passage,
+                       const Vec3& normal) {
+        using Eye = Perturbation::Eye;
         const float length = normal.norm();
-        if (length > 0.f && std::isfinite(length)) {
-            const Frame tilted = frame_along(normal / length, point_.dp_du);
-            passage.to_layer = axes(tilted).transpose() * axes(passage.frame) * passage.to_layer;
-            passage.frame = tilted;
-            passage.tilted = true;
-        }
+        if (!(length > 0.f && std::isfinite(length))) return add(nested, passage);
+        const Vec3 base = passage.frame.n, tilted = normal / length;
+        const Vec3 turned = 2.f * base.dot(tilted) * base - tilted;
+        const bool flips = options.flip_invalid_normals && (tilted - turned).squaredNorm() > 0.f;
+        const auto perturbation = [&](Eye eye) {
+            const Matrix to_shading = passage.to_layer.transpose() * axes(passage.frame).transpose();
+            return Perturbation(to_shading * base, to_shading * tilted, eye, options.use_shadowing_function);
+        };
+        add_tilted(nested, passage, tilted, perturbation(flips ? Eye::in_front : Eye::any));
+        if (!flips) return;
+        passage.again = true;
+        add_tilted(nested, passage, turned.normalized(), perturbation(Eye::behind));
+    }
+    void add_tilted(const Material& nested, Passage passage, const Vec3& normal, const Perturbation& perturbation) {
+        const Frame tilted = frame_along(normal, passage.frame.s);
+        passage.to_layer = axes(tilted).transpose() * axes(passage.frame) * passage.to_layer;
+        passage.frame = tilted;
+        passage.tilted = true;
+        if (!perturbation.does_nothing()) passage.perturbations.push_back(perturbation);
         add(nested, passage);
     }
 
@@ -152,6 +175,8 @@ Material::Material(Node node) : node_(std::move(node)) {
     } else {
         const auto* bump = std::get_if<BumpMap>(&node_);
         nest(bump ? bump->nested : std::get<NormalMap>(node_).nested);
+        // At a point each model appears once for either normal.
+        if ((bump ? bump->options : std::get<NormalMap>(node_).options).flip_invalid_normals) models_ *= 2;
         is_bumped_ = true;
         constant = false;
     }

@@ -39,17 +39,23 @@ struct Mask {
 struct TwoSided {
     NestedMaterial front, back;
 };
+/// What is done about normals that the geometry contradicts: see Perturbation.
+struct PerturbationOptions {
+    bool flip_invalid_normals = true, use_shadowing_function = true;
+};
 /// The normal of the surface displaced by scale * height along its shading normal, in scene units; the change of the shading
 /// normal over the surface is neglected. Source: Blinn 1978, "Simulation of Wrinkled Surfaces".
 struct BumpMap {
     Texture height;
     float scale;
     NestedMaterial nested;
+    PerturbationOptions options{};
 };
 /// The normal 2 c - 1 of a colour c, in the shading frame whose first axis follows u.
 struct NormalMap {
     Texture normal;
     NestedMaterial nested;
+    PerturbationOptions options{};
 };
 
 /// What a material needs to know of the place where light meets it.
@@ -86,7 +92,7 @@ private:
     Node node_;
     LobeTraits traits_;
     bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false;
-    std::size_t models_ = 0;  ///< in all nested materials
+    std::size_t models_ = 0;  ///< layers that all nested materials can become at a point
     std::shared_ptr<const Bsdf> constant_;
 };
 

@@ -295,19 +295,24 @@ Material parse_mask(Properties& properties, TextureFiles& files) {
                          parse_nested(nested_bsdfs(properties, 1, 1)[0], files)});
 }
 
+PerturbationOptions parse_perturbation(Properties& properties) {
+    return {properties.boolean("flip_invalid_normals", true), properties.boolean("use_shadowing_function", true)};
+}
+
 /// The height's texture may have any name.
 Material parse_bumpmap(Properties& properties, TextureFiles& files) {
     const double scale = properties.number("scale", 1);
     if (!(std::abs(scale) <= highest_bump))
         throw InputError(properties.where("scale"), fmt::format("'scale' must be between {0:g} and {1:g}, not {2:g}",
                                                                 -highest_bump, highest_bump, scale));
+    const PerturbationOptions options = parse_perturbation(properties);
     const auto height = properties.object("texture");
     if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
     const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
     const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
     if (!texture.has_gradient())
         throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
-    return Material(BumpMap{texture, static_cast<float>(scale), nested});
+    return Material(BumpMap{texture, static_cast<float>(scale), nested, options});
 }
 
 Material parse_normalmap(Properties& properties, TextureFiles& files) {
@@ -317,7 +322,8 @@ Material parse_normalmap(Properties& properties, TextureFiles& files) {
     const auto image = properties.named_object("normalmap", "texture");
     const Texture normal = image ? parse_texture(*image, ColorRange::non_negative, files)
                                  : Texture(properties.color("normalmap", 1, ColorRange::unit));
-    return Material(NormalMap{normal, parse_nested(nested_bsdfs(properties, 1, 1)[0], files)});
+    const PerturbationOptions options = parse_perturbation(properties);
+    return Material(NormalMap{normal, parse_nested(nested_bsdfs(properties, 1, 1)[0], files), options});
 }
 
 using Parse = Material (*)(Properties&, TextureFiles&);

@@ -106,8 +106,8 @@ TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
         {"blendbsdf", grey + grey, "<bsdf>, weight"},
         {"mask", grey, "opacity, <bsdf>"},
         {"null", "", "nothing"},
-        {"bumpmap", bumps, "scale, <texture>, <bsdf>"},
-        {"normalmap", grey + normals, "normalmap, <bsdf>"},
+        {"bumpmap", bumps, "scale, flip_invalid_normals, use_shadowing_function, <texture>, <bsdf>"},
+        {"normalmap", grey + normals, "normalmap, flip_invalid_normals, use_shadowing_function, <bsdf>"},
         {"twosided", grey, "<bsdf>"}};
     for (const auto& row : rows) {
         EXPECT_EQ(error_of(row.type, row.parameters), "no error") << row.type;
@@ -343,9 +343,27 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
          {"normalmap", grey + "\n" + rgb("normalmap", "0 0 2"), "5:23", "between 0 and 1"},
          {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1", "'normalmap' cannot be a <bsdf>"},
          {"normalmap", grey + squares("normalmap") + "\n" + squares("other"), "5:1",
-          "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, <bsdf>"},
+          "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, flip_invalid_normals, "
+          "use_shadowing_function, <bsdf>"},
          {"normalmap", bitmap("normalmap", "no.png") + grey, "5:1", "there is no file 'no.png'"}});
     EXPECT_EQ(error_of("bumpmap", height + number("scale", "-3")), "no error");
+    for (const std::string name : {"flip_invalid_normals", "use_shadowing_function"}) {
+        const auto boolean = [&](const std::string& value) {
+            return "<boolean name=\"" + name + "\" value=\"" + value + "\"/>";
+        };
+        const std::string place = "6" + value_place("boolean", name).substr(1);
+        for (const auto& [type, sound] : {std::pair<std::string, std::string>("bumpmap", height),
+                                          {"normalmap", grey + squares("normalmap") + "\n\n"}}) {
+            EXPECT_EQ(error_of(type, sound + boolean("false")), "no error");
+            expect_errors(
+                {{type, sound + boolean("1"), place, "'1' is neither true nor false"},
+                 {type, sound + boolean(""), place, "'' is neither true nor false"},
+                 {type, sound + number(name, "1"), "6:1", "'" + name + "' cannot be a <float>; it takes: <boolean>"},
+                 {type, sound + squares(name), "6:1", "'" + name + "' cannot be a <texture>"},
+                 {type, sound + "<boolean name=\"" + name + "\"/>", "6:1", "value"},
+                 {type, sound + boolean("true") + "\n" + boolean("true"), "7:1", "'" + name + "'"}});
+        }
+    }
 }
 
 TEST(BsdfErrors, BitmapsThatCannotBeRead) {

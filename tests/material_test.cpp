@@ -24,8 +24,8 @@ MaterialPoint flat_point(const Vec2& uv = Vec2::Zero()) {
 }
 
 /// A normal map of one colour: the normal (x, y, z) / length everywhere.
-Material tilted(const Vec3& n, NestedMaterial inside) {
-    return Material(NormalMap{Texture(Color(0.5f * (n.array() + 1.f))), std::move(inside)});
+Material tilted(const Vec3& n, NestedMaterial inside, PerturbationOptions options = {false, false}) {
+    return Material(NormalMap{Texture(Color(0.5f * (n.array() + 1.f))), std::move(inside), options});
 }
 
 /// Mean weight of the samples from wo, and its standard error.
@@ -135,6 +135,79 @@ TEST(Material, AFlatNormalMapChangesNothing) {
     const Vec3 wo = direction(35, 0.2f), wi = direction(65, 2.f);
     EXPECT_NEAR(bsdf.f_local(wo, wi).diffuse[0], 0.5f * inv_pi, 1e-6f);
     EXPECT_NEAR(bsdf.pdf_w_local(wo, wi), wi.z() * inv_pi, 1e-6f);
+}
+
+// Estevez, Lecocq and Stein 2019: 2 / (1 + sqrt(1 + alpha^2 tan^2 theta)) of the light, alpha^2 = tan^2(theta_n) / 8 up to 1.
+TEST(Material, ShadowingOfATiltedNormalIsThatOfTheLight) {
+    const Vec3 eye = direction(10, 0), light = direction(60, 0.7f);
+    const struct {
+        Vec3 normal;
+        double alpha2;
+    } rows[] = {{{0.5f, 0.f, 1.f}, 0.25 / 8}, {{0.f, 2.f, 1.f}, 4.0 / 8}, {{3.f, 0.f, 1.f}, 1}};
+    for (const auto& row : rows) {
+        const Vec3 n = row.normal.normalized();
+        const Bsdf plain = tilted(n, nested(diffuse(0.5f))).at(flat_point());
+        const Bsdf shadowed = tilted(n, nested(diffuse(0.5f)), {false, true}).at(flat_point());
+        const double expected = 2 / (1 + std::sqrt(1 + row.alpha2 * 3));
+        const auto ratio = [&](const Vec3& wo, const Vec3& wi, Transport transport) {
+            return static_cast<double>(shadowed.f_local(wo, wi, transport).diffuse[0] /
+                                       plain.f_local(wo, wi, transport).diffuse[0]);
+        };
+        EXPECT_NEAR(ratio(eye, light, Transport::radiance), expected, 1e-5);
+        EXPECT_NEAR(ratio(light, eye, Transport::power), expected, 1e-5) << "followed the other way";
+        EXPECT_EQ(shadowed.pdf_w_local(eye, light), plain.pdf_w_local(eye, light));
+        const Bsdf mirror = tilted(n, nested(Scattering(Conductor{})), {false, true}).at(flat_point());
+        const Vec3 bisector = (n + Vec3::UnitZ()).normalized(), glancing = (n + bisector).normalized();
+        const auto s = mirror.sample_local(glancing, {0.5f, 0.5f}, {0.5f, 0.5f}, Transport::radiance);
+        const Vec3 reflected = 2.f * n.dot(glancing) * n - glancing;
+        ASSERT_TRUE(s) << n.transpose();
+        const double tan2 = 1 / sqr(static_cast<double>(reflected.z())) - 1;
+        EXPECT_NEAR(s->f[0] * std::abs(s->wi.z()) / s->pdf_w, 2 / (1 + std::sqrt(1 + row.alpha2 * tan2)), 1e-4);
+    }
+}
+
+TEST(Material, ANormalThatTheEyeSeesFromBehindIsTurned) {
+    const Vec3 n = Vec3(1.f, 0.f, 1.f).normalized(), turned(-n.x(), -n.y(), n.z());
+    const Bsdf bsdf = tilted(n, nested(diffuse(0.5f)), {true, false}).at(flat_point());
+    const Vec3 light = direction(20, 2.f), front = direction(30, 1.f), behind = direction(60, pi);
+    EXPECT_NEAR(bsdf.f_local(front, light).diffuse[0] * light.z(), 0.5f * inv_pi * n.dot(light), 1e-6f);
+    EXPECT_NEAR(bsdf.f_local(behind, light).diffuse[0] * light.z(), 0.5f * inv_pi * turned.dot(light), 1e-6f);
+    EXPECT_NEAR(bsdf.pdf_w_local(behind, light), turned.dot(light) * inv_pi, 1e-6f);
+    EXPECT_NEAR(bsdf.coefficients_local(behind).diffuse[0], 0.5f, 1e-6f) << "one of both normals";
+    // A photon scatters towards either eye as that eye sees it. Its caller divides by the cosine of the photon's direction.
+    for (const Vec3& eye : {front, behind})
+        EXPECT_NEAR(bsdf.f_local(light, eye, Transport::power).diffuse[0], bsdf.f_local(eye, light).diffuse[0], 1e-6f);
+    const Vec3 below = direction(120, 0);  // the eye inside, for which n lies behind
+    const Bsdf glass = tilted(n, nested(Scattering(Dielectric{})), {true, false}).at(flat_point());
+    EXPECT_TRUE(glass.sample_local(below, {0.01f, 0.5f}, {0.5f, 0.5f}, Transport::radiance));
+    // Holes of what lies beneath are counted once.
+    const Material holes = tilted(n, nested(Mask{constant(0.4f), nested(diffuse(0.5f))}), {true, true});
+    EXPECT_NEAR(holes.at(flat_point()).pass_through(), 0.6f, 1e-6f);
+    EXPECT_NEAR(holes.at(flat_point()).coefficients_local(front).diffuse[0], 0.5f, 1e-6f);
+}
+
+// The mean weight of samples is the integral of f cos, whichever normal was sampled, and no light is made. A z-test of each row
+// at 5 standard errors: alpha below 1e-5 over all rows.
+TEST(Material, SamplesOfTurnedAndShadowedNormalsAgreeWithTheirDensity) {
+    constexpr std::uint32_t n = 1 << 17;
+    for (const Vec3& normal : {Vec3(0.3f, 0.1f, 1.f), Vec3(-1.f, 0.5f, 0.7f)})
+        for (float degrees : {5.f, 50.f, 85.f})
+            for (Transport transport : {Transport::radiance, Transport::power}) {
+                const Bsdf bsdf = tilted(normal.normalized(), nested(diffuse(1.f)), {true, true}).at(flat_point());
+                const Vec3 wo = direction(degrees, 0.4f);
+                test::Moments uniform;
+                for (std::uint32_t i = 0; i < n; ++i) {
+                    const Vec2 u = Sampler(PointSet::independent, 4, 6, i).get_2d(0);
+                    const float z = u.x(), r = safe_sqrt(1.f - z * z), phi = 2.f * pi * u.y();
+                    const Vec3 wi(r * std::cos(phi), r * std::sin(phi), z);
+                    uniform.add(static_cast<double>(bsdf.f_local(wo, wi, transport).sum()[0] * z * 2.f * pi));
+                }
+                const Albedo sampled = sampled_albedo(bsdf, wo, transport);
+                EXPECT_NEAR(sampled.mean, uniform.mean(), 5 * std::hypot(sampled.error, uniform.standard_error()))
+                    << normal.transpose() << ", " << degrees;
+                if (transport == Transport::power) continue;
+                EXPECT_LE(sampled.mean, 1.0 + 1e-6);
+            }
 }
 
 TEST(Material, ATextureVariesAParameterOverTheSurface) {

@@ -24,6 +24,8 @@ struct BsdfModel {
 };
 
 std::vector<BsdfModel> bsdf_models();
+/// Bump and normal maps, which are not reciprocal: their cosine and their shadowing are the light's, and the normal is the eye's.
+std::vector<BsdfModel> perturbed_models();
 
 /// A material as the rest of the program calls it. What a change of that interface costs the tests is in here.
 class LocalBsdf {
@@ -31,9 +33,9 @@ public:
     explicit LocalBsdf(const BsdfModel& model);
 
     std::optional<BsdfSample> sample(const Vec3& wo, const RandomNumbers& numbers, Transport transport) const;
-    double pdf(const Vec3& wo, const Vec3& wi) const;
-    /// For radiance, [1/sr].
-    Color f(const Vec3& wo, const Vec3& wi) const;
+    double pdf(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
+    /// [1/sr]
+    Color f(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
     /// Index on the side of w.
     double index(const Vec3& w) const { return w.z() >= 0.f ? 1.0 : eta_; }
 

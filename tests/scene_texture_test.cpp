@@ -3,6 +3,7 @@
 #include "common/scene_texture.h"
 
 #include "common/linear_file.h"
+#include "common/material.h"
 #include "texture_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -283,6 +284,34 @@ TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
     write_image(folder_ / "srgb.exr", 1, 1, 3, {0, 0, 0},
                 {OIIO::TypeDesc::FLOAT, 0, {}, {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}});
     EXPECT_EQ(error("srgb.exr"), "no error");
+}
+
+TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
+    const TemporaryFolder folder;
+    const std::string height = test::write_image(folder / "height.exr", 2, 1, 1, {0, 1});
+    const std::string bumps = "<bsdf type=\"bumpmap\"><texture type=\"bitmap\"><string name=\"filename\" value=\"" +
+                              height + "\"/></texture>",
+                      normals = "<bsdf type=\"normalmap\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>";
+    const auto options = [](const std::string& map, const std::string& booleans) {
+        const auto loaded =
+            test::load("<shape type=\"rectangle\">" + map + booleans + "<bsdf type=\"diffuse\"/></bsdf></shape>");
+        const Material& material = loaded.scene->material_of_shape(0);
+        const auto* bump = std::get_if<BumpMap>(&material.node());
+        return bump ? bump->options : std::get<NormalMap>(material.node()).options;
+    };
+    const std::string no_turn = "<boolean name=\"flip_invalid_normals\" value=\"false\"/>",
+                      no_shadow = "<boolean name=\"use_shadowing_function\" value=\"false\"/>";
+    for (const std::string& map : {bumps, normals}) {
+        const struct {
+            std::string booleans;
+            bool turn, shadow;
+        } rows[] = {
+            {"", true, true}, {no_turn, false, true}, {no_shadow, true, false}, {no_turn + no_shadow, false, false}};
+        for (const auto& row : rows) {
+            EXPECT_EQ(options(map, row.booleans).flip_invalid_normals, row.turn) << map << row.booleans;
+            EXPECT_EQ(options(map, row.booleans).use_shadowing_function, row.shadow) << map << row.booleans;
+        }
+    }
 }
 
 TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
