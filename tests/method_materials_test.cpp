@@ -2,6 +2,8 @@
 #include "common/sampler.h"
 #include "tests/scene_fixtures.h"
 
+#include <fmt/format.h>
+
 namespace gib {
 namespace {
 
@@ -90,6 +92,8 @@ Colord albedo(const Material& material, const Vec3& wo) {
     return through + (1 - through) * scattered;
 }
 
+class MaskedLight : public testing::TestWithParam<std::string> {};
+
 class EveryMaterial : public testing::TestWithParam<std::tuple<std::string, NamedMaterial>> {};
 
 std::vector<std::string> method_names() {
@@ -116,6 +120,29 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
         }
     }
 }
+
+// The sun above two black masks, a floor below them, and the camera in between: a shadow ray is dimmed by both.
+TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
+    const auto sheet = [](double z, double opacity) {
+        return fmt::format(
+                   "<shape type='rectangle'><transform name='to_world'><scale value='9'/><translate "
+                   "z='{}'/></transform>",
+                   z) +
+               bsdf("mask", number("opacity", opacity) + bsdf("twosided", bsdf("diffuse", rgb("reflectance", "0")))) +
+               "</shape>";
+    };
+    const auto scene = test::scene_of(test::scene_xml(
+        "<sensor type='perspective'><float name='fov' value='20'/><transform name='to_world'><rotate y='1' "
+        "angle='180'/><translate z='1'/></transform>" +
+        test::box_film(4) +
+        "</sensor><emitter type='directional'><vector name='direction' value='0, 0, -1'/><rgb name='irradiance' "
+        "value='2'/></emitter><shape type='rectangle'>" +
+        bsdf("diffuse", rgb("reflectance", "0.5")) + "</shape>" + sheet(2, 0.4) + sheet(3, 0.7)));
+    const double expected = 0.5 * 2 / std::numbers::pi * (1 - 0.4) * (1 - 0.7);
+    EXPECT_NEAR(mean_of(render(scene, GetParam(), 1).total())[0], expected, 1e-5);
+}
+INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(method_names()),
+                         [](const auto& name) { return name.param; });
 
 /// Light on a grey floor seen from above, by way of a wall whose normals point steeply up: the floor sees those of the wall's upper
 /// part from behind. A spot light grazes the wall from the side.
