@@ -33,7 +33,7 @@ public:
     std::optional<Intersection> intersect(const Ray& ray) const;
     /// As many rays as are traced at once.
     static constexpr std::size_t packet_size = 8;
-    /// Writes to `found` what intersect() finds on each of at most packet_size rays, up to rounding in t, u and v. Faster where
+    /// Writes to `found` what intersect() finds on each of 1 to packet_size rays, up to rounding in t, u and v. Faster where
     /// the rays take the same way through the tree, as those of neighbouring pixels do.
     void intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const;
     bool occluded(const Ray& ray) const;

@@ -26,11 +26,8 @@ using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, 
 /// Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3: the light's, whichever way it is followed.
 class Perturbation {
 public:
-    enum class Eye {
-        any,
-        in_front,
-        behind
-    };  ///< of the normal before it was turned; of the surface, eyes see either side
+    /// The eyes that see a layer, by their side of the normal before it was turned. Of the surface, they see either side.
+    enum class Eye { any, in_front, behind };
 
     /// `base` and `tilted`, both normalised: the normal before and after the map, not turned. `shadows`: the factor is not 1.
     Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows);

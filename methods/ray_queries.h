@@ -45,7 +45,7 @@ public:
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
     }
-    /// trace() of at most Accelerator::packet_size rays at once.
+    /// trace() of 1 to Accelerator::packet_size rays at once.
     void trace(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) {
         for (const Ray& ray : rays)
             note(ray, false);

@@ -121,7 +121,8 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
     }
 }
 
-// The sun above two black masks, a floor below them, and the camera in between: a shadow ray is dimmed by both.
+// The sun above two black masks, a floor below them, and the camera in between: a shadow ray is dimmed by both. Nothing is left to
+// chance, so the tolerance is rounding alone.
 TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
     const auto sheet = [](double z, double opacity) {
         return fmt::format(
