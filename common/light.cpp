@@ -107,7 +107,8 @@ private:
         const Vec3 wi = to_light * per_d;
         const float cos_light = towards * per_d;
         const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
-        return LightSample{wi, d, Le, d2 / (cosine * light.surface.area()), false, shadow_ray_target(q, p)};
+        return std::optional<LightSample>(std::in_place, wi, d, Le, d2 / (cosine * light.surface.area()), false,
+                                          shadow_ray_target(q, p));
     }
 
     template <typename Intensity>

@@ -51,7 +51,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         if constexpr (features.holes) {
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                traced = rays.trace(hit->spawn_ray(traced.ray.d));
+                traced.ray = hit->spawn_ray(traced.ray.d);
+                rays.trace(traced);
                 continue;
             }
         }
@@ -85,7 +86,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
             if (!injected(Fault::roulette_rescaling)) beta /= survival;
         }
         previous = hit->p;
-        traced = rays.trace(hit->spawn_ray(hit->shading.to_world(next->wi)));
+        traced.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+        rays.trace(traced);
         ++vertex;
     }
     return sample;

@@ -134,7 +134,8 @@ private:
                 sample[Component::emission] += beta * Le * bsdf_sampling_weight(scene_, previous, pdf_w, *hit);
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                traced = rays.trace(hit->spawn_ray(traced.ray.d));
+                traced.ray = hit->spawn_ray(traced.ray.d);
+                rays.trace(traced);
                 continue;
             }
             if (vertex + 1 >= settings_.max_edges) break;
@@ -166,7 +167,8 @@ private:
                 beta /= survival;
             }
             previous = hit->p;
-            traced = rays.trace(hit->spawn_ray(hit->shading.to_world(next->wi)));
+            traced.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+            rays.trace(traced);
             ++vertex;
         }
         return sample;

@@ -19,19 +19,22 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
                     std::size_t end, Body&& body) {
     const Sensor& sensor = rays.scene().sensor();
     const auto width = static_cast<std::size_t>(sensor.width());
-    const auto sampler_of = [&](std::size_t pixel) { return Sampler(points, seed, pixel, pass); };
+    int x = static_cast<int>(begin % width), y = static_cast<int>(begin / width);
+    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;
     std::array<Ray, Accelerator::packet_size> packet;
     std::array<std::optional<Intersection>, Accelerator::packet_size> found;
     for (std::size_t first = begin; first < end; first += packet.size()) {
         const std::size_t count = std::min(packet.size(), end - first);
         for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t pixel = first + i;
-            packet[i] =
-                sensor.sample_ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width), sampler_of(pixel));
+            packet[i] = sensor.sample_ray(x, y, samplers[i].emplace(points, seed, first + i, pass));
+            if (++x == sensor.width()) {
+                x = 0;
+                ++y;
+            }
         }
         rays.trace(std::span(packet).first(count), found);
         for (std::size_t i = 0; i < count; ++i)
-            body(first + i, TracedRay{packet[i], found[i]}, sampler_of(first + i));
+            body(first + i, TracedRay{packet[i], found[i]}, *samplers[i]);
     }
 }
 

@@ -37,10 +37,10 @@ public:
         note(ray, false);
         return scene_.intersect(ray);
     }
-    /// intersect() in two steps.
-    TracedRay trace(const Ray& ray) {
-        note(ray, false);
-        return {ray, scene_.accelerator().intersect(ray)};
+    /// intersect() in two steps: the first sets `found`.
+    void trace(TracedRay& traced) {
+        note(traced.ray, false);
+        traced.found = scene_.accelerator().intersect(traced.ray);
     }
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
