@@ -26,6 +26,7 @@ inline constexpr float glossy_roughness = 0.1f;
 struct PathClass {
     int diffuse_vertices = 0;             ///< D vertices so far
     bool specular_since_diffuse = false;  ///< an S vertex after the last D (or after the eye)
+    bool in_medium = false;               ///< a vertex in a medium
 
     void scatter(LobeKind kind) {
         if (kind == LobeKind::diffuse) {
@@ -36,8 +37,9 @@ struct PathClass {
         }
     }
     /// The component of a path that ends on a light now:
-    /// E S* L | E S* D L | E S* D S+ L | E S* D (S* D)+ S* L.
+    /// one with a vertex in a medium, else E S* L | E S* D L | E S* D S+ L | E S* D (S* D)+ S* L.
     Component component() const {
+        if (in_medium) return Component::volume;
         if (diffuse_vertices == 0) return Component::emission;
         if (diffuse_vertices > 1) return Component::indirect;
         return specular_since_diffuse ? Component::caustic : Component::direct;

@@ -11,6 +11,7 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::refraction, "refraction", "light that passes a dielectric boundary and is bent"},
         {Effect::caustics, "caustics", "light that specular surfaces concentrate on diffuse ones"},
         {Effect::glossy_lobes, "glossy_lobes", "light scattered around a preferred direction by rough surfaces"},
+        {Effect::participating_media, "participating_media", "light absorbed or scattered between surfaces"},
         {Effect::textures, "textures", "materials or emitters that vary over a surface"},
         {Effect::bump_maps, "bump_maps", "shading normals tilted by a bump or normal map"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
@@ -55,6 +56,7 @@ Effects effects_of(const Scene& scene) {
     if (lobes.specular()) effects.add(Effect::specular_reflection);
     if (lobes.refraction) effects.add(Effect::refraction);
     if (lobes.rough) effects.add(Effect::glossy_lobes);
+    if (scene.has_media()) effects.add(Effect::participating_media);
     if (scene.sensor().has_lens()) effects.add(Effect::depth_of_field);
     if (scene.environment()) effects.add(Effect::environment_light);
     if (!scene.has_light()) return effects;

@@ -16,6 +16,7 @@ enum class Effect {
     refraction,
     caustics,
     glossy_lobes,
+    participating_media,
     textures,
     bump_maps,
     smooth_normals,

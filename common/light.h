@@ -87,6 +87,7 @@ struct LightSample {
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< no other technique can hit it
     Vec3 target;  ///< the end of the shadow ray, in front of the light's surface
+    bool at_infinity = false;
 };
 
 /// The start of a light path with its share of power.

@@ -90,6 +90,8 @@ inline constexpr std::uint32_t bsdf_direction = 3;
 inline constexpr std::uint32_t per_vertex = 4;
 /// Whether the n-th surface with holes on a path is there: first_hole + n.
 inline constexpr std::uint32_t first_hole = 0x40000000;
+/// Free flights through media and what else takes as many numbers as it needs: first_of_stream + n.
+inline constexpr std::uint32_t first_of_stream = 0x50000000;
 /// The dimension of `what` at vertex number `vertex` (the first surface hit is 0).
 inline constexpr std::uint32_t at_vertex(int vertex, std::uint32_t what) {
     return first_vertex + static_cast<std::uint32_t>(vertex) * per_vertex + what;
@@ -177,6 +179,19 @@ private:
     std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers
     std::uint32_t reversed_pass_;
     Key sequence_key_, pass_key_;
+};
+
+/// Numbers of a path one after another, for what takes as many as it needs. Independent of all others of the path.
+class NumberStream {
+public:
+    /// `sampler` must outlive this. One stream a path: two would give the same numbers.
+    explicit NumberStream(const Sampler& sampler) : sampler_(sampler) {}
+    /// In [0, 1).
+    float next() { return sampler_.get_1d(dimension_++); }
+
+private:
+    const Sampler& sampler_;
+    std::uint32_t dimension_ = dimension::first_of_stream;
 };
 
 }  // namespace gib

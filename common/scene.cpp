@@ -30,7 +30,12 @@ std::vector<double> light_weights(const std::vector<Light>& lights) {
 
 }  // namespace
 
-Scene::Scene(SceneParts parts) : materials_(std::move(parts.materials)), sensor_(required_sensor(parts.sensor)) {
+Scene::Scene(SceneParts parts)
+    : materials_(std::move(parts.materials)),
+      media_(std::move(parts.media)),
+      camera_medium_(parts.camera_medium),
+      has_media_(camera_medium_ != no_medium),
+      sensor_(required_sensor(parts.sensor)) {
     sensor_.translate(-parts.origin);
     for (auto& object : parts.objects) {
         bounds_.add(bounds_of(object.shape));
@@ -66,7 +71,8 @@ void Scene::add(SceneParts::Object&& object) {
         light = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
     }
-    surfaces_.push_back({object.material, light});
+    surfaces_.push_back({object.material, light, object.media});
+    has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
     has_holes_ |= materials_[object.material].has_holes();
 }
 

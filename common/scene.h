@@ -4,6 +4,7 @@
 #include "common/accelerator.h"
 #include "common/light.h"
 #include "common/material.h"
+#include "common/medium.h"
 #include "common/sensor.h"
 
 #include <memory>
@@ -31,17 +32,28 @@ struct SurfaceHit : SurfaceGeometry {
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 };
 
+inline constexpr std::uint32_t no_medium = ~0u;
+
+/// What lies on either side of a shape's surface.
+struct MediumSides {
+    bool boundary = false;  ///< false: the same as on the other side, whatever that is
+    std::uint32_t interior = no_medium, exterior = no_medium;  ///< behind the geometric normal, and in front of it
+};
+
 /// What a scene is built from, in the file's own coordinates.
 struct SceneParts {
     struct Object {
         Shape shape;
         std::uint32_t material;           ///< index into materials
         std::optional<Texture> radiance;  ///< of an area light
+        MediumSides media{};
     };
     std::vector<Object> objects;
     std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
     std::vector<Instance> instances;
     std::vector<Material> materials;
+    std::vector<Medium> media;
+    std::uint32_t camera_medium = no_medium;
     std::vector<Light> lights;     ///< all but the area lights; at most one environment
     std::optional<Sensor> sensor;  ///< required
     Vec3d origin = Vec3d::Zero();  ///< the file's coordinates of the scene's own origin: shapes and lights are given
@@ -62,6 +74,16 @@ public:
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
     /// Some surface lets light pass straight through (masks).
     bool has_holes() const { return has_holes_; }
+    /// Some space between surfaces absorbs or scatters light.
+    bool has_media() const { return has_media_; }
+    /// What the camera stands in; null: nothing.
+    const Medium* camera_medium() const { return medium(camera_medium_); }
+    /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.
+    const Medium* medium_beyond(const SurfaceHit& hit, const Vec3& w, const Medium* before) const {
+        const MediumSides& sides = surfaces_[hit.shape].media;
+        if (!sides.boundary) return before;
+        return medium(w.dot(hit.ng) > 0.f ? sides.exterior : sides.interior);
+    }
     const Bounds& bounds() const { return bounds_; }
     /// Of the box around all surfaces [scene units]; lengths given as fractions refer to it.
     float diagonal() const { return bounds_.diagonal(); }
@@ -100,7 +122,9 @@ private:
     struct Surface {
         std::uint32_t material;
         std::uint32_t light;
+        MediumSides media;
     };
+    const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
     void resolve_material(const Material& material, SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
@@ -111,6 +135,9 @@ private:
     InstancedGroups groups_;
     std::vector<Material> materials_;
     bool has_holes_ = false;
+    std::vector<Medium> media_;
+    std::uint32_t camera_medium_ = no_medium;
+    bool has_media_ = false;
     std::vector<Light> lights_;
     std::optional<std::uint32_t> environment_;  ///< index among the lights
     DiscreteDistribution light_choice_;

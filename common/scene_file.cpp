@@ -2,6 +2,7 @@
 
 #include "common/scene_bsdf.h"
 #include "common/scene_emitter.h"
+#include "common/scene_medium.h"
 #include "common/scene_ms3d.h"
 #include "common/scene_sensor.h"
 #include "common/scene_shape.h"
@@ -25,6 +26,10 @@ public:
 
     void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
     void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
+    void add_medium(const NestedObject& medium) { medium_index(medium); }
+    void set_camera_medium(const std::optional<NestedObject>& medium) {
+        camera_medium_ = medium ? medium_index(*medium) : no_medium;
+    }
 
     void add_shape(const NestedObject& object) {
         if (is_shape(object, "shapegroup")) {
@@ -48,6 +53,9 @@ public:
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
+        for (const auto& medium : media_)
+            parts.media.push_back(parse_medium(medium, textures_, parts.origin));
+        parts.camera_medium = camera_medium_;
         parts.sensor = std::move(sensor);
         return parts;
     }
@@ -61,6 +69,7 @@ private:
         SourceLocation emitter_where;
         std::uint32_t material;
         std::optional<Texture> radiance;
+        MediumSides media{};
     };
     /// A shapegroup. Its own origin is the centre of its bounds.
     struct PendingGroup {
@@ -83,6 +92,12 @@ private:
     BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
         Properties properties(*object.element, ids_);
         const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
+        MediumSides media;
+        for (const auto& [name, side] : {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
+            if (const auto medium = properties.named_object(name, "medium")) {
+                *side = medium_index(*medium);
+                media.boundary = true;
+            }
         properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
         ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         properties.finish();
@@ -95,7 +110,7 @@ private:
         BoundsD bounds;
         for (auto& part : shapes.parts) {
             bounds.extend(bounds_of(part.shape));
-            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance};
+            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance, media};
             if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
                 pending.radiance = Texture(shapes.materials[*part.material].emissive);
             if (bsdf) {
@@ -150,7 +165,7 @@ private:
     static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
-            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance};
+            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance, p.media};
             if (p.radiance && !(area_of(object.shape) > 0))
                 throw InputError(p.emitter_where, "an area emitter on a shape without area");
             objects.push_back(std::move(object));
@@ -197,6 +212,13 @@ private:
         return it->second;
     }
 
+    /// A medium that several shapes refer to is one. It is read once the scene's origin is known.
+    std::uint32_t medium_index(const NestedObject& medium) {
+        const auto [it, is_new] = medium_of_element_.emplace(medium.element, static_cast<std::uint32_t>(media_.size()));
+        if (is_new) media_.push_back(medium);
+        return it->second;
+    }
+
     /// Mitsuba's: a grey diffuse surface, and a black one on a light.
     std::uint32_t default_material(bool emitter) {
         auto& index = default_materials_[emitter];
@@ -220,6 +242,9 @@ private:
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];
+    std::vector<NestedObject> media_;
+    std::map<const XmlElement*, std::uint32_t> medium_of_element_;
+    std::uint32_t camera_medium_ = no_medium;
     BoundsD bounds_;
 };
 
@@ -235,7 +260,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     const auto integrator = scene.object("integrator");
     const auto sensors = scene.objects("sensor");
     const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
-               spectra = scene.objects("spectrum"), textures = scene.objects("texture");
+               media = scene.objects("medium"), spectra = scene.objects("spectrum"), textures = scene.objects("texture");
     for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
         scene.objects(part_of_sensor);  // a sensor may refer to them
     scene.finish();
@@ -247,6 +272,9 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
     for (const auto& texture : textures)
         builder.check_texture(texture);
+    for (const auto& medium : media)
+        builder.add_medium(medium);
+    builder.set_camera_medium(parsed.medium);
     for (const auto& bsdf : bsdfs)
         builder.add_bsdf(bsdf);
     for (const auto& shape : shapes)

@@ -201,6 +201,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     // Nothing moves here.
     for (const char* name : {"shutter_open", "shutter_close"})
         properties.number(name);
+    const auto medium = properties.object("medium");
     const auto film = properties.object("film"), sampler = properties.object("sampler");
     if (film) parse_film(*film, ids, parameters);
     if (resolution) set_resolution(parameters, *resolution);
@@ -211,7 +212,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
         throw InputError(film ? film->where : sensor.where,
                          fmt::format("an image of {} x {} pixels with {} samples each is above {:g} samples",
                                      parameters.width, parameters.height, sample_count.value_or(1), most_samples));
-    return {Sensor(parameters), sample_count};
+    return {Sensor(parameters), sample_count, medium};
 }
 
 int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }

@@ -9,6 +9,7 @@ namespace gib {
 struct ParsedSensor {
     Sensor sensor;
     std::optional<int> sample_count;  ///< samples a pixel, of the sampler
+    std::optional<NestedObject> medium;  ///< that the sensor stands in
 };
 
 /// perspective, thinlens (fov or focal_length, fov_axis; the first with principal_point_offset_x and _y, the second with

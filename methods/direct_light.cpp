@@ -3,21 +3,37 @@
 namespace gib {
 
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which) {
+                               LightTechniques techniques, Lobes which, const Surroundings* surroundings) {
     const auto light = rays.scene().sample_light(hit.p, u.light_choice(), u.light_position());
     if (!light) return {};
     const Vec3 wi_local = hit.shading.to_local(light->wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light->Le)) return {};
-    const float visibility = rays.visibility(hit, *light);
-    if (visibility == 0.f) return {};
+    Color visibility;
+    if (surroundings) {
+        const Medium* medium = rays.scene().medium_beyond(hit, light->wi, surroundings->medium);
+        visibility = rays.transmittance(offset_origin(hit, light->wi), medium, *light, surroundings->flights);
+    } else {
+        visibility = Color::Constant(rays.visibility(hit, *light));
+    }
+    if (is_black(visibility)) return {};
     const bool combine =
         !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight =
         combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
-    const Color incident = light->Le * (std::abs(wi_local.z()) * weight * visibility / light->pdf_w);
+    const Color incident = light->Le * visibility * (std::abs(wi_local.z()) * weight / light->pdf_w);
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+}
+
+Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
+                          const Surroundings& surroundings) {
+    const auto light = rays.scene().sample_light(p, u.light_choice(), u.light_position());
+    if (!light || is_black(light->Le)) return Color::Zero();
+    const Color visibility = rays.transmittance(p, surroundings.medium, *light, surroundings.flights);
+    const float phase = surroundings.medium->phase().value(wo, light->wi);
+    const float weight = light->delta ? 1.f : power_heuristic(light->pdf_w, phase);
+    return light->Le * visibility * (phase * weight / light->pdf_w);
 }
 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,

@@ -12,11 +12,24 @@ enum class LightTechniques {
     light_and_bsdf_sampling  ///< weighted by the power heuristic against the bsdf's density
 };
 
+/// Where in a scene with media a vertex lies: what light crosses on its way is estimated with the numbers of `flights`.
+struct Surroundings {
+    const Medium* medium;  ///< in front of the surface as the path arrives; null: nothing
+    NumberStream& flights;
+};
+
 /// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes of the kinds `which` scatter towards wo straight
 /// from a light: f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling, by the kind of lobe.
 /// Source: Veach 1997, sections 8.2 (three-point form) and 9.2 (combination).
+/// `surroundings`: null in a scene without media.
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which = Lobes::all);
+                               LightTechniques techniques, Lobes which = Lobes::all,
+                               const Surroundings* surroundings = nullptr);
+
+/// One sample of the radiance [W/(sr m^2)] that a scattering event at p in `surroundings` sends towards wo straight from a light:
+/// p(wo, wi) Le T / pdf_w, times the weight of light sampling against the phase function's.
+Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
+                          const Surroundings& surroundings);
 
 /// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
 /// paths do not go on in that direction anyway.

@@ -58,12 +58,14 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
     Plan plan;
     plan.called_for = effects_of(scene);
     plan.missing = plan.called_for - method.simulates;
-    // The environment adds to every component.
-    const bool all = plan.missing.has(Effect::environment_light);
+    // The environment adds to every component, and media take from each.
+    const bool media = plan.missing.has(Effect::participating_media);
+    const bool all = media || plan.missing.has(Effect::environment_light);
     if (all) plan.unresolved.push_back(Component::emission);
     if (all || plan.missing.has(Effect::direct_light)) plan.unresolved.push_back(Component::direct);
     if (all || plan.missing.has(Effect::caustics)) plan.unresolved.push_back(Component::caustic);
     if (all || plan.missing.has(Effect::diffuse_interreflection)) plan.unresolved.push_back(Component::indirect);
+    if (media) plan.unresolved.push_back(Component::volume);
     return plan;
 }
 
@@ -73,7 +75,8 @@ void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
 }
 
 void add_light_sampling(Plan& plan, int max_edges) {
-    const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes);
+    const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes) ||
+                     plan.called_for.has(Effect::participating_media);
     plan.add(std::string(pass_light_sampling), lit && max_edges >= 2,
              lit ? "direct light has two edges, more than the longest path"
                  : "no light can reach a diffuse or glossy surface");
@@ -91,7 +94,7 @@ Film film_for(const Scene& scene, const Effects& effects, const MethodDescriptio
             case Component::indirect:
                 return effects.has(Effect::diffuse_interreflection);
             case Component::volume:
-                return false;
+                return scene.has_light() && effects.has(Effect::participating_media);
         }
         return false;
     };

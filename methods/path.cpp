@@ -1,7 +1,8 @@
 // Path tracing: the unbiased reference.
 //
-// Computes: every component of a scene without media, by random walks from the eye. Light is found in two ways, by sampling
-// a point of a light and by following the bsdf's samples, combined by the power heuristic (Veach 1997, section 9.2).
+// Computes: every component, by random walks from the eye. Light is found in two ways, by sampling a point of a light and by
+// following the samples of the bsdf or phase function, combined by the power heuristic (Veach 1997, section 9.2). In a medium
+// both need the same free flights, so these cancel in the heuristic.
 // Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
 // Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
 // surfaces, and finds small lights behind them rarely (heavy tails).
@@ -27,6 +28,14 @@ constexpr int first_roulette_vertex = 3;
 /// scaling of refractions, which is undone on the way out.
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
+/// Russian roulette; false: the path ends. `beta` is finite.
+bool survives(Color& beta, float eta_scale, float u) {
+    const float survival = survival_probability(beta, eta_scale);
+    if (!(u < survival)) return false;
+    if (!injected(Fault::roulette_rescaling)) beta /= survival;
+    return true;
+}
+
 template <PathFeatures features>
 PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
@@ -36,21 +45,48 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
     Vec3 previous = traced.ray.o;
     PathClass path;
     std::uint32_t holes = 0;
+    [[maybe_unused]] NumberStream flights(sampler);
+    [[maybe_unused]] const Medium* medium = features.media ? rays.scene().camera_medium() : nullptr;
     for (int vertex = 0; vertex < settings.max_edges;) {
         const auto hit = rays.surface_hit(traced);
+        const Vec3 wo = -traced.ray.d;
+        if constexpr (features.media) {
+            if (medium) {
+                const Ray& ray = traced.ray;  // of unit direction; clip distances are the camera's
+                const Vec3 from = ray.o + ray.t_min * ray.d;
+                const float length = (hit ? traced.found->t : ray.t_max) - ray.t_min;
+                const auto flight = medium->sample_flight(from, ray.d, length, flights, beta);
+                if (is_black(beta)) break;
+                if (flight) {
+                    if (vertex + 1 >= settings.max_edges) break;
+                    path.in_medium = true;
+                    previous = from + *flight * ray.d;
+                    const VertexNumbers u = sampler.at_vertex(vertex);
+                    if (settings.light_sampling)
+                        sample[path.component()] +=
+                            beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights});
+                    const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
+                    pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
+                    if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, u.roulette())) break;
+                    traced.ray = {previous, wi};
+                    rays.trace(traced);
+                    ++vertex;
+                    continue;
+                }
+            }
+        }
         if (!hit) {
             if (rays.scene().environment())
                 sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, traced.ray.d);
             break;
         }
-        const Vec3 wo = -traced.ray.d;
-
         const Color Le = hit->Le(wo);
         if (!is_black(Le))
             sample[path.component()] += beta * Le * bsdf_sampling_weight(rays.scene(), previous, pdf_w, *hit);
         if constexpr (features.holes) {
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
+                if constexpr (features.media) medium = rays.scene().medium_beyond(*hit, traced.ray.d, medium);
                 traced.ray = hit->spawn_ray(traced.ray.d);
                 rays.trace(traced);
                 continue;
@@ -63,8 +99,10 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
         if (sees_lights) {
+            const Surroundings surroundings{medium, flights};
             const LobeValues direct =
-                sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling);
+                sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::all,
+                                    features.media ? &surroundings : nullptr);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }
@@ -81,12 +119,12 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                 sample[path.component()] += beta;  // roulette would end the path in silence; the film counts it
                 break;
             }
-            const float survival = survival_probability(beta, eta_scale);
-            if (!(u.roulette() < survival)) break;
-            if (!injected(Fault::roulette_rescaling)) beta /= survival;
+            if (!survives(beta, eta_scale, u.roulette())) break;
         }
         previous = hit->p;
-        traced.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+        const Vec3 wi = hit->shading.to_world(next->wi);
+        if constexpr (features.media) medium = rays.scene().medium_beyond(*hit, wi, medium);
+        traced.ray = hit->spawn_ray(wi);
         rays.trace(traced);
         ++vertex;
     }
@@ -96,19 +134,21 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
 }  // namespace
 
 PathFeatures features_of(const Scene& scene) {
-    PathFeatures features{scene.has_holes(), false};
+    PathFeatures features{scene.has_holes(), false, scene.has_media()};
     for (const Material& material : scene.materials())
         features.glossy |= material.traits().glossy;
     return features;
 }
 
 PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings) {
-    const auto [holes, glossy] = settings.features;
+    const auto [holes, glossy, media] = settings.features;
+    // Few scenes have media and nothing to see through.
+    if (media) return trace<PathFeatures{true, true, true}>(rays, eye, sampler, settings);
     if (holes)
-        return glossy ? trace<PathFeatures{true, true}>(rays, eye, sampler, settings)
-                      : trace<PathFeatures{true, false}>(rays, eye, sampler, settings);
-    return glossy ? trace<PathFeatures{false, true}>(rays, eye, sampler, settings)
-                  : trace<PathFeatures{false, false}>(rays, eye, sampler, settings);
+        return glossy ? trace<PathFeatures{true, true, false}>(rays, eye, sampler, settings)
+                      : trace<PathFeatures{true, false, false}>(rays, eye, sampler, settings);
+    return glossy ? trace<PathFeatures{false, true, false}>(rays, eye, sampler, settings)
+                  : trace<PathFeatures{false, false, false}>(rays, eye, sampler, settings);
 }
 
 namespace {
@@ -206,7 +246,7 @@ MethodDescription describe_path() {
           {"sobol", "independent"},
           "points of a pixel: Owen-scrambled Sobol' or independent random numbers"}},
         Effects::all(),
-        {Component::emission, Component::direct, Component::caustic, Component::indirect},
+        {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
         true,
         create_path,
     };

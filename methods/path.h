@@ -11,6 +11,7 @@ namespace gib {
 struct PathFeatures {
     bool holes;   ///< masks
     bool glossy;  ///< lobes that are no delta and yet count as specular
+    bool media;
 };
 PathFeatures features_of(const Scene& scene);
 

@@ -62,6 +62,25 @@ public:
         return scene_.occluded(ray) ? 0.f : 1.f;
     }
 
+    /// The same in a scene with media, by channel: an unbiased estimate of the share that reaches `origin`, which lies in `medium`
+    /// (null: in nothing).
+    Color transmittance(Vec3 origin, const Medium* medium, const LightSample& to, NumberStream& u) {
+        for (Color transmitted = Color::Ones();;) {
+            const TracedRay way = trace({origin, to.target - origin, 0.f, 1.f});
+            const auto hit = surface_hit(way);
+            if (hit) transmitted *= hit->bsdf->pass_through();
+            if (is_black(transmitted)) return transmitted;
+            if (medium) {
+                const float length = hit ? way.found->t * way.ray.d.norm()
+                                         : to.at_infinity ? infinity : way.ray.d.norm();
+                transmitted *= medium->transmittance(origin, to.wi, length, u);
+            }
+            if (!hit) return transmitted;
+            medium = scene_.medium_beyond(*hit, to.wi, medium);
+            origin = offset_origin(*hit, to.wi);
+        }
+    }
+
 private:
     float visibility_through_holes(Vec3 origin, const LightSample& to) {
         for (float visibility = 1.f;;) {

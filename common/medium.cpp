@@ -1,0 +1,92 @@
+#include "common/medium.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// exp(-sigma t) by channel, for an infinite t too.
+Color attenuation(const Color& sigma, float t) { return (sigma > 0.f).select((-sigma * t).exp(), Color::Ones()); }
+
+/// The distance to the next of events that come at this rate.
+float free_flight(float rate, float u) { return rate > 0.f ? -std::log1p(-u) / rate : infinity; }
+
+}  // namespace
+
+Medium::Medium(GridVolume extinction, float scale, GridVolume albedo, const PhaseFunction& phase)
+    : extinction_(std::move(extinction)),
+      albedo_(std::move(albedo)),
+      scale_(scale),
+      phase_(phase),
+      majorant_(scale_ * extinction_.highest().maxCoeff()),
+      scatters_(majorant_ > 0.f && albedo_.highest().maxCoeff() > 0.f) {}
+
+std::optional<float> Medium::sample_flight(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                           Color& throughput) const {
+    if (!scatters_) {
+        throughput *= transmittance(from, w, length, u);
+        return std::nullopt;
+    }
+    if (extinction_.constant()) return sample_constant(from, w, length, u, throughput);
+    float begin = 0.f, end = length;
+    if (!extinction_.clip(from, w, begin, end)) return std::nullopt;
+    return track_collisions(from, w, begin, end, u, throughput);
+}
+
+std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                             Color& throughput) const {
+    const Color sigma = extinction_at(from);
+    const int channel = std::min(static_cast<int>(3.f * u.next()), 2);
+    const float t = free_flight(sigma[channel], u.next());
+    if (t < length) {
+        const Color transmitted = attenuation(sigma, t);
+        throughput *= albedo_.at(from + t * w) * sigma * transmitted / (sigma * transmitted).mean();
+        return t;
+    }
+    const Color transmitted = attenuation(sigma, length);
+    throughput *= transmitted / transmitted.mean();
+    return std::nullopt;
+}
+
+std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
+                                              Color& throughput) const {
+    for (float t = begin;;) {
+        t += free_flight(majorant_, u.next());
+        if (!(t < end)) return std::nullopt;
+        const Vec3 p = from + t * w;
+        const Color sigma = extinction_at(p);
+        const Color scattered = sigma * albedo_.at(p) / majorant_, passed = 1.f - sigma / majorant_;
+        const float real = (throughput * scattered).mean(), null = (throughput * passed).mean();
+        if (!(real + null > 0.f)) {
+            throughput.setZero();  // all is absorbed here
+            return std::nullopt;
+        }
+        const float probability = real / (real + null);
+        if (u.next() < probability) {
+            throughput *= scattered / probability;
+            return t;
+        }
+        throughput *= passed / (1.f - probability);
+    }
+}
+
+Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
+    if (extinction_.constant()) return attenuation(extinction_at(from), length);
+    Color transmitted = Color::Ones();
+    float t = 0.f, end = length;
+    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, t, end)) return transmitted;
+    // Little light is followed by roulette, which ends the way through a dense medium.
+    constexpr float little = 0.1f, survival = 0.5f;
+    for (;;) {
+        t += free_flight(majorant_, u.next());
+        if (!(t < end)) return transmitted;
+        transmitted *= 1.f - extinction_at(from + t * w) / majorant_;
+        if (transmitted.maxCoeff() > little) continue;
+        if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
+        transmitted /= survival;
+    }
+}
+
+}  // namespace gib
