@@ -15,8 +15,10 @@ namespace {
 
 int wrapped(int i, int size, VolumeWrap wrap) {
     switch (wrap) {
-        case VolumeWrap::clamp: return std::clamp(i, 0, size - 1);
-        case VolumeWrap::repeat: return ((i % size) + size) % size;
+        case VolumeWrap::clamp:
+            return std::clamp(i, 0, size - 1);
+        case VolumeWrap::repeat:
+            return ((i % size) + size) % size;
         case VolumeWrap::mirror: {
             const int j = ((i % (2 * size)) + 2 * size) % (2 * size);
             return j < size ? j : 2 * size - 1 - j;
@@ -65,7 +67,9 @@ GridVolume::GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter f
 }
 
 Color GridVolume::voxel(int i, int j, int k) const {
-    const auto at = [](int index, int size) { return static_cast<std::size_t>(index) * static_cast<std::size_t>(size); };
+    const auto at = [](int index, int size) {
+        return static_cast<std::size_t>(index) * static_cast<std::size_t>(size);
+    };
     const std::size_t row = static_cast<std::size_t>(j) + at(k, data_.size[1]);
     const std::size_t index = static_cast<std::size_t>(i) + row * static_cast<std::size_t>(data_.size[0]);
     const float* v = &data_.values[index * static_cast<std::size_t>(data_.channels)];
@@ -140,7 +144,8 @@ GridVolume::Data load_volume(const std::string& path) {
         for (int axis = 0; axis < 3; ++axis)
             (corner == 0 ? data.box.min() : data.box.max())[axis] = static_cast<double>(cursor.next<float>("its box"));
     if (cursor.rest() != values * sizeof(float))
-        cursor.fail(fmt::format("{} bytes of values where its size asks for {}", cursor.rest(), values * sizeof(float)));
+        cursor.fail(
+            fmt::format("{} bytes of values where its size asks for {}", cursor.rest(), values * sizeof(float)));
     data.values.resize(values);
     std::memcpy(data.values.data(), bytes.data() + (bytes.size() - cursor.rest()), cursor.rest());
     if (!std::all_of(data.values.begin(), data.values.end(), [](float v) { return std::isfinite(v); }))

@@ -42,8 +42,8 @@ private:
 
     Color constant_ = Color::Zero();
     Data data_{};
-    Eigen::Matrix3f linear_;
-    Vec3 offset_;
+    Eigen::Matrix3f linear_ = Eigen::Matrix3f::Zero();
+    Vec3 offset_ = Vec3::Zero();
     VolumeFilter filter_ = VolumeFilter::trilinear;
     VolumeWrap wrap_ = VolumeWrap::clamp;
     Color lowest_, highest_;

@@ -93,7 +93,8 @@ private:
         Properties properties(*object.element, ids_);
         const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
         MediumSides media;
-        for (const auto& [name, side] : {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
+        for (const auto& [name, side] :
+             {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
             if (const auto medium = properties.named_object(name, "medium")) {
                 *side = medium_index(*medium);
                 media.boundary = true;
@@ -110,7 +111,8 @@ private:
         BoundsD bounds;
         for (auto& part : shapes.parts) {
             bounds.extend(bounds_of(part.shape));
-            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance, media};
+            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance,
+                            media};
             if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
                 pending.radiance = Texture(shapes.materials[*part.material].emissive);
             if (bsdf) {
@@ -260,7 +262,8 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     const auto integrator = scene.object("integrator");
     const auto sensors = scene.objects("sensor");
     const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
-               media = scene.objects("medium"), spectra = scene.objects("spectrum"), textures = scene.objects("texture");
+               media = scene.objects("medium"), spectra = scene.objects("spectrum"),
+               textures = scene.objects("texture");
     for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
         scene.objects(part_of_sensor);  // a sensor may refer to them
     scene.finish();

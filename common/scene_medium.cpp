@@ -16,8 +16,8 @@ PhaseFunction parse_phase(const NestedObject& object, const XmlIds& ids) {
         const double g = properties.number("g", 0.8);
         constexpr auto largest = static_cast<double>(PhaseFunction::largest_g);
         if (!(std::abs(g) <= largest))
-            throw InputError(properties.where("g"), fmt::format("'g' must be between {:g} and {:g}, not {:g}", -largest,
-                                                                largest, g));
+            throw InputError(properties.where("g"),
+                             fmt::format("'g' must be between {:g} and {:g}, not {:g}", -largest, largest, g));
         phase.g = static_cast<float>(g);
     }
     properties.finish();
@@ -67,7 +67,8 @@ GridVolume parse_volume(Properties& properties, const std::string& name, float f
     if (!(lowest >= 0))
         throw InputError(nested->where, fmt::format("'{}' must not be negative, but its volume has {}", name, lowest));
     if (range == ColorRange::unit && !(highest <= 1))
-        throw InputError(nested->where, fmt::format("'{}' must be between 0 and 1, but its volume has {}", name, highest));
+        throw InputError(nested->where,
+                         fmt::format("'{}' must be between 0 and 1, but its volume has {}", name, highest));
     return grid;
 }
 
@@ -104,7 +105,8 @@ Medium parse_homogeneous(Properties& properties, const PhaseFunction& phase) {
     return {GridVolume(extinction), parse_scale(properties, extinction), GridVolume(albedo), phase};
 }
 
-Medium parse_heterogeneous(Properties& properties, const PhaseFunction& phase, TextureFiles& files, const Vec3d& origin) {
+Medium parse_heterogeneous(Properties& properties, const PhaseFunction& phase, TextureFiles& files,
+                           const Vec3d& origin) {
     GridVolume extinction = parse_volume(properties, "sigma_t", 1.f, ColorRange::non_negative, files, origin);
     GridVolume albedo = parse_volume(properties, "albedo", 0.75f, ColorRange::unit, files, origin);
     const float scale = parse_scale(properties, extinction.highest());

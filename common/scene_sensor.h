@@ -8,7 +8,7 @@ namespace gib {
 
 struct ParsedSensor {
     Sensor sensor;
-    std::optional<int> sample_count;  ///< samples a pixel, of the sampler
+    std::optional<int> sample_count;     ///< samples a pixel, of the sampler
     std::optional<NestedObject> medium;  ///< that the sensor stands in
 };
 

@@ -1,5 +1,6 @@
 // The maps from the unit square in common/warp.h, choices among items, and the filters of the film.
 
+#include "common/phase.h"
 #include "common/sensor.h"
 #include "common/warp.h"
 #include "tests/sampler_cases.h"
@@ -43,6 +44,20 @@ SamplerCase sphere_warp_case() {
             return SampledDirection{square_to_sphere(r.u), 1 / (4 * pi_d)};
         },
         [](const Vec3&) { return 1 / (4 * pi_d); });
+}
+
+/// The chart turns around the peak.
+SamplerCase phase_case(float g) {
+    const Vec3 wo = Vec3(0.3f, -0.5f, 0.8f).normalized();
+    const PhaseFunction phase{g};
+    const Vec3 peak = g < 0.f ? wo : Vec3(-wo);
+    return sphere_case(
+        fmt::format("phase: hg g={}", g), SphereChart(peak.cast<double>()),
+        [=](const RandomNumbers& r) -> std::optional<SampledDirection> {
+            const Vec3 wi = phase.sample(wo, r.u);
+            return SampledDirection{wi, static_cast<double>(phase.value(wo, wi))};
+        },
+        [=](const Vec3& wi) { return static_cast<double>(phase.value(wo, wi)); });
 }
 
 SamplerCase cone_case(double one_minus_cos_max) {
@@ -134,6 +149,11 @@ std::vector<SamplerCase> warp_cases() {
         triangle_case(),
         cosine_case(),
         sphere_warp_case(),
+        phase_case(0.f),
+        phase_case(0.5f),
+        phase_case(-0.85f),
+        phase_case(0.99f),
+        phase_case(PhaseFunction::largest_g),
         cone_case(1.9),
         cone_case(0.5),
         cone_case(1e-3),
