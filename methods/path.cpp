@@ -208,8 +208,10 @@ public:
         Plan plan = described_plan(scene, description_);
         // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither where S+ L ends a
         // caustic path, nor at the end of a longer one.
-        if (has_delta_light(scene) && has_delta_lobe(scene) && plan.called_for.has(Effect::caustics))
-            plan.unresolved = {Component::caustic, Component::indirect};
+        if (has_delta_light(scene) && has_delta_lobe(scene)) {
+            if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
+            if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
+        }
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);
         return plan;

@@ -3,9 +3,9 @@
 #include "tests/moments.h"
 #include "tests/scene_fixtures.h"
 #include "tests/scene_text.h"
+#include "tests/volume_file.h"
 
 #include <fmt/format.h>
-#include <fstream>
 #include <numbers>
 
 namespace gib {
@@ -18,6 +18,7 @@ using test::render;
 using test::scene_of;
 using test::scene_xml;
 using test::TemporaryFolder;
+using test::volume_bytes;
 
 constexpr double pi_d = std::numbers::pi;
 constexpr double sigmas = 5;  ///< of means of seeds
@@ -43,21 +44,6 @@ std::string homogeneous(double sigma, double albedo, double g = 0) {
 }
 std::string ball(const std::string& content) { return "<shape type='sphere'>" + content + "</shape>"; }
 
-/// Mitsuba's .vol file.
-void write_volume(const std::string& path, std::array<std::int32_t, 3> size, std::int32_t channels,
-                  const std::vector<float>& values) {
-    std::ofstream file(path, std::ios::binary);
-    const auto put = [&](auto v) { file.write(reinterpret_cast<const char*>(&v), sizeof v); };
-    file.write("VOL\3", 4);
-    put(std::int32_t{1});
-    for (auto n : size)
-        put(n);
-    put(channels);
-    for (float corner : {0.f, 0.f, 0.f, 1.f, 1.f, 1.f})
-        put(corner);
-    for (float v : values)
-        put(v);
-}
 std::string grid(const std::string& name, const std::string& file) {
     return "<volume name='" + name + "' type='gridvolume'><string name='filename' value='" + file +
            "'/><transform name='to_world'><translate value='-0.5'/><scale value='2'/></transform></volume>";
@@ -87,7 +73,8 @@ void expect_mean(const std::array<Moments, 3>& found, const Colord& expected, co
 // A medium that absorbs nothing under a sky of radiance 1 cannot be seen, whatever its density, phase function and boundary.
 TEST(MediumFurnace, WhiteMediaVanish) {
     const TemporaryFolder folder;
-    write_volume(folder / "d.vol", {2, 3, 2}, 1, {0, 1, 5, 2, 0.5f, 0, 1, 1, 7, 0, 3, 2});
+    const std::string cloud =
+        folder.write("d.vol", volume_bytes({2, 3, 2}, 1, {0, 1, 5, 2, 0.5f, 0, 1, 1, 7, 0, 3, 2}));
     const std::string glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     const std::string rough =
@@ -100,7 +87,7 @@ TEST(MediumFurnace, WhiteMediaVanish) {
         {"backwards", ball(no_surface + homogeneous(4, 1, -0.7))},
         {"coloured", ball(no_surface + interior("homogeneous", "<rgb name='sigma_s' value='0.2, 1, 5'/>"))},
         {"grid", ball(no_surface + interior("heterogeneous",
-                                            grid("sigma_t", folder / "d.vol") + "<float name='albedo' value='1'/>"))},
+                                            grid("sigma_t", cloud) + "<float name='albedo' value='1'/>"))},
         {"in glass", ball(glass + homogeneous(2, 1))},
         {"in rough glass", ball(rough + homogeneous(2, 1))},
     };
@@ -182,7 +169,7 @@ TEST(MediumScattering, OnceIsItsIntegral) {
 // The same density given as a number and as a grid: all orders of scattering, lit from a side.
 TEST(MediumScattering, OnAGridIsThatOfTheSameMediumWithout) {
     const TemporaryFolder folder;
-    write_volume(folder / "d.vol", {2, 2, 2}, 1, std::vector<float>(8, 1.f));
+    const std::string one = folder.write("d.vol", volume_bytes({2, 2, 2}, 1, std::vector<float>(8, 1.f)));
     const std::string lamp =
         "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
         "x='-3'/></transform><emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
@@ -191,7 +178,7 @@ TEST(MediumScattering, OnAGridIsThatOfTheSameMediumWithout) {
     const auto constant = scene_of(scene_xml(camera(16, 40) + lamp + box + homogeneous(1.5, 0.9, 0.4) + "</shape>"));
     const auto on_grid = scene_of(scene_xml(
         camera(16, 40) + lamp + box +
-        interior("heterogeneous", grid("sigma_t", folder / "d.vol") +
+        interior("heterogeneous", grid("sigma_t", one) +
                                       "<float name='scale' value='1.5'/><float name='albedo' value='0.9'/>" + phase) +
         "</shape>"));
     const auto a = means_over_seeds(constant, 64, 12), b = means_over_seeds(on_grid, 64, 12);

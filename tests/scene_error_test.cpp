@@ -78,7 +78,7 @@ TEST(SceneErrors, Plugins) {
          {ball + "<integrator type=\"pssmlt\"/>", "2:35", "the integrator 'pssmlt' is not supported"},
          {ball + "<widget type=\"x\"/>", "2:23", "<scene> cannot hold <widget>"},
          {ball + "<translate x=\"1\"/>", "2:23", "<scene> cannot hold <translate>"},
-         {ball + "<medium type=\"homogeneous\"/>", "2:23", "scene does not take a <medium>"}});
+         {ball + "<medium type=\"fog\"/>", "2:31", "the medium 'fog' is not supported"}});
 }
 
 TEST(SceneErrors, Properties) {
