@@ -12,6 +12,7 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::caustics, "caustics", "light that specular surfaces concentrate on diffuse ones"},
         {Effect::glossy_lobes, "glossy_lobes", "light scattered around a preferred direction by rough surfaces"},
         {Effect::participating_media, "participating_media", "light absorbed or scattered between surfaces"},
+        {Effect::dispersion, "dispersion", "light split by its wavelength where it is refracted"},
         {Effect::textures, "textures", "materials or emitters that vary over a surface"},
         {Effect::bump_maps, "bump_maps", "shading normals tilted by a bump or normal map"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
@@ -46,6 +47,7 @@ Effects effects_of(const Scene& scene) {
         if (!material.traits().scatters()) continue;
         lobes |= material.traits();
         if (material.is_bumped()) effects.add(Effect::bump_maps);
+        if (material.is_dispersive()) effects.add(Effect::dispersion);
         if (has_smooth_normals(scene.shapes()[i])) effects.add(Effect::smooth_normals);
     }
     for (const Light& light : scene.lights()) {

@@ -17,6 +17,7 @@ enum class Effect {
     caustics,
     glossy_lobes,
     participating_media,
+    dispersion,
     textures,
     bump_maps,
     smooth_normals,

@@ -1,5 +1,7 @@
 #include "common/material.h"
 
+#include "common/dispersion.h"
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -26,10 +28,35 @@ Matrix axes(const Frame& f) {
     return m;
 }
 
-/// Collects the layers of a material at a point.
+/// Calls `use` with a model whose index depends on the wavelength.
+template <typename Model, typename Use>
+void if_dispersive(Model& model, Use use) {
+    std::visit(
+        [&](auto& m) {
+            if constexpr (requires { m.cauchy_b; })
+                if (m.cauchy_b != 0.f) use(m);
+        },
+        model);
+}
+
+/// What a model is to light of one stratum of wavelengths.
+void disperse(Scattering& model, int stratum) {
+    if_dispersive(model, [&](auto& m) {
+        const auto eta = static_cast<double>(m.eta), b = static_cast<double>(m.cauchy_b);
+        m.eta = static_cast<float>(cauchy_index(eta, b, stratum_wavelength(stratum)));
+    });
+}
+
+bool is_dispersive(const Scattering& model) {
+    bool found = false;
+    if_dispersive(model, [&](const auto&) { found = true; });
+    return found;
+}
+
+/// Collects the layers of a material at a point, for one stratum of wavelengths or for light that is not split.
 class Layers {
 public:
-    explicit Layers(const MaterialPoint& point) : point_(point) {}
+    Layers(const MaterialPoint& point, std::optional<int> stratum) : point_(point), stratum_(stratum) {}
 
     void add(const Material& material, const Passage& passage) {
         if (passage.share > 0.f) std::visit([&](const auto& node) { add(node, passage); }, material.node());
@@ -43,6 +70,7 @@ private:
             if (p.set_color) p.set_color(layer.model, p.texture.color(point_.uv).max(0.f));
             else p.set_value(layer.model, p.texture.value(point_.uv));
         }
+        if (stratum_) disperse(layer.model, *stratum_);
         if (passage.tilted) {
             layer.to_layer = passage.to_layer;
             layer.perturbations = passage.perturbations;
@@ -115,12 +143,13 @@ private:
     }
 
     const MaterialPoint& point_;
+    std::optional<int> stratum_;
     std::vector<Bsdf::Layer> layers_;
     float pass_through_ = 0.f;
 };
 
 /// Every combination of a model's extreme textures: its traits depend on whether a colour is black and on which side of
-/// glossy_roughness it lies.
+/// glossy_roughness it lies. An index that depends on the wavelength is 1 for none but single ones.
 LobeTraits possible_traits(const TexturedScattering& node) {
     LobeTraits traits;
     for (bool high : {false, true}) {
@@ -130,6 +159,8 @@ LobeTraits possible_traits(const TexturedScattering& node) {
             if (p.set_color) p.set_color(model, c.max(0.f));
             else p.set_value(model, high ? c.maxCoeff() : c.minCoeff());
         }
+        traits |= std::visit([](const auto& m) { return m.traits(); }, model);
+        disperse(model, 0);
         traits |= std::visit([](const auto& m) { return m.traits(); }, model);
     }
     return traits;
@@ -145,6 +176,7 @@ Material::Material(Node node) : node_(std::move(node)) {
         is_textured_ |= nested->is_textured_;
         is_bumped_ |= nested->is_bumped_;
         two_sided_ |= nested->two_sided_;
+        is_dispersive_ |= nested->is_dispersive_;
         models_ += nested->models_;
         constant &= nested->constant_ != nullptr;
     };
@@ -155,6 +187,7 @@ Material::Material(Node node) : node_(std::move(node)) {
     };
     if (const auto* model = std::get_if<TexturedScattering>(&node_)) {
         traits_ = possible_traits(*model);
+        is_dispersive_ = gib::is_dispersive(model->model);
         models_ = 1;
         for (const auto& p : model->parameters)
             vary(p.texture);
@@ -184,12 +217,17 @@ Material::Material(Node node) : node_(std::move(node)) {
     if (!constant) return;
     const MaterialPoint anywhere{Vec2::Zero(), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), Frame(Vec3::UnitZ())};
     constant_ = std::make_shared<const Bsdf>(at(anywhere));
+    if (!is_dispersive_) return;
+    std::vector<Bsdf> strata;
+    for (int stratum = 0; stratum < wavelength_strata; ++stratum)
+        strata.push_back(at(anywhere, stratum));
+    constant_strata_ = std::make_shared<const std::vector<Bsdf>>(std::move(strata));
 }
 
-Bsdf Material::at(const MaterialPoint& point) const {
+Bsdf Material::at(const MaterialPoint& point, std::optional<int> stratum) const {
     Passage passage;
     passage.frame = point.shading;
-    Layers layers(point);
+    Layers layers(point, stratum);
     layers.add(*this, passage);
     return std::move(layers).bsdf();
 }

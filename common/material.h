@@ -6,6 +6,7 @@
 #include "common/texture.h"
 
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -77,7 +78,12 @@ public:
     const Node& node() const { return node_; }
     /// The same Bsdf everywhere; null if it varies.
     const Bsdf* constant() const { return constant_.get(); }
-    Bsdf at(const MaterialPoint& point) const;
+    Bsdf at(const MaterialPoint& point) const { return at(point, std::nullopt); }
+    /// Both for light of one stratum of wavelengths, of a material that splits light.
+    const Bsdf* constant(int stratum) const {
+        return constant_strata_ ? &(*constant_strata_)[static_cast<std::size_t>(stratum)] : nullptr;
+    }
+    Bsdf at(const MaterialPoint& point, std::optional<int> stratum) const;
 
     /// Of all models, whatever their textures say.
     const LobeTraits& traits() const { return traits_; }
@@ -85,15 +91,17 @@ public:
     bool is_textured() const { return is_textured_; }  ///< a parameter varies
     bool is_bumped() const { return is_bumped_; }      ///< its normals are not the shape's
     bool two_sided() const { return two_sided_; }
+    bool is_dispersive() const { return is_dispersive_; }  ///< its index depends on the wavelength
     /// Its shading frame must follow u: normals or anisotropic models depend on it.
     bool follows_uv() const { return is_bumped_ || traits_.anisotropic; }
 
 private:
     Node node_;
     LobeTraits traits_;
-    bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false;
+    bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false, is_dispersive_ = false;
     std::size_t models_ = 0;  ///< layers that all nested materials can become at a point
     std::shared_ptr<const Bsdf> constant_;
+    std::shared_ptr<const std::vector<Bsdf>> constant_strata_;
 };
 
 }  // namespace gib

@@ -49,6 +49,7 @@ private:
 /// surface is no sample. With eta = 1 there is no interface: a delta lobe straight on.
 struct RoughDielectric {
     float eta = 1.f;
+    float cauchy_b = 0.f;  ///< as in Dielectric
     MicrofacetDistribution distribution;
     Color specular_reflectance = Color::Ones();
     Color specular_transmittance = Color::Ones();

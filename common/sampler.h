@@ -79,6 +79,7 @@ inline constexpr std::array<std::string_view, 2> point_set_names = {"independent
 namespace dimension {
 inline constexpr std::uint32_t film = 0;
 inline constexpr std::uint32_t lens = 1;
+inline constexpr std::uint32_t stratum = 2;
 inline constexpr std::uint32_t emission_light = 0;
 inline constexpr std::uint32_t emission_position = 1;
 inline constexpr std::uint32_t emission_direction = 2;

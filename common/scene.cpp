@@ -74,6 +74,7 @@ void Scene::add(SceneParts::Object&& object) {
     surfaces_.push_back({object.material, light, object.media});
     has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
     has_holes_ |= materials_[object.material].has_holes();
+    has_dispersion_ |= materials_[object.material].is_dispersive();
 }
 
 SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
@@ -110,17 +111,29 @@ std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional
     return hit;
 }
 
-void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
+MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {
     MaterialPoint point{hit.uv, hit.ng, Vec3::Zero(), Vec3::Zero(), hit.shading};
-    if (material.follows_uv()) {
-        const SurfaceDerivatives derivatives = derivatives_at(hit);
-        point.dp_du = derivatives.dp_du;
-        point.dp_dv = derivatives.dp_dv;
-        point.shading = frame_along(hit.ns, derivatives.dp_du);
-        hit.shading = point.shading;
-    }
+    if (!material.follows_uv()) return point;
+    const SurfaceDerivatives derivatives = derivatives_at(hit);
+    point.dp_du = derivatives.dp_du;
+    point.dp_dv = derivatives.dp_dv;
+    point.shading = frame_along(hit.ns, derivatives.dp_du);
+    return point;
+}
+
+void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
+    const MaterialPoint point = material_point(material, hit);
+    hit.shading = point.shading;
     if (hit.bsdf) return;
     hit.own_bsdf = std::make_shared<const Bsdf>(material.at(point));
+    hit.bsdf = hit.own_bsdf.get();
+}
+
+void Scene::disperse(SurfaceHit& hit, int stratum) const {
+    const Material& material = material_of_shape(hit.shape);
+    hit.bsdf = material.constant(stratum);
+    if (hit.bsdf) return;
+    hit.own_bsdf = std::make_shared<const Bsdf>(material.at(material_point(material, hit), stratum));
     hit.bsdf = hit.own_bsdf.get();
 }
 

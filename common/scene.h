@@ -74,6 +74,10 @@ public:
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
     /// Some surface lets light pass straight through (masks).
     bool has_holes() const { return has_holes_; }
+    /// Some surface splits light by its wavelength.
+    bool has_dispersion() const { return has_dispersion_; }
+    /// Makes a hit on a material that does so what it is to light of one stratum of wavelengths.
+    void disperse(SurfaceHit& hit, int stratum) const;
     /// Some space between surfaces absorbs or scatters light.
     bool has_media() const { return has_media_; }
     /// What the camera stands in; null: nothing.
@@ -126,6 +130,7 @@ private:
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
     void resolve_material(const Material& material, SurfaceHit& hit) const;
+    MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
     SurfaceGeometry geometry_on_instance(const Intersection& i, const Ray& ray) const;
@@ -134,7 +139,7 @@ private:
     std::vector<Surface> surfaces_;  ///< parallel to shapes_
     InstancedGroups groups_;
     std::vector<Material> materials_;
-    bool has_holes_ = false;
+    bool has_holes_ = false, has_dispersion_ = false;
     std::vector<Medium> media_;
     std::uint32_t camera_medium_ = no_medium;
     bool has_media_ = false;

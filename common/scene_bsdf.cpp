@@ -2,6 +2,7 @@
 
 #include "common/conductor_index.h"
 #include "common/dielectric_index.h"
+#include "common/dispersion.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -48,6 +49,31 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
         throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
                          "'int_ior' and 'ext_ior' must differ");
     return eta;
+}
+
+/// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as the index is.
+/// 0 where neither is given.
+float parse_dispersion(Properties& properties) {
+    const bool has_abbe = properties.has("abbe");
+    if (has_abbe && properties.has("cauchy_b"))
+        throw InputError(properties.where("abbe"), "give either 'cauchy_b' or 'abbe'");
+    const double inside = parse_index(properties, "int_ior", "bk7"),
+                 outside = parse_index(properties, "ext_ior", "air");
+    const double given = properties.number("cauchy_b", 0);
+    if (!(given >= 0))
+        throw InputError(properties.where("cauchy_b"), fmt::format("'cauchy_b' must not be negative: {:g}", given));
+    const double abbe = properties.positive("abbe", 1);
+    if (has_abbe && !(inside > 1))
+        throw InputError(properties.where("abbe"), fmt::format("'abbe' needs an 'int_ior' above 1, not {:g}", inside));
+    const double b = (has_abbe ? cauchy_b_of_abbe(inside, abbe) : given) / outside;
+    for (const int stratum : {0, wavelength_strata - 1}) {
+        const double wavelength = stratum_wavelength(stratum), eta = cauchy_index(inside / outside, b, wavelength);
+        if (!(eta >= static_cast<double>(lowest_relative_index) && eta <= static_cast<double>(highest_relative_index)))
+            throw InputError(properties.where(has_abbe ? "abbe" : "cauchy_b"),
+                             fmt::format("an index ratio of {:g} at {:g} nm: it must be between {} and {}", eta,
+                                         wavelength, lowest_relative_index, highest_relative_index));
+    }
+    return static_cast<float>(b);
 }
 
 /// Reads the parameters of a model: those that are constant into the model, the others as textures beside it.
@@ -193,6 +219,7 @@ template <typename Model>
 Material parse_dielectric(Properties& properties, TextureFiles& files) {
     ModelReader<Model> model(properties, files);
     model->eta = parse_relative_index(properties);
+    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(properties);
     model.reflectance();
     model.transmittance();
     return std::move(model).material();
@@ -201,6 +228,7 @@ Material parse_dielectric(Properties& properties, TextureFiles& files) {
 Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
     ModelReader<RoughDielectric> model(properties, files);
     model->eta = parse_changing_index(properties, "bk7");
+    model->cauchy_b = parse_dispersion(properties);
     read_distribution(model);
     model.reflectance();
     model.transmittance();

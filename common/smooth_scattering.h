@@ -44,6 +44,7 @@ private:
 /// A smooth interface between two dielectrics; `eta` = interior index / exterior index.
 struct Dielectric {
     float eta = 1.f;
+    float cauchy_b = 0.f;  ///< [um^2], over the exterior index: how eta depends on the wavelength; see dispersion.h
     Color specular_reflectance = Color::Ones();
     Color specular_transmittance = Color::Ones();
 

@@ -58,9 +58,9 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
     Plan plan;
     plan.called_for = effects_of(scene);
     plan.missing = plan.called_for - method.simulates;
-    // The environment adds to every component, and media take from each.
+    // The environment adds to every component, media take from each, and any can be seen through glass.
     const bool media = plan.missing.has(Effect::participating_media);
-    const bool all = media || plan.missing.has(Effect::environment_light);
+    const bool all = media || plan.missing.has(Effect::dispersion) || plan.missing.has(Effect::environment_light);
     if (all) plan.unresolved.push_back(Component::emission);
     if (all || plan.missing.has(Effect::direct_light)) plan.unresolved.push_back(Component::direct);
     if (all || plan.missing.has(Effect::caustics)) plan.unresolved.push_back(Component::caustic);

@@ -10,6 +10,7 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
 
+#include "common/dispersion.h"
 #include "methods/direct_light.h"
 #include "methods/method.h"
 #include "methods/pixel_samples.h"
@@ -36,6 +37,10 @@ bool survives(Color& beta, float eta_scale, float u) {
     return true;
 }
 
+int choose_stratum(const Sampler& sampler) {
+    return static_cast<int>(wavelength_strata * sampler.get_1d(dimension::stratum));
+}
+
 template <PathFeatures features>
 PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
@@ -46,11 +51,12 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
     PathClass path;
     std::uint32_t holes = 0;
     [[maybe_unused]] NumberStream flights(sampler);
-    [[maybe_unused]] const Medium* medium = features.media ? rays.scene().camera_medium() : nullptr;
+    [[maybe_unused]] const Medium* medium = features.media_or_dispersion ? rays.scene().camera_medium() : nullptr;
+    [[maybe_unused]] std::optional<int> stratum;  // of wavelengths, once the path has met a surface that splits light
     for (int vertex = 0; vertex < settings.max_edges;) {
-        const auto hit = rays.surface_hit(traced);
+        auto hit = rays.surface_hit(traced);
         const Vec3 wo = -traced.ray.d;
-        if constexpr (features.media) {
+        if constexpr (features.media_or_dispersion) {
             if (medium) {
                 const Ray& ray = traced.ray;  // of unit direction; clip distances are the camera's
                 const Vec3 from = ray.o + ray.t_min * ray.d;
@@ -86,7 +92,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         if constexpr (features.holes) {
             const float pass_through = hit->bsdf->pass_through();
             if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                if constexpr (features.media) medium = rays.scene().medium_beyond(*hit, traced.ray.d, medium);
+                if constexpr (features.media_or_dispersion)
+                    medium = rays.scene().medium_beyond(*hit, traced.ray.d, medium);
                 traced.ray = hit->spawn_ray(traced.ray.d);
                 rays.trace(traced);
                 continue;
@@ -94,6 +101,15 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         }
         if (vertex + 1 >= settings.max_edges) break;
 
+        if constexpr (features.media_or_dispersion) {
+            if (rays.scene().material_of_shape(hit->shape).is_dispersive()) {
+                if (!stratum) {
+                    stratum = choose_stratum(sampler);
+                    beta *= stratum_weight(*stratum);
+                }
+                rays.scene().disperse(*hit, *stratum);
+            }
+        }
         const VertexNumbers u = sampler.at_vertex(vertex);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
@@ -102,7 +118,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
             const Surroundings surroundings{medium, flights};
             const LobeValues direct =
                 sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::all,
-                                    features.media ? &surroundings : nullptr);
+                                    features.media_or_dispersion && rays.scene().has_media() ? &surroundings : nullptr);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }
@@ -123,7 +139,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         }
         previous = hit->p;
         const Vec3 wi = hit->shading.to_world(next->wi);
-        if constexpr (features.media) medium = rays.scene().medium_beyond(*hit, wi, medium);
+        if constexpr (features.media_or_dispersion) medium = rays.scene().medium_beyond(*hit, wi, medium);
         traced.ray = hit->spawn_ray(wi);
         rays.trace(traced);
         ++vertex;
@@ -134,16 +150,15 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
 }  // namespace
 
 PathFeatures features_of(const Scene& scene) {
-    PathFeatures features{scene.has_holes(), false, scene.has_media()};
+    PathFeatures features{scene.has_holes(), false, scene.has_media() || scene.has_dispersion()};
     for (const Material& material : scene.materials())
         features.glossy |= material.traits().glossy;
     return features;
 }
 
 PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings) {
-    const auto [holes, glossy, media] = settings.features;
-    // Few scenes have media and nothing to see through.
-    if (media) return trace<PathFeatures{true, true, true}>(rays, eye, sampler, settings);
+    const auto [holes, glossy, media_or_dispersion] = settings.features;
+    if (media_or_dispersion) return trace<PathFeatures{true, true, true}>(rays, eye, sampler, settings);
     if (holes)
         return glossy ? trace<PathFeatures{true, true, false}>(rays, eye, sampler, settings)
                       : trace<PathFeatures{true, false, false}>(rays, eye, sampler, settings);

@@ -9,9 +9,9 @@ namespace gib {
 
 /// What a scene's surfaces need besides ideal diffuse and delta lobes; the estimator is compiled for each combination.
 struct PathFeatures {
-    bool holes;   ///< masks
-    bool glossy;  ///< lobes that are no delta and yet count as specular
-    bool media;
+    bool holes;                ///< masks
+    bool glossy;               ///< lobes that are no delta and yet count as specular
+    bool media_or_dispersion;  ///< few scenes have either: one variant has both
 };
 PathFeatures features_of(const Scene& scene);
 

@@ -311,7 +311,7 @@ MethodDescription describe_photon_mapper() {
              {"surface", "plain"},
              "area of a look-up's disc: the part on the surface, or all of it everywhere"},
         },
-        Effects::all() - Effects{Effect::participating_media},
+        Effects::all() - Effects{Effect::participating_media, Effect::dispersion},
         {Component::emission, Component::direct, Component::caustic, Component::indirect},
         false,
         create_photon_mapper,

@@ -86,8 +86,8 @@ TEST(MediumFurnace, WhiteMediaVanish) {
         {"forwards", ball(no_surface + homogeneous(4, 1, 0.9))},
         {"backwards", ball(no_surface + homogeneous(4, 1, -0.7))},
         {"coloured", ball(no_surface + interior("homogeneous", "<rgb name='sigma_s' value='0.2, 1, 5'/>"))},
-        {"grid", ball(no_surface + interior("heterogeneous",
-                                            grid("sigma_t", cloud) + "<float name='albedo' value='1'/>"))},
+        {"grid",
+         ball(no_surface + interior("heterogeneous", grid("sigma_t", cloud) + "<float name='albedo' value='1'/>"))},
         {"in glass", ball(glass + homogeneous(2, 1))},
         {"in rough glass", ball(rough + homogeneous(2, 1))},
     };
@@ -178,8 +178,8 @@ TEST(MediumScattering, OnAGridIsThatOfTheSameMediumWithout) {
     const auto constant = scene_of(scene_xml(camera(16, 40) + lamp + box + homogeneous(1.5, 0.9, 0.4) + "</shape>"));
     const auto on_grid = scene_of(scene_xml(
         camera(16, 40) + lamp + box +
-        interior("heterogeneous", grid("sigma_t", one) +
-                                      "<float name='scale' value='1.5'/><float name='albedo' value='0.9'/>" + phase) +
+        interior("heterogeneous",
+                 grid("sigma_t", one) + "<float name='scale' value='1.5'/><float name='albedo' value='0.9'/>" + phase) +
         "</shape>"));
     const auto a = means_over_seeds(constant, 64, 12), b = means_over_seeds(on_grid, 64, 12);
     for (std::size_t c = 0; c < 3; ++c) {

@@ -46,7 +46,8 @@ void expect_errors(const std::vector<Row>& rows) {
 TEST(MediumErrors, Parameters) {
     expect_errors({
         {"fog", "", "2:36", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
-        {"homogeneous", "<float name='sigma' value='1'/>", "3:1", "medium 'homogeneous' does not take a parameter 'sigma'"},
+        {"homogeneous", "<float name='sigma' value='1'/>", "3:1",
+         "medium 'homogeneous' does not take a parameter 'sigma'"},
         {"homogeneous", "<bsdf type='diffuse'/>", "3:1", "does not take a <bsdf>"},
         {"homogeneous", "<float name='sigma_t' value='-1'/>", "3:23", "-1"},
         {"homogeneous", "<float name='sigma_t' value='nan'/>", "3:23", "bad number 'nan'"},
@@ -59,7 +60,8 @@ TEST(MediumErrors, Parameters) {
         {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:57",
          "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
         {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "does not take a <volume>"},
-        {"homogeneous", "<phase type='rayleigh'/>", "3:8", "the phase 'rayleigh' is not supported; supported are: isotropic, hg"},
+        {"homogeneous", "<phase type='rayleigh'/>", "3:8",
+         "the phase 'rayleigh' is not supported; supported are: isotropic, hg"},
         {"homogeneous", "<phase type='hg'><float name='g' value='1'/></phase>", "3:34",
          "'g' must be between -0.999 and 0.999, not 1"},
         {"homogeneous", "<phase type='isotropic'><float name='g' value='0.5'/></phase>", "3:25",
@@ -71,7 +73,8 @@ TEST(MediumErrors, Parameters) {
         {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs a 'filename'"},
         {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
          "3:68", "no.vol"},
-        {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62", "2"},
+        {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",
+         "2"},
     });
 }
 
@@ -85,7 +88,8 @@ TEST(MediumErrors, Grids) {
     };
     const auto error = [&](const std::string& parameters) { return error_of(in_ball("heterogeneous", parameters)); };
     EXPECT_EQ(error(grid("sigma_t", good)), "no error");
-    EXPECT_THAT(error(grid("albedo", good)), HasSubstr("t.xml:3:1: 'albedo' must be between 0 and 1, but its volume has 3"));
+    EXPECT_THAT(error(grid("albedo", good)),
+                HasSubstr("t.xml:3:1: 'albedo' must be between 0 and 1, but its volume has 3"));
     EXPECT_THAT(error(grid("sigma_t", negative)),
                 HasSubstr("t.xml:3:1: 'sigma_t' must not be negative, but its volume has -0.5"));
     EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='filter_type' value='cubic'/>")),
@@ -126,7 +130,8 @@ TEST(MediumErrors, VolumeFiles) {
     for (const auto& [bytes, message] : rows) {
         const std::string file = folder.write("v.vol", bytes);
         const std::string error = error_of(in_ball(
-            "heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
+            "heterogeneous",
+            "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
         EXPECT_THAT(error, StartsWith(file + ": ")) << message;
         EXPECT_THAT(error, HasSubstr(message));
     }
