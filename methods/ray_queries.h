@@ -22,7 +22,7 @@ struct RayLog {
 /// A ray and its closest hit, of which the surface is not computed yet.
 struct TracedRay {
     Ray ray;
-    std::optional<Intersection> found;
+    std::optional<Intersection> found = {};
 };
 
 class RayQueries {
@@ -66,7 +66,8 @@ public:
     /// (null: in nothing).
     Color transmittance(Vec3 origin, const Medium* medium, const LightSample& to, NumberStream& u) {
         for (Color transmitted = Color::Ones();;) {
-            const TracedRay way = trace({origin, to.target - origin, 0.f, 1.f});
+            TracedRay way{Ray{origin, to.target - origin, 0.f, 1.f}};
+            trace(way);
             const auto hit = surface_hit(way);
             if (hit) transmitted *= hit->bsdf->pass_through();
             if (is_black(transmitted)) return transmitted;

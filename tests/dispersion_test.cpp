@@ -72,7 +72,7 @@ std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
                                           "v -1 0 -9\nv 1 0 -9\nv 0 1.7320508 -9\nv -1 0 9\nv 1 0 9\nv 0 1.7320508 "
                                           "9\nf 1 3 2\nf 4 5 6\nf 1 2 5\nf 1 5 4\n"
                                           "f 2 3 6\nf 2 6 5\nf 3 1 4\nf 3 4 6\n");
-    return "<shape type='obj'><string name='filename' value='" + mesh + "'/>" + bsdf + "</shape>";
+    return "<shape type='obj'><string name='filename' value='" + mesh + "'/><boolean name='face_normals' value='true'/>" + bsdf + "</shape>";
 }
 
 /// A direction in the plane of the prism's cross-section.
