@@ -38,15 +38,19 @@ std::optional<float> Medium::sample_flight(const Vec3& from, const Vec3& w, floa
 std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, float length, NumberStream& u,
                                              Color& throughput) const {
     const Color sigma = extinction_at(from);
-    const int channel = std::min(static_cast<int>(3.f * u.next()), 2);
+    const float total = throughput.sum();
+    if (!(total > 0.f)) return std::nullopt;
+    const Color q = throughput / total;
+    const float choice = u.next();
+    const int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
     const float t = free_flight(sigma[channel], u.next());
     if (t < length) {
         const Color transmitted = attenuation(sigma, t);
-        throughput *= albedo_.at(from + t * w) * sigma * transmitted / (sigma * transmitted).mean();
+        throughput *= albedo_.at(from + t * w) * sigma * transmitted / (q * sigma * transmitted).sum();
         return t;
     }
     const Color transmitted = attenuation(sigma, length);
-    throughput *= transmitted / transmitted.mean();
+    throughput *= transmitted / (q * transmitted).sum();
     return std::nullopt;
 }
 

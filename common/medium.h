@@ -13,9 +13,11 @@ namespace gib {
 /// on a grid ends at the grid's cube.
 ///
 /// Estimators, for a stretch of length d along a ray with transmittance T(t) = exp(-integral of sigma_t from 0 to t):
-/// - constant extinction: a flight t with the density mean over channels c of sigma_t,c exp(-sigma_t,c t), by choosing a channel;
-///   weight sigma_s T(t) / density where light is scattered, T(d) / (mean of exp(-sigma_t,c d)) where it passes (the balance
-///   heuristic over channels, Veach 1997, section 9.2);
+/// - constant extinction: a flight t with the density sum over channels c of q_c sigma_t,c exp(-sigma_t,c t), by choosing a channel
+///   with probability q_c; weight sigma_s T(t) / density where light is scattered, T(d) / (sum of q_c exp(-sigma_t,c d)) where it
+///   passes (the balance heuristic over channels, Veach 1997, section 9.2). q_c goes by the throughput: where nothing is absorbed the
+///   weights leave its sum as it is, however often a path is scattered (Kutz et al. 2017, "Spectral and Decomposition Tracking for
+///   Rendering Heterogeneous Volumes", section 5);
 /// - on a grid: delta tracking (Woodcock et al. 1965) with a majorant M of all channels. A collision is real with a
 ///   probability P in proportion to the light that is scattered there; weight sigma_s / (M P), or (M - sigma_t) / (M (1 - P))
 ///   where it is null (Galtier et al. 2013, "Integral formulation of null-collision Monte Carlo algorithms");

@@ -77,8 +77,9 @@ float parse_scale(Properties& properties, const Color& highest) {
     if (!(scale >= 0))
         throw InputError(properties.where("scale"), fmt::format("'scale' must not be negative: {:g}", scale));
     if (!(scale * static_cast<double>(highest.maxCoeff()) <= static_cast<double>(highest_extinction)))
-        throw InputError(properties.where(properties.has("scale") ? "scale" : "sigma_t"),
-                         fmt::format("an extinction above {:g}", highest_extinction));
+        for (const char* name : {"scale", "sigma_t", "sigma_a", "sigma_s"})
+            if (properties.has(name))
+                throw InputError(properties.where(name), fmt::format("an extinction above {:g}", highest_extinction));
     return static_cast<float>(scale);
 }
 

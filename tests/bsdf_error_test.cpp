@@ -90,10 +90,11 @@ TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
         std::string type, parameters, takes;
     } rows[] = {
         {"diffuse", "", "reflectance"},
-        {"dielectric", "", "int_ior, ext_ior, specular_reflectance, specular_transmittance"},
+        {"dielectric", "", "int_ior, ext_ior, cauchy_b, abbe, specular_reflectance, specular_transmittance"},
         {"thindielectric", "", "int_ior, ext_ior, specular_reflectance, specular_transmittance"},
         {"roughdielectric", "",
-         "int_ior, ext_ior, sample_visible, distribution, alpha, alpha_u, alpha_v, specular_reflectance, "
+         "int_ior, ext_ior, cauchy_b, abbe, sample_visible, distribution, alpha, alpha_u, alpha_v, "
+         "specular_reflectance, "
          "specular_transmittance"},
         {"conductor", "", "material, eta, k, specular_reflectance"},
         {"roughconductor", "",

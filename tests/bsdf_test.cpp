@@ -87,7 +87,7 @@ TEST(Bsdf, CoefficientsAreTheMeanWeightOfItsSamples) {
     const std::vector<Bsdf> bsdfs = {
         Bsdf(Diffuse{Color(0.2f, 0.5f, 0.9f)}),
         Bsdf(Diffuse{Color(0.2f, 0.5f, 0.9f)}, Diffuse{Color(0.1f, 0.3f, 0.3f)}),
-        Bsdf(Dielectric{1.5f, Color(0.9f, 0.8f, 1.f), Color(1.f, 0.5f, 0.25f)}),
+        Bsdf(Dielectric{1.5f, 0.f, Color(0.9f, 0.8f, 1.f), Color(1.f, 0.5f, 0.25f)}),
         Bsdf(Conductor{ConductorIndex{Color(0.2f, 0.9f, 1.5f), Color(3.f, 2.f, 2.f)}}),
     };
     constexpr std::uint32_t n = 1 << 14;

@@ -92,13 +92,13 @@ TEST(MediumFurnace, WhiteMediaVanish) {
         {"in rough glass", ball(rough + homogeneous(2, 1))},
     };
     for (const auto& [name, body] : bodies)
-        expect_mean(means_over_seeds(scene_of(scene_xml(camera(16, 35) + constant_sky + body)), 64, 8), Colord::Ones(),
+        expect_mean(means_over_seeds(scene_of(scene_xml(camera(16, 35) + constant_sky + body)), 160, 8), Colord::Ones(),
                     name);
 }
 
 /// A lamp at z = 4 behind a slab of thickness 2, seen through it from the front.
 std::string slab_before_lamp(const std::string& medium) {
-    return camera(4, 1) + "<shape type='cube'><transform name='to_world'><scale x='3' y='3'/></transform>" +
+    return camera(4, 0.1) + "<shape type='cube'><transform name='to_world'><scale x='3' y='3'/></transform>" +
            no_surface + medium +
            "</shape><shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
            "angle='180'/><translate "
@@ -123,7 +123,7 @@ TEST(MediumAbsorption, OfAScatteringMediumTakesWhatItScatters) {
     const auto scene =
         scene_of(scene_xml(slab_before_lamp(homogeneous(0.7, 0.6)) + "<integrator type='path'><integer "
                                                                      "name='max_depth' value='1'/></integrator>"));
-    expect_mean(means_over_seeds(scene, 64, 16), Colord::Constant(std::exp(-1.4)), "emission through the slab");
+    expect_mean(means_over_seeds(scene, 256, 16), Colord::Constant(std::exp(-1.4)), "emission through the slab");
 }
 
 TEST(MediumAbsorption, FillsTheExteriorAndTheCamerasSpace) {

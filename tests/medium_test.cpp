@@ -121,16 +121,17 @@ std::vector<Stretch> stretches() {
 // What passes, and the scattered light weighted by 1 and by the place, in each channel.
 TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
     constexpr double length = 2;
+    const Color before(0.5f, 1.f, 3.f);
     for (const Stretch& stretch : stretches()) {
         std::array<Moments, 3> passed, scattered, place;
         for (std::uint32_t i = 0; i < 200000; ++i) {
             const Sampler sampler(PointSet::independent, 2, i, 0);
             NumberStream u(sampler);
-            Color throughput = Color::Ones();
+            Color throughput = before;
             const auto t =
                 stretch.medium.sample_flight(Vec3::Zero(), Vec3::UnitX(), static_cast<float>(length), u, throughput);
             for (std::size_t c = 0; c < 3; ++c) {
-                const auto weight = static_cast<double>(throughput[static_cast<int>(c)]);
+                const auto weight = static_cast<double>((throughput / before)[static_cast<int>(c)]);
                 passed[c].add(t ? 0 : weight);
                 scattered[c].add(t ? weight : 0);
                 place[c].add(t ? weight * static_cast<double>(*t) : 0);

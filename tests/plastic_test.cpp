@@ -154,7 +154,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
         for (float alpha : {0.05f, 0.3f, 1.f}) {
             const MicrofacetDistribution d{type, alpha, alpha};
             const RoughCoat coat(d, 1.49f);
-            RoughDielectric transmitting{1.49f, d}, reflecting{1.49f, d};
+            RoughDielectric transmitting{1.49f, 0.f, d}, reflecting{1.49f, 0.f, d};
             transmitting.specular_reflectance = reflecting.specular_transmittance = Color::Zero();
             for (int node : {1, 5, 30, 63}) {
                 const float c = static_cast<float>(node) / 63;

@@ -10,7 +10,7 @@ namespace {
 constexpr std::array<MicrofacetType, 2> types = {MicrofacetType::beckmann, MicrofacetType::ggx};
 
 RoughConductor mirror(const MicrofacetDistribution& d) { return {{}, d}; }
-RoughDielectric glass(const MicrofacetDistribution& d, float eta = 1.5f) { return {eta, d}; }
+RoughDielectric glass(const MicrofacetDistribution& d, float eta = 1.5f) { return {eta, 0.f, d}; }
 
 std::string name_of(const MicrofacetDistribution& d, double degrees) {
     return std::string(microfacet_type_names[static_cast<std::size_t>(d.type)]) + ' ' + std::to_string(d.alpha_u) +
@@ -65,7 +65,7 @@ TEST(RoughScattering, IsReciprocalWithTheSquaredIndex) {
         const MicrofacetDistribution d{type, 0.7f, 0.4f};
         const RoughConductor metal{ConductorIndex{Color(0.2f, 0.9f, 1.5f), Color(3.f, 2.f, 2.f)}, d,
                                    Color(0.9f, 1.f, 0.5f)};
-        const RoughDielectric g{1.5f, d, Color(0.9f, 0.5f, 1.f), Color(0.3f, 0.8f, 0.6f)};
+        const RoughDielectric g{1.5f, 0.f, d, Color(0.9f, 0.5f, 1.f), Color(0.3f, 0.8f, 0.6f)};
         int refracted = 0;
         for (double a : {5.0, 40.0, 85.0, 110.0, 160.0})
             for (double b : {10.0, 50.0, 88.0, 95.0, 150.0, 175.0}) {

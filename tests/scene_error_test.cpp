@@ -124,7 +124,8 @@ TEST(SceneErrors, Cylinders) {
          {cylinder("<string name=\"p0\" value=\"0\"/>"), "3:1", "cannot be a <string>; it takes: <point>, <vector>"},
          {cylinder("<boolean name=\"flip_normals\" value=\"1\"/>"), "3:30", "'1' is neither true nor false"},
          {cylinder("<float name=\"length\" value=\"1\"/>"), "3:1",
-          "does not take a parameter 'length'; it takes: <bsdf>, <emitter>, silhouette_sampling_weight, to_world, p0, "
+          "does not take a parameter 'length'; it takes: <bsdf>, <emitter>, interior, exterior, "
+          "silhouette_sampling_weight, to_world, p0, "
           "p1, radius, flip_normals"}});
 }
 

@@ -45,7 +45,7 @@ void expect_errors(const std::vector<Row>& rows) {
 
 TEST(MediumErrors, Parameters) {
     expect_errors({
-        {"fog", "", "2:36", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
+        {"fog", "", "2:46", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
         {"homogeneous", "<float name='sigma' value='1'/>", "3:1",
          "medium 'homogeneous' does not take a parameter 'sigma'"},
         {"homogeneous", "<bsdf type='diffuse'/>", "3:1", "does not take a <bsdf>"},
@@ -57,9 +57,9 @@ TEST(MediumErrors, Parameters) {
         {"homogeneous", "<float name='sigma_t' value='1e10'/>", "3:23", "an extinction above 1e+09"},
         {"homogeneous", "<float name='sigma_a' value='6e8'/><float name='sigma_s' value='6e8'/>", "3:23",
          "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:57",
+        {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:56",
          "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
-        {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "does not take a <volume>"},
+        {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "'sigma_t' cannot be a <volume>"},
         {"homogeneous", "<phase type='rayleigh'/>", "3:8",
          "the phase 'rayleigh' is not supported; supported are: isotropic, hg"},
         {"homogeneous", "<phase type='hg'><float name='g' value='1'/></phase>", "3:34",
@@ -72,7 +72,7 @@ TEST(MediumErrors, Parameters) {
          "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
         {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs a 'filename'"},
         {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
-         "3:68", "no.vol"},
+         "3:42", "no.vol"},
         {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",
          "2"},
     });
@@ -93,8 +93,8 @@ TEST(MediumErrors, Grids) {
     EXPECT_THAT(error(grid("sigma_t", negative)),
                 HasSubstr("t.xml:3:1: 'sigma_t' must not be negative, but its volume has -0.5"));
     EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='filter_type' value='cubic'/>")),
-                HasSubstr("t.xml:4:34: "));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='wrap_type' value='zero'/>")), HasSubstr("t.xml:4:32: "));
+                HasSubstr("t.xml:4:28: "));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='wrap_type' value='zero'/>")), HasSubstr("t.xml:4:26: "));
     EXPECT_THAT(error(grid("sigma_t", good, "\n<transform name='to_world'><scale x='0'/></transform>")),
                 HasSubstr("t.xml:4:"));
     EXPECT_THAT(error(grid("sigma_t", good, "\n<float name='value' value='1'/>")),
@@ -132,7 +132,7 @@ TEST(MediumErrors, VolumeFiles) {
         const std::string error = error_of(in_ball(
             "heterogeneous",
             "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
-        EXPECT_THAT(error, StartsWith(file + ": ")) << message;
+        EXPECT_THAT(error, StartsWith(file + ":1:1: ")) << message;
         EXPECT_THAT(error, HasSubstr(message));
     }
 }
