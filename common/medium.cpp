@@ -63,7 +63,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
         const Color sigma = extinction_at(p);
         const Color scattered = sigma * albedo_.at(p) / majorant_, passed = 1.f - sigma / majorant_;
         const float real = (throughput * scattered).mean(), null = (throughput * passed).mean();
-        if (!(real + null > 0.f)) {
+        if (real + null == 0.f) {  // a throughput that is not finite goes on, to be counted by the film
             throughput.setZero();  // all is absorbed here
             return std::nullopt;
         }

@@ -29,16 +29,28 @@ constexpr int first_roulette_vertex = 3;
 /// scaling of refractions, which is undone on the way out.
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
-/// Russian roulette; false: the path ends. `beta` is finite.
-bool survives(Color& beta, float eta_scale, float u) {
+/// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to `found`, where
+/// the film counts it.
+bool survives(Color& beta, float eta_scale, float u, Color& found) {
+    if (!beta.isFinite().all()) {
+        found += beta;
+        return false;
+    }
     const float survival = survival_probability(beta, eta_scale);
     if (!(u < survival)) return false;
     if (!injected(Fault::roulette_rescaling)) beta /= survival;
     return true;
 }
 
-int choose_stratum(const Sampler& sampler) {
-    return static_cast<int>(wavelength_strata * sampler.get_1d(dimension::stratum));
+/// Makes a hit on a material that splits light what it is to the path's stratum of wavelengths, which the first such hit decides; from
+/// there on `beta` has the stratum's weight. See dispersion.h.
+void disperse(const Scene& scene, const Sampler& sampler, SurfaceHit& hit, std::optional<int>& stratum, Color& beta) {
+    if (!scene.material_of_shape(hit.shape).is_dispersive()) return;
+    if (!stratum) {
+        stratum = static_cast<int>(wavelength_strata * sampler.get_1d(dimension::stratum));
+        beta *= stratum_weight(*stratum);
+    }
+    scene.disperse(hit, *stratum);
 }
 
 template <PathFeatures features>
@@ -73,7 +85,9 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                             beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights});
                     const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
                     pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
-                    if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, u.roulette())) break;
+                    if (vertex >= first_roulette_vertex &&
+                        !survives(beta, eta_scale, u.roulette(), sample[path.component()]))
+                        break;
                     traced.ray = {previous, wi};
                     rays.trace(traced);
                     ++vertex;
@@ -101,15 +115,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         }
         if (vertex + 1 >= settings.max_edges) break;
 
-        if constexpr (features.media_or_dispersion) {
-            if (rays.scene().material_of_shape(hit->shape).is_dispersive()) {
-                if (!stratum) {
-                    stratum = choose_stratum(sampler);
-                    beta *= stratum_weight(*stratum);
-                }
-                rays.scene().disperse(*hit, *stratum);
-            }
-        }
+        if constexpr (features.media_or_dispersion) disperse(rays.scene(), sampler, *hit, stratum, beta);
         const VertexNumbers u = sampler.at_vertex(vertex);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
@@ -130,13 +136,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
         path.scatter(next->lobe);
 
-        if (vertex >= first_roulette_vertex) {
-            if (!beta.isFinite().all()) {
-                sample[path.component()] += beta;  // roulette would end the path in silence; the film counts it
-                break;
-            }
-            if (!survives(beta, eta_scale, u.roulette())) break;
-        }
+        if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, u.roulette(), sample[path.component()]))
+            break;
         previous = hit->p;
         const Vec3 wi = hit->shading.to_world(next->wi);
         if constexpr (features.media_or_dispersion) medium = rays.scene().medium_beyond(*hit, wi, medium);
