@@ -60,8 +60,7 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
 /// Where the shadow ray of a light at infinity may end.
 LightSample distant_sample(const BoundingSphere& scene, const Vec3& p, const Vec3& wi, const Color& Le, float pdf_w,
                            bool delta) {
-    const float distance = scene.distance_past(p);
-    return {wi, distance, Le, pdf_w, delta, p + distance * wi, true};
+    return {wi, infinity, Le, pdf_w, delta, p + scene.distance_past(p) * wi};
 }
 
 struct LightSampler {

@@ -80,14 +80,13 @@ inline bool is_delta(const Light& light) {
 /// A point of a light as seen from a point that it may light.
 struct LightSample {
     Vec3 wi;         ///< from the lit point to the light, unit
-    float distance;  ///< of a light at infinity: past the scene's surfaces
+    float distance;  ///< from there to the light; of a light at infinity infinite
     /// Emitted radiance towards the point; may be black. For point and spot lights intensity / distance^2, for directional
     /// ones the irradiance, with pdf_w = choice.
     Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< no other technique can hit it
-    Vec3 target;  ///< the end of the shadow ray, in front of the light's surface
-    bool at_infinity = false;
+    Vec3 target;  ///< the end of the shadow ray: in front of the light's surface, or past the scene's surfaces
 };
 
 /// The start of a light path with its share of power.

@@ -71,7 +71,8 @@ void Scene::add(SceneParts::Object&& object) {
         light = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
     }
-    surfaces_.push_back({object.material, light, object.media});
+    surfaces_.push_back({object.material, light});
+    media_sides_.push_back(object.media);
     has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
     has_holes_ |= materials_[object.material].has_holes();
     has_dispersion_ |= materials_[object.material].is_dispersive();

@@ -84,7 +84,7 @@ public:
     const Medium* camera_medium() const { return medium(camera_medium_); }
     /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.
     const Medium* medium_beyond(const SurfaceHit& hit, const Vec3& w, const Medium* before) const {
-        const MediumSides& sides = surfaces_[hit.shape].media;
+        const MediumSides& sides = media_sides_[hit.shape];
         if (!sides.boundary) return before;
         return medium(w.dot(hit.ng) > 0.f ? sides.exterior : sides.interior);
     }
@@ -126,7 +126,6 @@ private:
     struct Surface {
         std::uint32_t material;
         std::uint32_t light;
-        MediumSides media;
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
     void resolve_material(const Material& material, SurfaceHit& hit) const;
@@ -141,6 +140,7 @@ private:
     std::vector<Material> materials_;
     bool has_holes_ = false, has_dispersion_ = false;
     std::vector<Medium> media_;
+    std::vector<MediumSides> media_sides_;  ///< parallel to shapes_
     std::uint32_t camera_medium_ = no_medium;
     bool has_media_ = false;
     std::vector<Light> lights_;

@@ -2,28 +2,50 @@
 
 namespace gib {
 
-LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which, const Surroundings* surroundings) {
-    const auto light = rays.scene().sample_light(hit.p, u.light_choice(), u.light_position());
+namespace {
+
+bool is_blocked(float visible) { return visible == 0.f; }
+bool is_blocked(const Color& visible) { return is_black(visible); }
+
+/// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a call at every
+/// vertex would be what scenes without media pay for them.
+template <typename Visibility>
+[[gnu::always_inline]] inline LobeValues sample_light_seen_by(const Scene& scene, const SurfaceHit& hit,
+                                                              const Vec3& wo_local, const VertexNumbers& u,
+                                                              LightTechniques techniques, Lobes which,
+                                                              Visibility&& visibility) {
+    const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
     if (!light) return {};
     const Vec3 wi_local = hit.shading.to_local(light->wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light->Le)) return {};
-    Color visibility;
-    if (surroundings) {
-        const Medium* medium = rays.scene().medium_beyond(hit, light->wi, surroundings->medium);
-        visibility = rays.transmittance(offset_origin(hit, light->wi), medium, *light, surroundings->flights);
-    } else {
-        visibility = Color::Constant(rays.visibility(hit, *light));
-    }
-    if (is_black(visibility)) return {};
+    const auto visible = visibility(*light);
+    if (is_blocked(visible)) return {};
     const bool combine =
         !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight =
         combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
-    const Color incident = light->Le * visibility * (std::abs(wi_local.z()) * weight / light->pdf_w);
+    const Color incident = light->Le * (visible * (std::abs(wi_local.z()) * weight / light->pdf_w));
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+}
+
+}  // namespace
+
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               LightTechniques techniques, Lobes which) {
+    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which,
+                                [&](const LightSample& light) { return rays.visibility(hit, light); });
+}
+
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               const Surroundings& surroundings) {
+    const auto transmittance = [&](const LightSample& light) {
+        const Medium* medium = rays.scene().medium_beyond(hit, light.wi, surroundings.medium);
+        return rays.transmittance(offset_origin(hit, light.wi), medium, light, surroundings.flights);
+    };
+    return sample_light_seen_by(rays.scene(), hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::all,
+                                transmittance);
 }
 
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,

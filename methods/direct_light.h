@@ -21,10 +21,12 @@ struct Surroundings {
 /// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes of the kinds `which` scatter towards wo straight
 /// from a light: f(wo, wi) Le cos(theta_i) / pdf_w, times the weight of light sampling, by the kind of lobe.
 /// Source: Veach 1997, sections 8.2 (three-point form) and 9.2 (combination).
-/// `surroundings`: null in a scene without media.
+/// For a scene without media.
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which = Lobes::all,
-                               const Surroundings* surroundings = nullptr);
+                               LightTechniques techniques, Lobes which = Lobes::all);
+/// The same in a scene with media, of all lobes, for callers that find lights by following their bsdf samples too.
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               const Surroundings& surroundings);
 
 /// One sample of the radiance [W/(sr m^2)] that a scattering event at p in `surroundings` sends towards wo straight from a light:
 /// p(wo, wi) Le T / pdf_w, times the weight of light sampling against the phase function's.

@@ -31,7 +31,7 @@ float survival_probability(const Color& beta, float eta_scale) { return std::min
 
 /// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to `found`, where
 /// the film counts it.
-bool survives(Color& beta, float eta_scale, float u, Color& found) {
+inline bool survives(Color& beta, float eta_scale, float u, Color& found) {
     if (!beta.isFinite().all()) {
         found += beta;
         return false;
@@ -121,10 +121,10 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
         if (sees_lights) {
-            const Surroundings surroundings{medium, flights};
             const LobeValues direct =
-                sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::all,
-                                    features.media_or_dispersion && rays.scene().has_media() ? &surroundings : nullptr);
+                features.media_or_dispersion && rays.scene().has_media()
+                    ? sample_direct_light(rays, *hit, wo_local, u, Surroundings{medium, flights})
+                    : sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }

@@ -72,9 +72,9 @@ public:
             if (hit) transmitted *= hit->bsdf->pass_through();
             if (is_black(transmitted)) return transmitted;
             if (medium) {
-                const float length = hit              ? way.found->t * way.ray.d.norm()
-                                     : to.at_infinity ? infinity
-                                                      : way.ray.d.norm();
+                const float length = hit                       ? way.found->t * way.ray.d.norm()
+                                     : to.distance == infinity ? infinity
+                                                               : way.ray.d.norm();
                 transmitted *= medium->transmittance(origin, to.wi, length, u);
             }
             if (!hit) return transmitted;

@@ -323,13 +323,12 @@ TEST(EveryLight, DensitiesIncludeTheChoiceOfTheLight) {
     const Scene& s = *scene.scene;
     ASSERT_TRUE(s.environment());
     const Vec3 p(0, 0, -5);
-    const float at_infinity = std::get<MappedEnvironment>(*s.environment()).scene.distance_past(p);
     int environment = 0;
     for (std::uint32_t i = 0; i < 2000; ++i) {
         const Sampler sampler(PointSet::sobol, 2, 0, i);
         const auto light = s.sample_light(p, sampler.get_1d(0), sampler.get_2d(1));
         if (!light || light->delta) continue;
-        if (light->distance == at_infinity) {
+        if (light->distance == infinity) {
             ++environment;
             EXPECT_NEAR(s.environment_pdf_w(p, light->wi) / light->pdf_w, 1.f, 1e-3f);
             EXPECT_TRUE(s.environment_radiance(light->wi).isApprox(light->Le, 1e-3f));

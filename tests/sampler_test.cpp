@@ -20,6 +20,20 @@ TEST(Sampler, IsAPureFunctionOfItsArguments) {
     }
 }
 
+TEST(Sampler, GivesAVertexTheNumbersOfItsDimensions) {
+    for (PointSet set : {PointSet::independent, PointSet::sobol})
+        for (std::uint32_t pass : {0u, 1u, 12345u, 0xffffffffu})
+            for (int vertex = 0; vertex < 7; ++vertex) {
+                const Sampler s(set, 7, 123, pass);
+                const VertexNumbers u = s.at_vertex(vertex);
+                const auto expected = [&](std::uint32_t what) { return s.get_2d(dimension::at_vertex(vertex, what)); };
+                EXPECT_EQ(Vec2(u.light_choice(), u.roulette()), expected(dimension::choices));
+                EXPECT_EQ(u.light_position(), expected(dimension::light_position));
+                EXPECT_EQ(u.bsdf_lobe(), expected(dimension::bsdf_lobe));
+                EXPECT_EQ(u.bsdf_direction(), expected(dimension::bsdf_direction));
+            }
+}
+
 // A (0, 2)-sequence: every aligned run of 2^m points has one point in each elementary interval of area 2^-m, and Owen's
 // scrambling and the shuffling of indices (which permutes within aligned runs) keep it.
 TEST(Sampler, SobolPointsFormNetsInEveryDimension) {
