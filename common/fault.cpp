@@ -45,6 +45,14 @@ const std::vector<FaultDescription>& fault_descriptions() {
         {Fault::light_choice, "light_choice", "the choice of a light is left out of its density"},
         {Fault::mask_opacity, "mask_opacity", "shadow rays pass masks undimmed"},
         {Fault::thin_lens_area, "thin_lens_area", "points on the lens crowd in its middle"},
+        {Fault::phase_energy, "phase_energy", "a phase function loses 1 %"},
+        {Fault::phase_warp, "phase_warp", "a phase function is sampled uniformly"},
+        {Fault::medium_energy, "medium_energy", "scattering in a medium loses 1 %"},
+        {Fault::flight_channel, "flight_channel", "a flight's density is that of the chosen channel alone"},
+        {Fault::null_collision, "null_collision", "delta tracking does not weigh the collisions that it passes"},
+        {Fault::transmittance_roulette, "transmittance_roulette", "survivors in a dense medium are not rescaled"},
+        {Fault::stratum_weight, "stratum_weight", "a stratum of wavelengths loses 1 %"},
+        {Fault::dispersion_sign, "dispersion_sign", "the index grows with the wavelength"},
     };
     return descriptions;
 }

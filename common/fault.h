@@ -42,7 +42,15 @@ enum class Fault {
     directional_area,
     light_choice,
     mask_opacity,
-    thin_lens_area
+    thin_lens_area,
+    phase_energy,
+    phase_warp,
+    medium_energy,
+    flight_channel,
+    null_collision,
+    transmittance_roulette,
+    stratum_weight,
+    dispersion_sign
 };
 
 struct FaultDescription {

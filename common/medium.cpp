@@ -1,5 +1,7 @@
 #include "common/medium.h"
 
+#include "common/fault.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -44,13 +46,17 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
     const float choice = u.next();
     const int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
     const float t = free_flight(sigma[channel], u.next());
+    const auto mean = [&](const Color& density) {
+        return injected(Fault::flight_channel) ? density[channel] : (q * density).sum();
+    };
     if (t < length) {
         const Color transmitted = attenuation(sigma, t);
-        throughput *= albedo_.at(from + t * w) * sigma * transmitted / (q * sigma * transmitted).sum();
+        const Color scattered = with_loss(Fault::medium_energy) * albedo_.at(from + t * w) * sigma * transmitted;
+        throughput *= scattered / mean(sigma * transmitted);
         return t;
     }
     const Color transmitted = attenuation(sigma, length);
-    throughput *= transmitted / (q * transmitted).sum();
+    throughput *= transmitted / mean(transmitted);
     return std::nullopt;
 }
 
@@ -72,7 +78,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
             throughput *= scattered / probability;
             return t;
         }
-        throughput *= passed / (1.f - probability);
+        if (!injected(Fault::null_collision)) throughput *= passed / (1.f - probability);
     }
 }
 
@@ -89,7 +95,7 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
         transmitted *= 1.f - extinction_at(from + t * w) / majorant_;
         if (transmitted.maxCoeff() > little) continue;
         if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
-        transmitted /= survival;
+        if (!injected(Fault::transmittance_roulette)) transmitted /= survival;
     }
 }
 

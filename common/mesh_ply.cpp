@@ -271,9 +271,7 @@ public:
         reader_.finish();
         if (mesh_.triangles.empty()) throw InputError(header_.end, "the mesh is empty: it has no faces");
         // Faces that stand before the vertices could not be checked while they were read.
-        for (const auto& triangle : mesh_.triangles)
-            for (const std::uint32_t index : triangle)
-                if (index >= mesh_.positions.size()) index_out_of_range(index);
+        if (largest_index_ >= mesh_.positions.size()) index_out_of_range(largest_index_);
         return std::move(mesh_);
     }
 
@@ -338,6 +336,7 @@ private:
             if (index < 0 || index >= 4294967295.0) index_out_of_range(static_cast<std::int64_t>(index));
             const auto vertex = static_cast<std::uint32_t>(index);
             if (!mesh_.positions.empty() && vertex >= mesh_.positions.size()) index_out_of_range(vertex);
+            largest_index_ = std::max(largest_index_, vertex);
             if (i == 0) first = vertex;
             if (i >= 2) mesh_.triangles.push_back({first, previous, vertex});
             previous = vertex;
@@ -352,6 +351,7 @@ private:
     const Header& header_;
     Reader& reader_;
     MeshData mesh_;
+    std::uint32_t largest_index_ = 0;
 };
 
 }  // namespace

@@ -96,6 +96,12 @@ public:
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
     /// The surface where the accelerator found `intersection` on the ray.
     std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
+    /// Starts to fetch what surface_hit() will read, for callers that have something else to do before.
+    void prefetch(const std::optional<Intersection>& intersection) const {
+        if (!intersection) return;
+        const auto* mesh = std::get_if<Mesh>(&shapes_[intersection->shape]);
+        if (mesh) __builtin_prefetch(&mesh->facets[intersection->primitive]);
+    }
     /// At what intersect() returned.
     SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }

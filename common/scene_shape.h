@@ -38,8 +38,9 @@ struct ParsedShapes {
 
     ParsedShapes() = default;
     template <typename Shape>
-    requires std::is_constructible_v<ParsedShape, Shape> ParsedShapes(Shape&& shape)
-        : parts{{std::forward<Shape>(shape), std::nullopt}} {}
+    requires std::is_constructible_v<ParsedShape, Shape> ParsedShapes(Shape&& shape) {
+        parts.push_back({std::forward<Shape>(shape), std::nullopt});  // a list would copy it
+    }
 };
 
 using BoundsD = Eigen::AlignedBox3d;

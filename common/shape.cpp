@@ -1,5 +1,7 @@
 #include "common/shape.h"
 
+#include "common/parallel.h"
+
 #include <stdexcept>
 
 namespace gib {
@@ -107,8 +109,10 @@ bool within(const Ray& ray, double t) {
 
 void Mesh::prepare() {
     facets.resize(triangles.size());
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-        facets[i] = facet_of(i);
+    parallel_blocks(triangles.size(), 1 << 14, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            facets[i] = facet_of(i);
+    });
 }
 
 /// A point's offset is the sum of two bounds of distances along the normal, component by component,
@@ -116,7 +120,7 @@ void Mesh::prepare() {
 /// is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 - p) . n, in
 /// which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m (Higham
 /// 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
-Eigen::Vector4f Mesh::facet_of(std::size_t i) const {
+Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
     const Vec3 n = t.e1.cross(t.e2);
     const float scale = 1.f / length_of(n);
@@ -126,8 +130,11 @@ Eigen::Vector4f Mesh::facet_of(std::size_t i) const {
     const Vec3 furthest = t.v0.cwiseAbs().cwiseMax((t.v0 + t.e1).cwiseAbs()).cwiseMax((t.v0 + t.e2).cwiseAbs());
     const float of_point = gamma(8) * scale * n.cwiseAbs().dot(furthest);
     const float of_query = gamma(16) * scale * (a1 + a2).dot(m) + off_the_plane * (a1 + a2).sum();
-    Eigen::Vector4f facet;
-    facet << n * (flip_normals ? -scale : scale), of_point + of_query;
+    Facet facet;
+    facet.v0 << t.v0, of_point + of_query;
+    facet.e1 << t.e1, 0.f;
+    facet.e2 << t.e2, 0.f;
+    facet.ng << n * (flip_normals ? -scale : scale), 0.f;
     return facet;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Geometry: a closed set of shapes in world space, what a ray query needs of a hit on them, and uniform points on them.
 
+#include "common/huge_pages.h"
 #include "common/math.h"
 #include "common/warp.h"
 
@@ -32,8 +33,14 @@ struct Mesh {
     std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
     bool flip_normals = false;
 
-    /// What the points of one triangle share: ng (x, y, z) and their offset (w).
-    std::vector<Eigen::Vector4f> facets;  ///< by prepare(); empty: computed for each point
+    /// What finding a point of a triangle takes, in the order in which memory is fetched: of a large mesh every ray waits for it, and
+    /// would for the indices and the vertices one after the other.
+    struct alignas(64) Facet {
+        Eigen::Vector4f v0;      ///< a vertex (x, y, z); the offset of points (w)
+        Eigen::Vector4f e1, e2;  ///< the edges from it to the second and third (x, y, z)
+        Eigen::Vector4f ng;      ///< (x, y, z)
+    };
+    HugePageVector<Facet> facets;  ///< by prepare(); empty: computed for each point
     /// To be called once the other members are final.
     void prepare();
 
@@ -46,7 +53,7 @@ struct Mesh {
     Vec3 normal_of(std::size_t i) const;
 
 private:
-    Eigen::Vector4f facet_of(std::size_t i) const;
+    Facet facet_of(std::size_t i) const;
     /// The shading normal between the vertex normals.
     Vec3 interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const;
 };
@@ -129,15 +136,11 @@ private:
 // Every ray asks for the points below: inline, they stay in registers.
 
 inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
-    const Eigen::Vector4f facet = facets.empty() ? facet_of(i) : facets[i];
-    // x, y and z of a vertex, and any number: the vertex after it, or the extra element.
-    const auto padded = [&](std::uint32_t vertex) -> Eigen::Vector4f {
-        return Eigen::Map<const Eigen::Vector4f>(vertices[vertex].data());
+    const auto point = [&](const Facet& facet) -> SurfacePoint {
+        const Eigen::Vector4f p = facet.v0 + (b1 * facet.e1 + b2 * facet.e2);
+        return {p.head<3>(), facet.ng.head<3>(), facet.v0.w()};
     };
-    const auto& t = triangles[i];
-    const Eigen::Vector4f v0 = padded(t[0]);
-    const Eigen::Vector4f p = v0 + (b1 * (padded(t[1]) - v0) + b2 * (padded(t[2]) - v0));
-    return {p.head<3>(), facet.head<3>(), facet.w()};
+    return facets.empty() ? point(facet_of(i)) : point(facets[i]);
 }
 
 inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const {

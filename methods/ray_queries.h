@@ -50,6 +50,8 @@ public:
         for (const Ray& ray : rays)
             note(ray, false);
         scene_.accelerator().intersect(rays, found);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            scene_.prefetch(found[i]);
     }
     /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes (masks).
     /// Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them needs no

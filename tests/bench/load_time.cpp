@@ -1,0 +1,85 @@
+// Time to load a scene of one large mesh beside what nobody can avoid: reading the mesh's file once and Embree's own build of it.
+#include "common/files.h"
+#include "common/scene_file.h"
+
+#include <benchmark/benchmark.h>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gib {
+namespace {
+
+/// With Embree's default settings.
+void build_bare(const Mesh& mesh) {
+    const RTCDevice device = rtcNewDevice(nullptr);
+    const RTCScene scene = rtcNewScene(device);
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(), 0,
+                               sizeof(mesh.vertices[0]), mesh.vertices.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                               sizeof(mesh.triangles[0]), mesh.triangles.size());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+}
+
+const Mesh& largest_mesh(const Scene& scene) {
+    const Mesh* largest = nullptr;
+    for (const Shape& shape : scene.shapes()) {
+        const auto* mesh = std::get_if<Mesh>(&shape);
+        if (mesh && (!largest || mesh->triangles.size() > largest->triangles.size())) largest = mesh;
+    }
+    return *largest;
+}
+
+template <typename Work>
+double seconds(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Both in turn within each iteration; the median ratio of the pairs.
+void BM_LoadOverReadAndBuild(benchmark::State& state, const std::string& file, const std::string& mesh_file) {
+    const std::string folder = std::string(GIB_SOURCE_DIR) + "/scenes/";
+    if (!std::filesystem::exists(folder + mesh_file)) {
+        state.SkipWithError("its mesh is not there: run scripts/meshes");
+        return;
+    }
+    std::vector<double> ratios;
+    for (auto _ : state) {
+        LoadedScene loaded;
+        const double load = seconds([&] { loaded = load_scene(folder + file); });
+        const Mesh& mesh = largest_mesh(*loaded.scene);
+        const double bare = seconds([&] {
+            benchmark::DoNotOptimize(read_file(folder + mesh_file));
+            build_bare(mesh);
+        });
+        ratios.push_back(load / bare);
+    }
+    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+    state.counters["ratio"] = ratios[ratios.size() / 2];
+    state.counters["pairs"] = static_cast<double>(ratios.size());
+}
+
+}  // namespace
+
+BENCHMARK_CAPTURE(BM_LoadOverReadAndBuild, ten_million, "ten-million.xml", "meshes/generated/ten-million.ply")
+    ->UseRealTime()
+    ->Iterations(5)
+    ->Unit(benchmark::kSecond);
+
+}  // namespace gib
