@@ -43,6 +43,7 @@ private:
                                          Color& throughput) const;
     std::optional<float> track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                           Color& throughput) const;
+    /// Interpolation may round to above the highest value of the grid.
     Color extinction_at(const Vec3& p) const { return (scale_ * extinction_.at(p)).min(majorant_); }
 
     GridVolume extinction_, albedo_;

@@ -125,17 +125,13 @@ MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& 
 void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
     const MaterialPoint point = material_point(material, hit);
     hit.shading = point.shading;
-    if (hit.bsdf) return;
-    hit.own_bsdf = std::make_shared<const Bsdf>(material.at(point));
-    hit.bsdf = hit.own_bsdf.get();
+    if (!hit.bsdf) hit.take(material.at(point));
 }
 
 void Scene::disperse(SurfaceHit& hit, int stratum) const {
     const Material& material = material_of_shape(hit.shape);
     hit.bsdf = material.constant(stratum);
-    if (hit.bsdf) return;
-    hit.own_bsdf = std::make_shared<const Bsdf>(material.at(material_point(material, hit), stratum));
-    hit.bsdf = hit.own_bsdf.get();
+    if (!hit.bsdf) hit.take(material.at(material_point(material, hit), stratum));
 }
 
 SurfaceDerivatives Scene::derivatives_at(const SurfaceHit& hit) const {

@@ -25,6 +25,11 @@ struct SurfaceHit : SurfaceGeometry {
     std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
+    void take(Bsdf&& bsdf_here) {
+        own_bsdf = std::make_shared<const Bsdf>(std::move(bsdf_here));
+        bsdf = own_bsdf.get();
+    }
+
     /// [W/(sr m^2)] emitted towards wo.
     Color Le(const Vec3& wo) const {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());

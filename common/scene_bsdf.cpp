@@ -19,6 +19,8 @@ constexpr float lowest_relative_index = 0.01f, highest_relative_index = 100.f;
 constexpr float highest_conductor_index = 1e6f;
 constexpr float highest_roughness = 1e4f;
 constexpr double highest_bump = 1e9;
+/// The material inside of an interface, and of plastic, where none is given.
+const std::string glass = "bk7", plastic = "polypropylene";
 
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
     if (!properties.is_string(name) && properties.has(name)) return properties.positive(name, 1);
@@ -31,9 +33,16 @@ double parse_index(Properties& properties, const std::string& name, const std::s
 }
 
 /// Inside over outside.
-float parse_relative_index(Properties& properties, const std::string& interior = "bk7") {
-    const double inside = parse_index(properties, "int_ior", interior),
-                 outside = parse_index(properties, "ext_ior", "air");
+struct Indices {
+    double inside, outside;
+};
+
+Indices parse_indices(Properties& properties, const std::string& interior) {
+    return {parse_index(properties, "int_ior", interior), parse_index(properties, "ext_ior", "air")};
+}
+
+float parse_relative_index(Properties& properties, const std::string& interior) {
+    const auto [inside, outside] = parse_indices(properties, interior);
     const double eta = inside / outside;
     if (!(eta >= lowest_relative_index && eta <= highest_relative_index))
         throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
@@ -53,12 +62,11 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
 
 /// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as the index is.
 /// 0 where neither is given.
-float parse_dispersion(Properties& properties) {
+float parse_dispersion(Properties& properties, const std::string& interior) {
     const bool has_abbe = properties.has("abbe");
     if (has_abbe && properties.has("cauchy_b"))
         throw InputError(properties.where("abbe"), "give either 'cauchy_b' or 'abbe'");
-    const double inside = parse_index(properties, "int_ior", "bk7"),
-                 outside = parse_index(properties, "ext_ior", "air");
+    const auto [inside, outside] = parse_indices(properties, interior);
     const double given = properties.number("cauchy_b", 0);
     if (!(given >= 0))
         throw InputError(properties.where("cauchy_b"), fmt::format("'cauchy_b' must not be negative: {:g}", given));
@@ -218,8 +226,8 @@ Material parse_diffuse(Properties& properties, TextureFiles& files) {
 template <typename Model>
 Material parse_dielectric(Properties& properties, TextureFiles& files) {
     ModelReader<Model> model(properties, files);
-    model->eta = parse_relative_index(properties);
-    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(properties);
+    model->eta = parse_relative_index(properties, glass);
+    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(properties, glass);
     model.reflectance();
     model.transmittance();
     return std::move(model).material();
@@ -227,8 +235,8 @@ Material parse_dielectric(Properties& properties, TextureFiles& files) {
 
 Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
     ModelReader<RoughDielectric> model(properties, files);
-    model->eta = parse_changing_index(properties, "bk7");
-    model->cauchy_b = parse_dispersion(properties);
+    model->eta = parse_changing_index(properties, glass);
+    model->cauchy_b = parse_dispersion(properties, glass);
     read_distribution(model);
     model.reflectance();
     model.transmittance();
@@ -252,7 +260,7 @@ Material parse_roughconductor(Properties& properties, TextureFiles& files) {
 
 Material parse_plastic(Properties& properties, TextureFiles& files) {
     ModelReader<Plastic> model(properties, files);
-    model->eta = parse_relative_index(properties, "polypropylene");
+    model->eta = parse_relative_index(properties, plastic);
     model->nonlinear = properties.boolean("nonlinear", false);
     model->prepare();
     model.diffuse_reflectance();
@@ -262,7 +270,7 @@ Material parse_plastic(Properties& properties, TextureFiles& files) {
 
 Material parse_roughplastic(Properties& properties, TextureFiles& files) {
     ModelReader<RoughPlastic> model(properties, files);
-    model->eta = parse_changing_index(properties, "polypropylene");
+    model->eta = parse_changing_index(properties, plastic);
     model->nonlinear = properties.boolean("nonlinear", false);
     model->distribution = parse_uniform_distribution(properties);
     model->prepare();

@@ -3,9 +3,8 @@
 #include "common/dispersion.h"
 #include "common/effects.h"
 #include "common/error.h"
-#include "tests/moments.h"
-#include "tests/scene_fixtures.h"
 #include "tests/scene_text.h"
+#include "tests/seed_means.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -16,6 +15,7 @@ namespace {
 
 using test::box_film;
 using test::mean_of;
+using test::means_over_seeds;
 using test::Moments;
 using test::render;
 using test::scene_of;
@@ -28,6 +28,7 @@ using ::testing::StartsWith;
 /// Means over seeds are tested at this many standard errors: with some 20 of them here, a false alarm in 1 of 2,000 choices of seeds
 /// (Student's t with 15 degrees of freedom: 5e-5 each, half of it by either side).
 constexpr double sigmas = 5.5;
+constexpr int seeds = 16;
 
 TEST(Dispersion, WeightsAreNotNegativeAndAverageToOne) {
     Colord sum = Colord::Zero();
@@ -199,16 +200,6 @@ const std::string floor_and_lamp =
     "z='0'/><float "
     "name='radius' value='1.2'/><emitter type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape>";
 
-std::array<Moments, 3> means_over_seeds(const LoadedScene& scene, std::uint32_t passes) {
-    std::array<Moments, 3> moments;
-    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-        const Colord mean = mean_of(render(scene, "path", passes, seed).total());
-        for (std::size_t c = 0; c < 3; ++c)
-            moments[c].add(mean[static_cast<int>(c)]);
-    }
-    return moments;
-}
-
 // Lossless glass under a white sky cannot be seen, in any channel, however strongly it splits light.
 TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
     const std::string sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
@@ -216,7 +207,7 @@ TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
         const bool rough = std::string(type) == "roughdielectric";
         const std::string split =
             std::string("<float name='cauchy_b' value='0.05'/>") + (rough ? "<float name='alpha' value='0.01'/>" : "");
-        const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64);
+        const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64, seeds);
         for (const Moments& m : moments) {
             // A rough interface loses what it would scatter twice: at this roughness less than 1e-3.
             EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + (rough ? 1e-3 : 1e-6)) << type;
@@ -237,7 +228,7 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
     const Image a = render(plain, "path", 4).total(), b = render(zero, "path", 4).total();
     for (std::size_t i = 0; i < a.pixels(); ++i)
         ASSERT_TRUE((a.at(i) == b.at(i)).all()) << i;
-    const auto means = means_over_seeds(plain, 512), split = means_over_seeds(tiny, 512);
+    const auto means = means_over_seeds(plain, 512, seeds), split = means_over_seeds(tiny, 512, seeds);
     for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_NEAR(means[c].mean(), split[c].mean(),
                     sigmas * std::hypot(means[c].standard_error(), split[c].standard_error()));

@@ -1,8 +1,7 @@
 // Media in the path tracer, against furnaces and integrals in closed or numerical form.
 
-#include "tests/moments.h"
-#include "tests/scene_fixtures.h"
 #include "tests/scene_text.h"
+#include "tests/seed_means.h"
 #include "tests/volume_file.h"
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@ namespace {
 
 using test::box_film;
 using test::mean_of;
+using test::means_over_seeds;
 using test::Moments;
 using test::render;
 using test::scene_of;
@@ -47,19 +47,6 @@ std::string ball(const std::string& content) { return "<shape type='sphere'>" + 
 std::string grid(const std::string& name, const std::string& file) {
     return "<volume name='" + name + "' type='gridvolume'><string name='filename' value='" + file +
            "'/><transform name='to_world'><translate value='-0.5'/><scale value='2'/></transform></volume>";
-}
-
-/// The mean radiance of the image over seeds.
-std::array<Moments, 3> means_over_seeds(const LoadedScene& scene, std::uint32_t passes, int seeds,
-                                        Component only = Component::emission, bool all = true) {
-    std::array<Moments, 3> moments;
-    for (int seed = 1; seed <= seeds; ++seed) {
-        const auto image = render(scene, "path", passes, static_cast<std::uint64_t>(seed));
-        const Colord mean = mean_of(all ? image.total() : *image[only]);
-        for (std::size_t c = 0; c < 3; ++c)
-            moments[c].add(mean[static_cast<int>(c)]);
-    }
-    return moments;
 }
 
 void expect_mean(const std::array<Moments, 3>& found, const Colord& expected, const std::string& what) {
@@ -161,7 +148,7 @@ TEST(MediumScattering, OnceIsItsIntegral) {
             "<emitter type='point'><point name='position' value='0.4, 0, 0.1'/></emitter>" +
             "<shape type='cube'><transform name='to_world'><scale x='50' y='50'/></transform>" + no_surface +
             homogeneous(sigma, albedo, g) + "</shape>"));
-        expect_mean(means_over_seeds(scene, 4096, 16, Component::volume, false),
+        expect_mean(means_over_seeds(scene, 4096, 16, Component::volume),
                     Colord::Constant(single_scattering(sigma, albedo, g, 0.4, 0.1)), fmt::format("g = {}", g));
     }
 }

@@ -307,5 +307,32 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
     }
 }
 
+// What a large mesh keeps for its points, on pages of its own, changes nothing about them.
+TEST(Mesh, ItsPointsAreTheSameBeforeAndAfterItIsPrepared) {
+    constexpr std::size_t triangles = 300'000;  // 19 MB of facets
+    Random random(11);
+    Mesh mesh;
+    mesh.flip_normals = true;
+    for (std::size_t i = 0; i < 3 * triangles + 1; ++i)  // the last one is the padding
+        mesh.vertices.push_back({random.next(), random.next(), 100.f + random.next()});
+    for (std::uint32_t i = 0; i < triangles; ++i)
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    Mesh prepared = mesh;
+    prepared.prepare();
+    ASSERT_EQ(prepared.facets.size(), triangles);
+    for (std::size_t i = 0; i < triangles; i += 7) {
+        const Vec2 b = square_to_triangle(random.next_2d());
+        const SurfacePoint a = mesh.point_at(i, b.x(), b.y()), c = prepared.point_at(i, b.x(), b.y());
+        ASSERT_EQ(a.p, c.p);
+        ASSERT_EQ(a.ng, c.ng);
+        ASSERT_EQ(a.offset, c.offset);
+        const auto corner = [&](std::size_t k) { return mesh.vertex(mesh.triangles[i][k]).cast<double>().eval(); };
+        const Vec3d expected = corner(0) + b.x() * (corner(1) - corner(0)) + b.y() * (corner(2) - corner(0));
+        ASSERT_LT((expected - a.p.cast<double>()).norm(), 4e-5) << "ulps of 100 in three sums";
+        const Vec3d n = (corner(2) - corner(0)).cross(corner(1) - corner(0));
+        ASSERT_GT(n.dot(a.ng.cast<double>()), 0.999 * n.norm());
+    }
+}
+
 }  // namespace
 }  // namespace gib
