@@ -1,6 +1,7 @@
 // Time to load a scene of one large mesh beside what nobody can avoid: reading the mesh's file once and Embree's own build of it.
 #include "common/files.h"
 #include "common/scene_file.h"
+#include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>
 
@@ -10,9 +11,6 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -45,34 +43,20 @@ const Mesh& largest_mesh(const Scene& scene) {
     return *largest;
 }
 
-template <typename Work>
-double seconds(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// Both in turn within each iteration; the median ratio of the pairs.
 void BM_LoadOverReadAndBuild(benchmark::State& state, const std::string& file, const std::string& mesh_file) {
-    const std::string folder = std::string(GIB_SOURCE_DIR) + "/scenes/";
-    if (!std::filesystem::exists(folder + mesh_file)) {
-        state.SkipWithError("its mesh is not there: run scripts/meshes");
-        return;
-    }
+    if (!is_there(state, mesh_file)) return;
     std::vector<double> ratios;
     for (auto _ : state) {
         LoadedScene loaded;
-        const double load = seconds([&] { loaded = load_scene(folder + file); });
+        const double load = seconds([&] { loaded = load_scene(path_of(file)); });
         const Mesh& mesh = largest_mesh(*loaded.scene);
         const double bare = seconds([&] {
-            benchmark::DoNotOptimize(read_file(folder + mesh_file));
+            benchmark::DoNotOptimize(read_file(path_of(mesh_file)));
             build_bare(mesh);
         });
         ratios.push_back(load / bare);
     }
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-    state.counters["ratio"] = ratios[ratios.size() / 2];
-    state.counters["pairs"] = static_cast<double>(ratios.size());
+    report_median(state, std::move(ratios));
 }
 
 }  // namespace

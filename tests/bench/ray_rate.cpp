@@ -5,6 +5,7 @@
 #include "common/warp.h"
 #include "methods/path.h"
 #include "methods/pixel_samples.h"
+#include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>
 
@@ -15,8 +16,6 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
@@ -58,15 +57,6 @@ std::uint64_t trace_chunk(const LoadedScene& scene, const PathSettings& settings
                        benchmark::DoNotOptimize(trace_path(rays, eye, sampler, settings));
                    });
     return rays.count();
-}
-
-std::string path_of(const std::string& file) { return std::string(GIB_SOURCE_DIR) + "/scenes/" + file; }
-
-/// A scene whose mesh has to be made first may be missing; then the case says so.
-bool is_there(benchmark::State& state, const std::string& mesh) {
-    if (std::filesystem::exists(path_of(mesh))) return true;
-    state.SkipWithError("its mesh is not there: run scripts/meshes");
-    return false;
 }
 
 const Workload& workload(const std::string& file) {
@@ -139,25 +129,21 @@ void BM_BareEmbree(benchmark::State& state, const std::string& file) {
     report(state, w.rays);
 }
 
-/// The time of `other` over that of `measured`, each the work of one chunk; both in turn within each iteration, so that a machine
-/// whose speed drifts cannot favour one: the median ratio of the pairs.
+/// The time of `other` over that of `measured`, each the work of one chunk.
 void report_ratio(benchmark::State& state, std::size_t chunks, const std::function<void(std::size_t)>& measured,
                   const std::function<void(std::size_t)>& other) {
-    const auto seconds = [&](const std::function<void(std::size_t)>& chunk) {
-        const auto start = std::chrono::steady_clock::now();
-        parallel_blocks(chunks, 1, [&](std::size_t begin, std::size_t, std::size_t) { chunk(begin); });
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const auto seconds_of = [&](const std::function<void(std::size_t)>& chunk) {
+        return seconds(
+            [&] { parallel_blocks(chunks, 1, [&](std::size_t begin, std::size_t, std::size_t) { chunk(begin); }); });
     };
     std::vector<double> ratios;
     with_threads(0, [&] {
         for (auto _ : state) {
-            const double time = seconds(measured);
-            ratios.push_back(seconds(other) / time);
+            const double time = seconds_of(measured);
+            ratios.push_back(seconds_of(other) / time);
         }
     });
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-    state.counters["ratio"] = ratios[ratios.size() / 2];
-    state.counters["pairs"] = static_cast<double>(ratios.size());
+    report_median(state, std::move(ratios));
 }
 
 void BM_PathTracerOverBareEmbree(benchmark::State& state, const std::string& file) {
