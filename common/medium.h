@@ -36,6 +36,8 @@ public:
     Color transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const;
 
     bool scatters() const { return scatters_; }
+    /// sigma_s [1/scene unit] at a point.
+    Color scattering_at(const Vec3& p) const { return albedo_.at(p) * extinction_at(p); }
     const PhaseFunction& phase() const { return phase_; }
 
 private:

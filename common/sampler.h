@@ -119,6 +119,8 @@ inline constexpr std::uint32_t stratum = 2;
 inline constexpr std::uint32_t emission_light = 0;
 inline constexpr std::uint32_t emission_position = 1;
 inline constexpr std::uint32_t emission_direction = 2;
+/// A photon's stratum of wavelengths; an eye path's is `stratum`.
+inline constexpr std::uint32_t photon_stratum = 0x3fffffff;
 inline constexpr std::uint32_t first_vertex = 3;
 inline constexpr std::uint32_t choices = 0;  ///< x: of a light; y: whether the path goes on
 inline constexpr std::uint32_t light_position = 1;

@@ -2,6 +2,8 @@
 
 #include "common/error.h"
 
+#include <algorithm>
+
 namespace gib {
 
 namespace {
@@ -139,6 +141,10 @@ SurfaceDerivatives Scene::derivatives_at(const SurfaceHit& hit) const {
     return hit.instance == no_instance
                ? gib::derivatives_at(shape, hit.primitive, hit)
                : gib::derivatives_at(groups_.instances[hit.instance], shape, hit.primitive, hit);
+}
+
+bool Scene::has_scattering_media() const {
+    return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }
 
 std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {

@@ -85,6 +85,7 @@ public:
     void disperse(SurfaceHit& hit, int stratum) const;
     /// Some space between surfaces absorbs or scatters light.
     bool has_media() const { return has_media_; }
+    bool has_scattering_media() const;
     /// What the camera stands in; null: nothing.
     const Medium* camera_medium() const { return medium(camera_medium_); }
     /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.

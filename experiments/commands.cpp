@@ -98,6 +98,7 @@ int render(const RenderOptions& options, std::ostream& out) {
 
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const ChosenMethod chosen(options.method);
+    find_comparable_method(chosen.label.name);
     if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
     check_writable(options.out);
     ReferenceGoal goal{std::nullopt, options.seconds};
@@ -120,8 +121,8 @@ int print_plan(const std::string& scene, const std::string& method,
                const std::map<std::string, std::string>& parameters, std::ostream& out) {
     std::vector<ChosenMethod> chosen;
     if (method.empty())
-        for (const auto& description : method_registry())
-            chosen.emplace_back(description.name);
+        for (const auto& name : names_of_comparable_methods())
+            chosen.emplace_back(name);
     else chosen.emplace_back(method);
     const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
     for (Effect e : effects_of(*loaded.scene).list())

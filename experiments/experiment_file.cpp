@@ -147,7 +147,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
         where = reader.at(*method);
         experiment.reference_method = MethodLabel::parse(reader.string(*method, "method"), where);
     }
-    const auto& description = find_method(experiment.reference_method.name, where);
+    const auto& description = find_comparable_method(experiment.reference_method.name, where);
     const ParameterValues values(all_parameters(description), experiment.reference_method, where);
     LabelSweep further(reader, description);
     for (const auto& entry : reader.entries(table)) {
@@ -176,7 +176,7 @@ void read_methods(const TomlReader& reader, const toml::node& node, Experiment& 
         const SourceLocation where = reader.at(item);
         const auto* name = table.get("name");
         if (!name) throw InputError(where, "a [[method]] needs a 'name'");
-        LabelSweep sweep(reader, find_method(reader.string(*name, "name"), reader.at(*name)));
+        LabelSweep sweep(reader, find_comparable_method(reader.string(*name, "name"), reader.at(*name)));
         for (const auto& entry : reader.entries(table))
             if (entry.key != "name") sweep.add(entry);
         for (auto& label : sweep.labels(where)) {

@@ -4,8 +4,6 @@ namespace gib {
 
 namespace {
 
-/// Width of the Gaussian in units of the radius at which it is cut off; exp(-r^2 / (2 sigma^2)) = exp(-2) there.
-constexpr float gaussian_sigma = 0.5f;
 constexpr float gaussian_cut = 0.13533528f;  // exp(-1 / (2 gaussian_sigma^2))
 
 /// A photon lies on the surface of the point if their normals agree within 60 degrees and it is seen within 30 degrees
@@ -117,34 +115,39 @@ float kernel_radius(Kernel kernel, float u) {
     return 0.f;
 }
 
-Color DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-                                           const Vec3& wo, int max_photon_edges, const Sampler& sampler,
-                                           std::uint32_t dimension, std::vector<PhotonMap::Neighbour>& found) const {
+Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
+                                               const Vec3& wo, const EyePath& eye, const Sampler& sampler,
+                                               std::uint32_t dimension,
+                                               std::vector<PhotonMap::Neighbour>& found) const {
     const Vec3 normal = normal_towards(hit, wo);
     // Light that arrives from behind is scattered here too where the material lets it through.
     const bool transmits = hit.bsdf->traits().transmission;
     const auto on_surface = [&](const Photon& photon, float d2) {
         const float cosine = photon.surface_normal().dot(normal);
-        return photon.edges <= max_photon_edges && (transmits ? std::abs(cosine) : cosine) > min_normal_cosine &&
+        return eye.accepts(photon) && (transmits ? std::abs(cosine) : cosine) > min_normal_cosine &&
                sqr((photon.p - hit.p).dot(normal)) <= sqr(max_elevation_sine) * d2;
     };
     map.nearest(hit.p, k, max_radius, on_surface, found);
     const bool all_found = found.size() == k;
     const float r = all_found ? std::sqrt(found.back().distance2) : max_radius;
     const std::size_t inside = all_found ? k - 1 : found.size();
-    if (inside == 0 || !(r > 0.f)) return Color::Zero();
+    if (inside == 0 || !(r > 0.f)) return {};
 
     const Vec3 wo_local = hit.shading.to_local(wo);
-    Color sum = Color::Zero();
+    Reflected sum;
     for (std::size_t i = 0; i < inside; ++i) {
         const Photon& photon = map[found[i].photon];
         const Vec3 wi = photon.direction();
         const Vec3 wi_local = transmits ? hit.shading.to_local(wi) : lifted(wo_local, hit.shading.to_local(wi));
         const float scale = shading_normal_factor(hit, wi) * kernel_weight(kernel, found[i].distance2, r);
-        sum += hit.bsdf->f_local(wo_local, wi_local).diffuse * photon.power * scale;
+        const Color f = hit.bsdf->f_local(wo_local, wi_local).diffuse;
+        (photon.in_medium() ? sum.through_media : sum.between_surfaces) += f * photon.power() * eye.weight(photon) * scale;
     }
-    if (area == DiscArea::surface && !is_black(sum))
-        sum /= share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));
+    if (area == DiscArea::surface && !(is_black(sum.between_surfaces) && is_black(sum.through_media))) {
+        const float share = share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));
+        sum.between_surfaces /= share;
+        sum.through_media /= share;
+    }
     return sum;
 }
 

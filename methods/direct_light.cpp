@@ -39,22 +39,22 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
 }
 
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               const Surroundings& surroundings) {
+                               const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
     const auto transmittance = [&](const LightSample& light) {
         const Medium* medium = rays.scene().medium_beyond(hit, light.wi, surroundings.medium);
         return rays.transmittance(offset_origin(hit, light.wi), medium, light, surroundings.flights);
     };
-    return sample_light_seen_by(rays.scene(), hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::all,
-                                transmittance);
+    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which, transmittance);
 }
 
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
-                          const Surroundings& surroundings) {
+                          const Surroundings& surroundings, LightTechniques techniques) {
     const auto light = rays.scene().sample_light(p, u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return Color::Zero();
     const Color visibility = rays.transmittance(p, surroundings.medium, *light, surroundings.flights);
     const float phase = surroundings.medium->phase().value(wo, light->wi);
-    const float weight = light->delta ? 1.f : power_heuristic(light->pdf_w, phase);
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
+    const float weight = combine ? power_heuristic(light->pdf_w, phase) : 1.f;
     return light->Le * visibility * (phase * weight / light->pdf_w);
 }
 

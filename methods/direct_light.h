@@ -9,7 +9,7 @@ namespace gib {
 /// Whether the caller also finds lights by following its bsdf samples.
 enum class LightTechniques {
     light_sampling_only,
-    light_and_bsdf_sampling  ///< weighted by the power heuristic against the bsdf's density
+    light_and_bsdf_sampling  ///< weighted by the power heuristic against the density of the bsdf or phase function
 };
 
 /// Where in a scene with media a vertex lies: what light crosses on its way is estimated with the numbers of `flights`.
@@ -24,14 +24,14 @@ struct Surroundings {
 /// For a scene without media.
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                LightTechniques techniques, Lobes which = Lobes::all);
-/// The same in a scene with media, of all lobes, for callers that find lights by following their bsdf samples too.
+/// The same in a scene with media.
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               const Surroundings& surroundings);
+                               const Surroundings& surroundings, LightTechniques techniques, Lobes which = Lobes::all);
 
 /// One sample of the radiance [W/(sr m^2)] that a scattering event at p in `surroundings` sends towards wo straight from a light:
 /// p(wo, wi) Le T / pdf_w, times the weight of light sampling against the phase function's.
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
-                          const Surroundings& surroundings);
+                          const Surroundings& surroundings, LightTechniques techniques);
 
 /// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
 /// paths do not go on in that direction anyway.

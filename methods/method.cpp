@@ -104,6 +104,13 @@ Film film_for(const Scene& scene, const Effects& effects, const MethodDescriptio
     return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
 }
 
+std::vector<std::string> names_of_comparable_methods() {
+    std::vector<std::string> names;
+    for (const auto& method : method_registry())
+        if (method.estimates_radiance) names.push_back(method.name);
+    return names;
+}
+
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where) {
     std::vector<std::string> names;
     for (const auto& method : method_registry()) {
@@ -111,6 +118,14 @@ const MethodDescription& find_method(std::string_view name, const SourceLocation
         names.push_back(method.name);
     }
     throw InputError(where, fmt::format("unknown method '{}'; there are: {}", name, fmt::join(names, ", ")));
+}
+
+const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where) {
+    const MethodDescription& method = find_method(name, where);
+    if (!method.estimates_radiance)
+        throw InputError(where, fmt::format("'{}' estimates no radiance, so its images cannot be compared; there are: {}", name,
+                                            fmt::join(names_of_comparable_methods(), ", ")));
+    return method;
 }
 
 std::vector<Parameter> all_parameters(const MethodDescription& method) {

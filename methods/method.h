@@ -108,6 +108,8 @@ struct MethodDescription {
     bool unbiased;
     /// `values` were checked against the declarations.
     std::unique_ptr<Method> (*create)(const ParameterValues& values, const MethodDefaults& defaults);
+    /// False: its images show something else, and it is left out wherever methods are compared.
+    bool estimates_radiance = true;
 };
 
 /// The parameters that every method takes: spp and max_depth.
@@ -130,8 +132,12 @@ Film film_for(const Scene& scene, const Effects& effects, const MethodDescriptio
 
 /// All methods, in the order of the list in methods/CMakeLists.txt.
 const std::vector<MethodDescription>& method_registry();
+/// Those that estimate radiance.
+std::vector<std::string> names_of_comparable_methods();
 /// Throws InputError that lists the known methods.
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where = {});
+/// The same for a method that is to be measured; throws InputError if it estimates no radiance.
+const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where = {});
 /// The method's own and the shared parameters.
 std::vector<Parameter> all_parameters(const MethodDescription& method);
 

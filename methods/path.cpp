@@ -10,8 +10,8 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
 
-#include "common/dispersion.h"
 #include "methods/direct_light.h"
+#include "methods/dispersed_path.h"
 #include "methods/method.h"
 #include "methods/pixel_samples.h"
 
@@ -42,17 +42,6 @@ inline bool survives(Color& beta, float eta_scale, float u, Color& found) {
     return true;
 }
 
-/// Makes a hit on a material that splits light what it is to the path's stratum of wavelengths, which the first such hit decides; from
-/// there on `beta` has the stratum's weight. See dispersion.h.
-void disperse(const Scene& scene, const Sampler& sampler, SurfaceHit& hit, std::optional<int>& stratum, Color& beta) {
-    if (!scene.material_of_shape(hit.shape).is_dispersive()) return;
-    if (!stratum) {
-        stratum = static_cast<int>(wavelength_strata * sampler.get_1d(dimension::stratum));
-        beta *= stratum_weight(*stratum);
-    }
-    scene.disperse(hit, *stratum);
-}
-
 template <PathFeatures features>
 PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
@@ -66,6 +55,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
     [[maybe_unused]] const Medium* medium = features.media_or_dispersion ? rays.scene().camera_medium() : nullptr;
     [[maybe_unused]] std::optional<int> stratum;  // of wavelengths, once the path has met a surface that splits light
     for (int vertex = 0; vertex < settings.max_edges;) {
+        const VertexNumbers u = sampler.at_vertex(vertex);  // while memory fetches what surface_hit() reads
         auto hit = rays.surface_hit(traced);
         const Vec3 wo = -traced.ray.d;
         if constexpr (features.media_or_dispersion) {
@@ -79,10 +69,10 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                     if (vertex + 1 >= settings.max_edges) break;
                     path.in_medium = true;
                     previous = from + *flight * ray.d;
-                    const VertexNumbers u = sampler.at_vertex(vertex);
                     if (settings.light_sampling)
                         sample[path.component()] +=
-                            beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights});
+                            beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights},
+                                                       LightTechniques::light_and_bsdf_sampling);
                     const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
                     pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
                     if (vertex >= first_roulette_vertex &&
@@ -115,16 +105,16 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         }
         if (vertex + 1 >= settings.max_edges) break;
 
-        if constexpr (features.media_or_dispersion) disperse(rays.scene(), sampler, *hit, stratum, beta);
-        const VertexNumbers u = sampler.at_vertex(vertex);
+        if constexpr (features.media_or_dispersion) disperse(rays.scene(), sampler.get_1d(dimension::stratum), *hit, stratum, beta);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
         if (sees_lights) {
+            constexpr auto both = LightTechniques::light_and_bsdf_sampling;
             const LobeValues direct =
                 features.media_or_dispersion && rays.scene().has_media()
-                    ? sample_direct_light(rays, *hit, wo_local, u, Surroundings{medium, flights})
-                    : sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling);
+                    ? sample_direct_light(rays, *hit, wo_local, u, Surroundings{medium, flights}, both)
+                    : sample_direct_light(rays, *hit, wo_local, u, both);
             sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }

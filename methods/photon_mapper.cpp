@@ -1,18 +1,19 @@
 // Photon mapping: caustics and indirect light from the density of photons, direct light sampled, specular paths traced.
-// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 9.
+// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 10.
 //
-// Computes: every component of a scene without media. At the first diffuse surface seen from the eye: direct by light
-// sampling, caustic from the caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D). Light found at the end of
-// specular paths counts only before that surface (emission), so that every path is counted once.
-// Parameters: photons, caustic_photons [emitted], k, radius and caustic_radius [fractions of the scene's diagonal], kernel,
-// area; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the caustic
+// map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the way). Where a free
+// flight through a medium ends: light that comes straight from its source by light sampling, all other from the volume map.
+// Light found at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
+// Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius [fractions of the
+// scene's diagonal], kernel, area; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
 // noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
 // A pass: one gather sample of every pixel. The maps are filled at the start.
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
-#include "methods/direct_light.h"
+#include "methods/photon_gather.h"
 #include "methods/photon_walk.h"
 #include "methods/pixel_samples.h"
 
@@ -26,18 +27,11 @@ namespace {
 constexpr std::string_view pass_specular = "specular paths";
 constexpr std::string_view pass_caustic = "caustic map";
 constexpr std::string_view pass_global = "global map";
-
-/// Eye paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go on
-/// after diffuse surfaces, where a throughput near 1 is rare.
-constexpr int first_roulette_vertex = 8;
-
-/// Where the disc of a look-up is probed: past all dimensions of a path of 2^16 vertices.
-constexpr std::uint32_t caustic_disc = dimension::at_vertex(1 << 16, 0);
-constexpr std::uint32_t global_disc = caustic_disc + 1;
+constexpr std::string_view pass_volume = "volume map";
 
 const MethodDescription& description() { return find_method("photon_mapper"); }
 
-/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, surface, surface, eye)
+/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event, eye)
 /// is allowed.
 void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
              const std::string& why_not_called_for) {
@@ -59,6 +53,8 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
             "no light reaches a diffuse surface by way of a specular one");
     add_map(plan, pass_global, effects.has(Effect::diffuse_interreflection), settings.photons, settings.max_edges,
             "no light is passed between diffuse surfaces");
+    add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
+            settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
     return plan;
 }
 
@@ -73,15 +69,16 @@ public:
           film_(film_for(scene, effects, description())) {
         const Plan plan = photon_mapper_plan(scene, effects, settings);
         traces_ = plan.runs(pass_eye_paths);
-        samples_lights_ = plan.runs(pass_light_sampling);
-        follows_specular_ = plan.runs(pass_specular);
-        if (plan.runs(pass_caustic)) caustic_map_ = fill(PhotonMapKind::caustic, settings.caustic_photons);
-        if (plan.runs(pass_global)) global_map_ = fill(PhotonMapKind::global, settings.photons);
+        gather_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
+        if (plan.runs(pass_caustic)) maps_.caustic = fill(PhotonMapKind::caustic, settings.caustic_photons);
+        if (plan.runs(pass_global)) maps_.global = fill(PhotonMapKind::global, settings.photons);
+        if (plan.runs(pass_volume)) maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons);
         const auto length = [&](double fraction) {
             return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
         };
-        global_estimator_ = {settings.kernel, settings.k, length(settings.radius), settings.area};
-        caustic_estimator_ = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area};
+        maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area};
+        maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area};
+        maps_.volume_estimator = {settings.kernel, settings.volume_k, length(settings.volume_radius), settings.area};
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -89,9 +86,9 @@ public:
         if (!traces_) return Progress::converged;
         const auto timer = stages_.time("gather");
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
-            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
-                                                                       const Sampler& sampler) mutable {
-                return gather(rays, eye, sampler, found);
+            return [gather = PhotonGather(maps_, gather_)](RayQueries& rays, const TracedRay& eye,
+                                                           const Sampler& sampler) mutable {
+                return gather.sample(rays, eye, sampler);
             };
         });
         return Progress::more;
@@ -113,102 +110,14 @@ private:
         return PhotonMap(std::move(walk.photons));
     }
 
-    /// One sample of a pixel: a path of specular vertices, with what each of them shows of its diffuse lobes.
-    PixelSample gather(RayQueries& rays, TracedRay traced, const Sampler& sampler,
-                       std::vector<PhotonMap::Neighbour>& found) const {
-        PixelSample sample;
-        Color beta = Color::Ones();
-        float eta_scale = 1.f;   // product of eta^2 that beta was divided by at refractions
-        float pdf_w = infinity;  // density of the last direction; infinite: nothing else could have sampled it
-        Vec3 previous = traced.ray.o;
-        std::uint32_t holes = 0;
-        for (int vertex = 0; vertex < settings_.max_edges;) {
-            const auto hit = rays.surface_hit(traced);
-            if (!hit) {
-                sample[Component::emission] += beta * escaped_radiance(scene_, previous, pdf_w, traced.ray.d);
-                break;
-            }
-            const Vec3 wo = -traced.ray.d;
-            const Color Le = hit->Le(wo);
-            if (!is_black(Le))
-                sample[Component::emission] += beta * Le * bsdf_sampling_weight(scene_, previous, pdf_w, *hit);
-            const float pass_through = hit->bsdf->pass_through();
-            if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                traced.ray = hit->spawn_ray(traced.ray.d);
-                rays.trace(traced);
-                continue;
-            }
-            if (vertex + 1 >= settings_.max_edges) break;
-
-            const VertexNumbers u = sampler.at_vertex(vertex);
-            const Vec3 wo_local = hit->shading.to_local(wo);
-            const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
-            if (lobes.diffuse) add_diffuse(rays, *hit, wo, vertex, u, sampler, beta, found, sample);
-            if (!follows_specular_ || !lobes.specular()) break;
-            const bool sees_lights = samples_lights_ && lobes.glossy;
-            if (sees_lights)
-                sample[Component::emission] +=
-                    beta * sample_direct_light(rays, *hit, wo_local, u, LightTechniques::light_and_bsdf_sampling,
-                                               Lobes::specular)
-                               .specular;
-            const auto next = hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance,
-                                                      Lobes::specular);
-            if (!next) break;
-            beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
-            eta_scale *= sqr(next->eta);
-            pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
-            if (vertex >= first_roulette_vertex) {
-                if (!beta.isFinite().all()) {
-                    sample[Component::emission] += beta;  // roulette would end the path in silence; the film counts it
-                    break;
-                }
-                const float survival = std::min(beta.maxCoeff() * eta_scale, 0.95f);
-                if (!(u.roulette() < survival)) break;
-                beta /= survival;
-            }
-            previous = hit->p;
-            traced.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
-            rays.trace(traced);
-            ++vertex;
-        }
-        return sample;
-    }
-
-    /// The three ways in which light reaches the first diffuse surface.
-    void add_diffuse(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, int vertex, const VertexNumbers& u,
-                     const Sampler& sampler, const Color& beta, std::vector<PhotonMap::Neighbour>& found,
-                     PixelSample& sample) const {
-        if (samples_lights_) {
-            const Vec3 wo_local = hit.shading.to_local(wo);
-            // A lobe with a preferred direction is better followed than hit by chance.
-            const bool follows = hit.bsdf->traits_at(wo_local.z()).rough;
-            sample[Component::direct] += beta * sample_direct_light(rays, hit, wo_local, u,
-                                                                    follows ? LightTechniques::light_and_bsdf_sampling
-                                                                            : LightTechniques::light_sampling_only,
-                                                                    Lobes::diffuse)
-                                                    .diffuse;
-            if (follows)
-                sample[Component::direct] += beta * follow_to_light(rays, hit, wo_local, u, Lobes::diffuse).diffuse;
-        }
-        const int max_photon_edges = settings_.max_edges - (vertex + 1);
-        if (caustic_map_.size() > 0)
-            sample[Component::caustic] +=
-                beta * caustic_estimator_.reflected_radiance(caustic_map_, rays, hit, wo, max_photon_edges, sampler,
-                                                             caustic_disc, found);
-        if (global_map_.size() > 0)
-            sample[Component::indirect] +=
-                beta * global_estimator_.reflected_radiance(global_map_, rays, hit, wo, max_photon_edges, sampler,
-                                                            global_disc, found);
-    }
-
     const Scene& scene_;
     PhotonMapperSettings settings_;
     std::uint64_t seed_;
     StageTimes& stages_;
     Film film_;
-    bool traces_, samples_lights_, follows_specular_;
-    PhotonMap caustic_map_, global_map_;
-    DensityEstimator caustic_estimator_, global_estimator_;
+    bool traces_;
+    PhotonMaps maps_;
+    GatherSettings gather_;
     std::uint64_t photons_ = 0;
     std::uint32_t passes_ = 0;
     std::uint64_t rays_ = 0;
@@ -238,11 +147,15 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.photons = static_cast<std::uint64_t>(values.integer("photons"));
     s.caustic_photons =
         values.given("caustic_photons") ? static_cast<std::uint64_t>(values.integer("caustic_photons")) : s.photons;
+    s.volume_photons =
+        values.given("volume_photons") ? static_cast<std::uint64_t>(values.integer("volume_photons")) : s.photons;
     const auto k = values.number_unless_word("k");
     s.k = k ? static_cast<std::size_t>(*k) : automatic_k(s.photons);
     s.caustic_k = k ? s.k : automatic_k(s.caustic_photons);
+    s.volume_k = k ? s.k : automatic_k(s.volume_photons);
     s.radius = values.number("radius");
     s.caustic_radius = values.number("caustic_radius");
+    s.volume_radius = values.number("volume_radius");
     const auto kernel = std::find(kernel_names.begin(), kernel_names.end(), values.choice("kernel"));
     s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
     s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
@@ -277,6 +190,14 @@ MethodDescription describe_photon_mapper() {
              4e9,
              {},
              "emitted for the caustic map; default: as many as photons"},
+            {"volume_photons",
+             Kind::integer,
+             "",
+             "photons",
+             0,
+             4e9,
+             {},
+             "emitted for the volume map; default: as many as photons"},
             {"k",
              Kind::integer,
              "50",
@@ -301,6 +222,14 @@ MethodDescription describe_photon_mapper() {
              1,
              {},
              "the same in the caustic map, whose light has sharp edges"},
+            {"volume_radius",
+             Kind::number,
+             "0.05",
+             "scene diagonals",
+             0,
+             1,
+             {},
+             "the same in the volume map"},
             {"kernel", Kind::choice, "uniform", "", 0, 0, strings(kernel_names), "weight of a photon by its distance"},
             {"area",
              Kind::choice,
@@ -311,8 +240,8 @@ MethodDescription describe_photon_mapper() {
              {"surface", "plain"},
              "area of a look-up's disc: the part on the surface, or all of it everywhere"},
         },
-        Effects::all() - Effects{Effect::participating_media, Effect::dispersion},
-        {Component::emission, Component::direct, Component::caustic, Component::indirect},
+        Effects::all(),
+        {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
         false,
         create_photon_mapper,
     };

@@ -10,10 +10,13 @@ namespace gib {
 struct PhotonMapperSettings {
     std::uint64_t photons;          ///< emitted for the global map
     std::uint64_t caustic_photons;  ///< emitted for the caustic map
+    std::uint64_t volume_photons;   ///< emitted for the volume map
     std::size_t k;                  ///< photons in an estimate of the global map
     std::size_t caustic_k;          ///< the same of the caustic map
+    std::size_t volume_k;           ///< the same of the volume map
     double radius;                  ///< largest look-up radius in the global map, as a fraction of the scene's diagonal
     double caustic_radius;          ///< the same in the caustic map
+    double volume_radius;           ///< the same in the volume map
     Kernel kernel;
     DiscArea area;
     int max_edges;

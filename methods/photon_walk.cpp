@@ -3,6 +3,7 @@
 #include "common/parallel.h"
 #include "common/sampler.h"
 #include "common/scene.h"
+#include "methods/dispersed_path.h"
 #include "methods/ray_queries.h"
 
 #include <limits>
@@ -24,83 +25,135 @@ float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Vec
     return denominator > 0.f ? numerator / denominator : 0.f;
 }
 
-Photon photon_at(const SurfaceHit& hit, const Vec3& wo, const Color& power, int edges) {
+Photon photon_on(const SurfaceHit& hit, const Vec3& wo, const Color& power, int edges, const PathClass& path,
+                 std::optional<int> stratum) {
     const Vec3 side = wo.dot(hit.ng) >= 0.f ? hit.ng : Vec3(-hit.ng);
-    return {hit.p, power, encode_direction(wo), encode_normal(side), static_cast<std::uint16_t>(edges)};
+    return {hit.p, power, wo, side, edges, path.in_medium, stratum};
 }
 
 /// One photon from a light until it is absorbed, escapes or can no longer be stored.
 class PhotonPath {
 public:
-    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, PhotonWalkResult& result)
-        : rays_(rays), kind_(kind), max_edges_(max_edges), result_(result) {}
+    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
+        : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
 
-    void trace(const Sampler& sampler, float share) {
-        const EmissionSample start = rays_.scene().sample_emission(sampler.get_1d(dimension::emission_light),
-                                                                   sampler.get_2d(dimension::emission_position),
-                                                                   sampler.get_2d(dimension::emission_direction));
-        Color power = share * start.power;
-        if (is_black(power)) return;  // from a dark texel; it would count as a neighbour in a density estimate
-        Ray ray = start.ray;
-        result_.balance.emitted += power.cast<double>();
-        residual_ = power.cast<double>();
-        PathClass path;
-        std::uint32_t holes = 0;
-        // An edge to here and at least one more to the eye: a photon of max_edges could never be used.
-        for (int edges = 1; edges < max_edges_; ++edges) {
-            const auto hit = rays_.intersect(ray);
-            if (!hit) {
-                result_.balance.escaped += power.cast<double>();
-                residual_ -= power.cast<double>();
-                break;
-            }
-            const Vec3 wo = -ray.d;
-            const Vec3 wo_local = hit->shading.to_local(wo);
-            // Stored before it may pass a hole: an eye path decides for itself whether the surface is there.
-            if (stores(path) && hit->bsdf->traits_at(wo_local.z()).diffuse)
-                result_.photons.push_back(photon_at(*hit, wo, power, edges));
-            if (hit->bsdf->pass_through() > 0.f &&
-                sampler.get_1d(dimension::first_hole + holes++) < hit->bsdf->pass_through()) {
-                ray = hit->spawn_ray(ray.d);
-                --edges;
-                continue;
-            }
-            if (!scatter(*hit, wo_local, sampler, edges - 1, power, path, ray)) break;
-        }
+    void trace(float share) {
+        const EmissionSample start = rays_.scene().sample_emission(sampler_.get_1d(dimension::emission_light),
+                                                                   sampler_.get_2d(dimension::emission_position),
+                                                                   sampler_.get_2d(dimension::emission_direction));
+        power_ = share * start.power;
+        if (is_black(power_)) return;  // from a dark texel; it would count as a neighbour in a density estimate
+        result_.balance.emitted += power_.cast<double>();
+        residual_ = power_.cast<double>();
+        follow(start.ray);
         result_.balance.squared_residuals += residual_ * residual_;
     }
 
 private:
-    bool stores(const PathClass& path) const {
-        const bool scattered_diffusely = path.diffuse_vertices > 0;
-        return kind_ == PhotonMapKind::global ? scattered_diffusely
-                                              : !scattered_diffusely && path.specular_since_diffuse;
+    void follow(const Ray& start) {
+        const Scene& scene = rays_.scene();
+        TracedRay traced{start};
+        if (scene.has_media()) medium_ = rays_.medium_at(start.o);
+        std::uint32_t holes = 0;
+        // An edge to here and at least one more to the eye: a photon of max_edges could never be used.
+        for (int edges = 1; edges < max_edges_; ++edges) {
+            rays_.trace(traced);
+            if (medium_) {
+                const Color before = power_;
+                const float length = traced.found ? traced.found->t : infinity;
+                const auto flight = medium_->sample_flight(traced.ray.o, traced.ray.d, length, flights_, power_);
+                account(before - power_, result_.balance.lost_in_media);
+                if (is_black(power_)) return;
+                if (flight) {
+                    if (!scatter_in_medium(traced.ray.o + *flight * traced.ray.d, before, edges, traced.ray)) return;
+                    continue;
+                }
+            }
+            auto hit = rays_.surface_hit(traced);
+            if (!hit) {
+                account(power_, result_.balance.escaped);
+                return;
+            }
+            const Vec3 wo = -traced.ray.d;
+            const Vec3 wo_local = hit->shading.to_local(wo);
+            // Stored before it may pass a hole: an eye path decides for itself whether the surface is there.
+            if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
+                result_.photons.push_back(photon_on(*hit, wo, power_, edges, path_, stratum_));
+            if (hit->bsdf->pass_through() > 0.f &&
+                sampler_.get_1d(dimension::first_hole + holes++) < hit->bsdf->pass_through()) {
+                medium_ = scene.medium_beyond(*hit, traced.ray.d, medium_);
+                traced.ray = hit->spawn_ray(traced.ray.d);
+                --edges;
+                continue;
+            }
+            if (scene.has_dispersion())
+                disperse(scene, sampler_.get_1d(dimension::photon_stratum), *hit, stratum_, power_);
+            if (!scatter(*hit, wo_local, edges - 1, traced.ray)) return;
+        }
     }
 
-    void absorb(const Color& power) {
-        result_.balance.absorbed += power.cast<double>();
+    bool stores_on_surfaces() const {
+        const bool scattered = path_.diffuse_vertices > 0 || path_.in_medium;
+        switch (kind_) {
+            case PhotonMapKind::global:
+                return scattered;
+            case PhotonMapKind::caustic:
+                return !scattered && path_.specular_since_diffuse;
+            case PhotonMapKind::volume:
+                return false;
+        }
+        return false;
+    }
+
+    /// Power that leaves the path for `part` of the balance.
+    void account(const Color& power, Colord& part) {
+        part += power.cast<double>();
         residual_ -= power.cast<double>();
+    }
+
+    /// Ends the path with probability 1 - survival. Never before a number of hits that is far beyond what paths that lose light reach.
+    bool survives(float survival, int vertex, float u) {
+        survival = std::clamp(survival, 0.f, 1.f);
+        if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
+        if (!(u < survival)) return false;
+        if (!injected(Fault::roulette_rescaling)) power_ /= survival;
+        return true;
+    }
+
+    /// An event at p in the medium, at the end of `edges` edges: `before` is the power with which the flight began, and the weight of the
+    /// flight is what roulette undoes. False: the photon ends here.
+    bool scatter_in_medium(const Vec3& p, const Color& before, int edges, Ray& ray) {
+        const Vec3 wo = -ray.d;
+        const bool came_straight = path_.diffuse_vertices == 0 && !path_.specular_since_diffuse && !path_.in_medium;
+        if (kind_ == PhotonMapKind::caustic) return false;
+        if (kind_ == PhotonMapKind::volume && !came_straight) {
+            const Color sigma_s = medium_->scattering_at(p);
+            const Color fluence = (sigma_s > 0.f).select(power_ / sigma_s, Color::Zero());
+            result_.photons.emplace_back(p, fluence, wo, wo, edges, true, stratum_);
+        }
+        const VertexNumbers u = sampler_.at_vertex(edges - 1);
+        if (!survives(power_.maxCoeff() / before.maxCoeff(), edges - 1, u.roulette())) return false;
+        path_.in_medium = true;
+        ray = {p, medium_->phase().sample(wo, u.bsdf_direction())};
+        return true;
     }
 
     /// Roulette on the slides' coefficients: P_r = max over channels of d + s; survivors are rescaled per channel by
     /// coefficient / P_r. False: the photon ends here.
-    bool scatter(const SurfaceHit& hit, const Vec3& wo_local, const Sampler& sampler, int vertex, Color& power,
-                 PathClass& path, Ray& ray) {
+    bool scatter(const SurfaceHit& hit, const Vec3& wo_local, int vertex, Ray& ray) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
-        absorb(power * (1.f - albedo));
-        float survival = std::clamp(albedo.maxCoeff(), 0.f, 1.f);
-        if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
-        const VertexNumbers u = sampler.at_vertex(vertex);
-        if (!(u.roulette() < survival)) return false;
+        account(power_ * (1.f - albedo), result_.balance.absorbed);
+        const VertexNumbers u = sampler_.at_vertex(vertex);
+        if (!survives(albedo.maxCoeff(), vertex, u.roulette())) return false;
 
         const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
         const Vec3 wi = hit.shading.to_world(next->wi);
-        power *=
-            next->f * (std::abs(next->wi.z()) / (next->pdf_w * survival)) * shading_normal_correction(hit, -ray.d, wi);
-        path.scatter(next->lobe);
+        power_ *= next->f * (std::abs(next->wi.z()) / next->pdf_w) * shading_normal_correction(hit, -ray.d, wi);
+        path_.scatter(next->lobe);
+        if (rays_.scene().has_media()) medium_ = rays_.scene().medium_beyond(hit, wi, medium_);
         ray = hit.spawn_ray(wi);
         return true;
     }
@@ -108,8 +161,14 @@ private:
     RayQueries& rays_;
     PhotonMapKind kind_;
     int max_edges_;
+    const Sampler& sampler_;
+    NumberStream flights_;
     PhotonWalkResult& result_;
-    Colord residual_ = Colord::Zero();  ///< of this photon: what the balance has not accounted for
+    Color power_ = Color::Zero();  ///< [W]
+    PathClass path_;
+    const Medium* medium_ = nullptr;  ///< that the photon is in
+    std::optional<int> stratum_;      ///< of wavelengths, once it has met a surface that splits light
+    Colord residual_ = Colord::Zero();  ///< what the balance has not accounted for
 };
 
 }  // namespace
@@ -118,6 +177,7 @@ PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
     emitted += other.emitted;
     absorbed += other.absorbed;
     escaped += other.escaped;
+    lost_in_media += other.lost_in_media;
     squared_residuals += other.squared_residuals;
     return *this;
 }
@@ -135,9 +195,10 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     std::vector<PhotonWalkResult> blocks((count + photons_per_block - 1) / photons_per_block);
     parallel_blocks(count, photons_per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         RayQueries rays(scene);
-        PhotonPath path(rays, kind, longest, blocks[block]);
-        for (std::size_t i = begin; i < end; ++i)
-            path.trace(Sampler(PointSet::independent, key, i, 0), share);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Sampler sampler(PointSet::independent, key, i, 0);
+            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(share);
+        }
         blocks[block].rays = rays.count();
     });
 

@@ -1,7 +1,7 @@
 #pragma once
 // The photon mapper's first pass: photons leave the lights, are scattered or absorbed by Russian roulette, and are
-// stored at every diffuse hit before the roulette. Source: Jensen 2001, "Realistic Image Synthesis Using Photon
-// Mapping", chapter 5.
+// stored at every diffuse hit, or wherever a medium scatters them, before the roulette. Source: Jensen 2001, "Realistic
+// Image Synthesis Using Photon Mapping", chapters 5 and 10.
 
 #include "common/math.h"
 #include "methods/photon.h"
@@ -16,9 +16,10 @@ class Scene;
 
 /// Which photons are stored.
 enum class PhotonMapKind {
-    global,  ///< L (S* D)+ S* D: those that a diffuse surface has scattered; direct light and caustics are found
-             ///< otherwise
-    caustic  ///< L S+ D; the walk ends at the first diffuse surface
+    global,   ///< on diffuse surfaces: those that a diffuse surface or a medium (V) has scattered, L (S|D|V)* (D|V) S* D; direct light
+              ///< and caustics are found otherwise
+    caustic,  ///< L S+ D; the walk ends at the first diffuse surface or event in a medium
+    volume    ///< in media: L (S|D|V)+ V; light that comes straight from its source is found otherwise
 };
 
 /// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
@@ -27,7 +28,10 @@ struct PowerBalance {
     Colord emitted = Colord::Zero();
     Colord absorbed = Colord::Zero();
     Colord escaped = Colord::Zero();
-    /// Sum over photons of (emitted - absorbed - escaped)^2, from which the standard error of the balance follows.
+    /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not absorb adds to it,
+    /// with a mean of zero.
+    Colord lost_in_media = Colord::Zero();
+    /// Sum over photons of (emitted - absorbed - escaped - lost)^2, from which the standard error of the balance follows.
     Colord squared_residuals = Colord::Zero();
 
     PowerBalance& operator+=(const PowerBalance& other);
@@ -40,6 +44,10 @@ struct PhotonWalkResult {
     PowerBalance balance;  ///< each photon of power / emitted
 };
 
+/// In a medium a photon is stored with its power over the scattering coefficient there [W x scene unit]: flights end in proportion to
+/// sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence over it [W x scene unit], also
+/// where the medium thins out (a collision estimator: Spanier and Gelbard 1969, section 2.7).
+///
 /// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
 /// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
 /// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -

@@ -41,6 +41,7 @@ public:
     void trace(TracedRay& traced) {
         note(traced.ray, false);
         traced.found = scene_.accelerator().intersect(traced.ray);
+        scene_.prefetch(traced.found);
     }
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
@@ -82,6 +83,20 @@ public:
             if (!hit) return transmitted;
             medium = scene_.medium_beyond(*hit, to.wi, medium);
             origin = offset_origin(*hit, to.wi);
+        }
+    }
+
+    /// What a point of a scene with media lies in, found along the way from the camera: the boundaries on it decide.
+    const Medium* medium_at(const Vec3& p) {
+        const Medium* medium = scene_.camera_medium();
+        const Sensor& sensor = scene_.sensor();
+        const Ray middle = sensor.generate_ray(sensor.width() / 2, sensor.height() / 2, Vec2(0.5f, 0.5f));
+        for (Vec3 origin = middle.o + middle.t_min * middle.d;;) {
+            const Ray way{origin, p - origin, 0.f, 1.f};
+            const auto hit = intersect(way);
+            if (!hit) return medium;
+            medium = scene_.medium_beyond(*hit, way.d, medium);
+            origin = offset_origin(*hit, way.d);
         }
     }
 

@@ -22,13 +22,7 @@ protected:
     bool simulates_sky() const { return method().simulates.has(Effect::environment_light); }
 };
 
-std::vector<std::string> method_names() {
-    std::vector<std::string> names;
-    for (const auto& m : method_registry())
-        names.push_back(m.name);
-    return names;
-}
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethodUnderTheSky, testing::ValuesIn(method_names()),
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethodUnderTheSky, testing::ValuesIn(names_of_comparable_methods()),
                          [](const auto& name) { return name.param; });
 
 /// Looks along +z from (0, 0, -4); the ball below fills the middle of the image.

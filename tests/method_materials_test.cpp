@@ -96,14 +96,8 @@ class MaskedLight : public testing::TestWithParam<std::string> {};
 
 class EveryMaterial : public testing::TestWithParam<std::tuple<std::string, NamedMaterial>> {};
 
-std::vector<std::string> method_names() {
-    std::vector<std::string> names;
-    for (const auto& m : method_registry())
-        names.push_back(m.name);
-    return names;
-}
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMaterial,
-                         testing::Combine(testing::ValuesIn(method_names()), testing::ValuesIn(materials())),
+                         testing::Combine(testing::ValuesIn(names_of_comparable_methods()), testing::ValuesIn(materials())),
                          [](const auto& test) { return std::get<0>(test.param) + "_" + std::get<1>(test.param).name; });
 
 TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
@@ -142,7 +136,7 @@ TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
     const double expected = 0.5 * 2 / std::numbers::pi * (1 - 0.4) * (1 - 0.7);
     EXPECT_NEAR(mean_of(render(scene, GetParam(), 1).total())[0], expected, 1e-5);
 }
-INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(method_names()),
+INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(names_of_comparable_methods()),
                          [](const auto& name) { return name.param; });
 
 /// Light on a grey floor seen from above, by way of a wall whose normals point steeply up: the floor sees those of the wall's upper

@@ -14,13 +14,7 @@ protected:
     const MethodDescription& method() const { return find_method(GetParam()); }
 };
 
-std::vector<std::string> method_names() {
-    std::vector<std::string> names;
-    for (const auto& m : method_registry())
-        names.push_back(m.name);
-    return names;
-}
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(method_names()),
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(names_of_comparable_methods()),
                          [](const auto& name) { return name.param; });
 
 std::string fixed(double x) { return std::to_string(x); }

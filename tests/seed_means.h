@@ -9,12 +9,13 @@
 
 namespace gib::test {
 
-/// Of a path tracer's image, or of one component of it, by channel, over `seeds` renders of `passes` passes.
+/// Of an image, or of one component of it, by channel, over `seeds` renders of `passes` passes.
 inline std::array<Moments, 3> means_over_seeds(const LoadedScene& scene, std::uint32_t passes, int seeds,
-                                               std::optional<Component> only = {}) {
+                                               std::optional<Component> only = {},
+                                               const std::string& method = "path") {
     std::array<Moments, 3> moments;
     for (int seed = 1; seed <= seeds; ++seed) {
-        const auto image = render(scene, "path", passes, static_cast<std::uint64_t>(seed));
+        const auto image = render(scene, method, passes, static_cast<std::uint64_t>(seed));
         const Colord mean = mean_of(only ? *image[*only] : image.total());
         for (std::size_t c = 0; c < 3; ++c)
             moments[c].add(mean[static_cast<int>(c)]);

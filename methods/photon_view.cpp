@@ -1,0 +1,199 @@
+// Photons made visible: a point lights up where a stored photon is near.
+//
+// Computes: no radiance. Each sample follows the eye path through specular surfaces to the first surface that stores photons; where
+// the nearest photon of the map lies within `size`, it shows that photon's power over the map's mean power, in the component that
+// the map serves. For the volume map the same is done all along the way. Surfaces themselves are seen in dim grey, as
+// `emission`, so that photons have a place.
+// Parameters: map = global | caustic | volume, photons [emitted], size [fraction of the scene's diagonal]; spp and max_depth as for
+// all methods.
+// A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the same seed.
+// Fails: never; an empty map shows no photon.
+#include "methods/method.h"
+#include "methods/photon_map.h"
+#include "methods/photon_walk.h"
+#include "methods/pixel_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// Radiance of a surface that is seen face on.
+constexpr float grey = 0.05f;
+/// Of specular surfaces that are looked through.
+constexpr int max_specular_vertices = 16;
+
+struct PhotonViewSettings {
+    PhotonMapKind kind;
+    std::uint64_t photons;  ///< emitted
+    double size;            ///< of the scene's diagonal
+    int max_edges;
+};
+
+Component component_of(PhotonMapKind kind) {
+    switch (kind) {
+        case PhotonMapKind::global:
+            return Component::indirect;
+        case PhotonMapKind::caustic:
+            return Component::caustic;
+        case PhotonMapKind::volume:
+            return Component::volume;
+    }
+    return Component::indirect;
+}
+
+Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
+    Plan plan;
+    plan.called_for = effects_of(scene);
+    plan.unresolved.assign(all_components.begin(), all_components.end());
+    const bool has_scattering = settings.kind != PhotonMapKind::volume || scene.has_scattering_media();
+    plan.add("photon map", scene.has_light() && has_scattering,
+             scene.has_light() ? "no medium scatters light" : "nothing emits light");
+    plan.add(std::string(pass_eye_paths), true, "");
+    return plan;
+}
+
+class PhotonViewRun final : public Run {
+public:
+    PhotonViewRun(const Scene& scene, const PhotonViewSettings& settings, std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          seed_(seed),
+          stages_(stages),
+          kind_(settings.kind),
+          size_(static_cast<float>(settings.size) * scene.diagonal()),
+          film_(scene.sensor().width(), scene.sensor().height(), {Component::emission, component_of(settings.kind)},
+                {}) {
+        if (!photon_view_plan(scene, settings).runs("photon map")) return;
+        const auto timer = stages_.time("photon tracing");
+        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed);
+        photons_ = walk.emitted;
+        rays_ = walk.rays;
+        double sum = 0;
+        for (const Photon& photon : walk.photons)
+            sum += static_cast<double>(photon.power().mean());
+        if (sum > 0) per_mean_power_ = static_cast<float>(static_cast<double>(walk.photons.size()) / sum);
+        map_ = PhotonMap(std::move(walk.photons));
+    }
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        const auto timer = stages_.time(pass_eye_paths);
+        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
+            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
+                                                                       const Sampler& sampler) mutable {
+                return look(rays, eye, sampler, found);
+            };
+        });
+        return Progress::more;
+    }
+
+    ComponentImages image() const override { return film_.mean(passes_); }
+    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+
+private:
+    PixelSample look(RayQueries& rays, TracedRay traced, const Sampler& sampler,
+                     std::vector<PhotonMap::Neighbour>& found) const {
+        PixelSample sample;
+        for (int vertex = 0; vertex < max_specular_vertices; ++vertex) {
+            const auto hit = rays.surface_hit(traced);
+            if (kind_ == PhotonMapKind::volume) {
+                const float end = hit ? traced.found->t : std::min(traced.ray.t_max, 2.f * scene_.diagonal());
+                if (light_up_along(traced.ray, end, found, sample)) return sample;
+            }
+            if (!hit) return sample;
+            const Vec3 wo = -traced.ray.d, wo_local = hit->shading.to_local(wo);
+            if (hit->bsdf->traits_at(wo_local.z()).diffuse) {
+                const bool lit = kind_ != PhotonMapKind::volume && light_up(hit->p, found, sample);
+                if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
+                return sample;
+            }
+            Vec3 wi = traced.ray.d;  // through a surface that is not there
+            if (hit->bsdf->traits_at(wo_local.z()).scatters()) {
+                const VertexNumbers u = sampler.at_vertex(vertex);
+                const auto next =
+                    hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
+                if (!next) return sample;
+                wi = hit->shading.to_world(next->wi);
+            }
+            traced.ray = hit->spawn_ray(wi);
+            rays.trace(traced);
+        }
+        return sample;
+    }
+
+    /// Whether a photon is near p; then it is in the sample.
+    bool light_up(const Vec3& p, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+        map_.nearest(
+            p, 1, size_, [](const Photon&, float) { return true; }, found);
+        if (found.empty()) return false;
+        sample[component_of(kind_)] = map_[found.front().photon].power() * per_mean_power_;
+        return true;
+    }
+
+    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+        if (map_.size() == 0) return false;
+        // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
+        for (float t = ray.t_min; t < end; t += size_)
+            if (light_up(ray.o + t * ray.d, found, sample)) return true;
+        return false;
+    }
+
+    const Scene& scene_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    PhotonMapKind kind_;
+    float size_;  ///< [scene units]
+    Film film_;
+    PhotonMap map_;
+    float per_mean_power_ = 0.f;  ///< 1 / the mean over photons and channels [1/W]
+    std::uint64_t photons_ = 0;
+    std::uint64_t rays_ = 0;
+    std::uint32_t passes_ = 0;
+};
+
+class PhotonView final : public Method {
+public:
+    explicit PhotonView(const PhotonViewSettings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override { return photon_view_plan(scene, settings_); }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        return std::make_unique<PhotonViewRun>(scene, settings_, seed, stages);
+    }
+
+private:
+    PhotonViewSettings settings_;
+};
+
+std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const MethodDefaults& defaults) {
+    const std::string map = values.choice("map");
+    const PhotonMapKind kind = map == "global"    ? PhotonMapKind::global
+                               : map == "caustic" ? PhotonMapKind::caustic
+                                                  : PhotonMapKind::volume;
+    return std::make_unique<PhotonView>(PhotonViewSettings{kind, static_cast<std::uint64_t>(values.integer("photons")),
+                                                           values.number("size"), max_edges_of(values, defaults)});
+}
+
+}  // namespace
+
+MethodDescription describe_photon_view() {
+    using Kind = Parameter::Kind;
+    return {
+        "photon_view",
+        "the photons that photon_mapper stores, as points of light: no image of the scene's radiance",
+        {
+            {"map", Kind::choice, "global", "", 0, 0, {"global", "caustic", "volume"}, "which photons are shown"},
+            {"photons", Kind::integer, "1e4", "photons", 0, 4e9, {}, "emitted for the map"},
+            {"size", Kind::number, "0.003", "scene diagonals", 1e-6, 1, {}, "radius of the point that shows a photon"},
+        },
+        Effects::all(),
+        {},
+        false,
+        create_photon_view,
+        false,
+    };
+}
+
+}  // namespace gib

@@ -1,0 +1,100 @@
+#include "methods/volume_estimate.h"
+
+#include "common/warp.h"
+
+namespace gib {
+
+namespace {
+
+/// Points per probed ball, one in each of as many shells of equal weight.
+constexpr int ball_probes = 8;
+
+/// Integral of s^2 exp(-s^2 / (2 sigma^2)) from 0 to x, sigma = gaussian_sigma.
+double gaussian_moment(double x) {
+    const double a = 1 / (2 * sqr(static_cast<double>(gaussian_sigma)));
+    return std::sqrt(std::numbers::pi) * std::erf(std::sqrt(a) * x) / (4 * a * std::sqrt(a)) -
+           x * std::exp(-a * sqr(x)) / (2 * a);
+}
+
+/// The share of the kernel's integral over the ball that lies within s.
+double share_within(Kernel kernel, double s) {
+    static const double gaussian_total = gaussian_moment(1);
+    const double s3 = s * s * s;
+    switch (kernel) {
+        case Kernel::uniform:
+            return s3;
+        case Kernel::cone:
+            return s3 * (4 - 3 * s);
+        case Kernel::gaussian:
+            return gaussian_moment(s) / gaussian_total;
+        case Kernel::epanechnikov:
+            return s3 * (5 - 3 * s * s) / 2;
+    }
+    return 0;
+}
+
+}  // namespace
+
+float ball_kernel_weight(Kernel kernel, float d2, float r) {
+    static const float gaussian_norm = static_cast<float>(1 / (4 * std::numbers::pi * gaussian_moment(1)));
+    const float per_r3 = 1.f / (r * r * r), s2 = d2 / (r * r);
+    switch (kernel) {
+        case Kernel::uniform:
+            return 0.75f * inv_pi * per_r3;
+        case Kernel::cone:
+            return 3.f * inv_pi * per_r3 * std::max(1.f - std::sqrt(s2), 0.f);
+        case Kernel::gaussian:
+            return gaussian_norm * per_r3 * std::exp(-s2 / (2.f * sqr(gaussian_sigma)));
+        case Kernel::epanechnikov:
+            return 1.875f * inv_pi * per_r3 * std::max(1.f - s2, 0.f);
+    }
+    return 0.f;
+}
+
+float ball_kernel_radius(Kernel kernel, float u) {
+    if (kernel == Kernel::uniform) return std::cbrt(u);
+    double lower = 0, upper = 1;  // the share grows with s
+    for (int i = 0; i < 30; ++i) {
+        const double middle = 0.5 * (lower + upper);
+        (share_within(kernel, middle) < static_cast<double>(u) ? lower : upper) = middle;
+    }
+    return static_cast<float>(0.5 * (lower + upper));
+}
+
+Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
+                                          const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
+                                          const Sampler& sampler, std::uint32_t dimension,
+                                          std::vector<PhotonMap::Neighbour>& found) const {
+    map.nearest(
+        p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, found);
+    const bool all_found = found.size() == k;
+    const float r = all_found ? std::sqrt(found.back().distance2) : max_radius;
+    const std::size_t inside = all_found ? k - 1 : found.size();
+    if (inside == 0 || !(r > 0.f)) return Color::Zero();
+
+    Color sum = Color::Zero();
+    for (std::size_t i = 0; i < inside; ++i) {
+        const Photon& photon = map[found[i].photon];
+        const float scale = phase.value(wo, photon.direction()) * ball_kernel_weight(kernel, found[i].distance2, r);
+        sum += scale * photon.power() * eye.weight(photon);
+    }
+    if (area == DiscArea::surface && !is_black(sum)) sum /= share_in_sight(rays, p, r, sampler, dimension);
+    return sum;
+}
+
+float VolumeEstimator::share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
+                                      std::uint32_t dimension) const {
+    const Vec2 shift = sampler.get_2d(dimension), turn = sampler.get_2d(dimension + 1);
+    int in_sight = 0;
+    for (int i = 0; i < ball_probes; ++i) {
+        const float shell = (static_cast<float>(i) + turn.x()) / ball_probes;
+        // Zones of the sphere in another order, begun at random, so that every shell meets every zone.
+        const int zone = (3 * i + static_cast<int>(turn.y() * ball_probes)) % ball_probes;
+        const Vec2 u((static_cast<float>(zone) + shift.x()) / ball_probes, 0.618034f * static_cast<float>(i) + shift.y());
+        const Vec3 w = square_to_sphere({u.x(), u.y() - std::floor(u.y())});
+        if (!rays.intersect({p, w, 0.f, r * ball_kernel_radius(kernel, shell)})) ++in_sight;
+    }
+    return static_cast<float>(std::max(in_sight, 1)) / ball_probes;
+}
+
+}  // namespace gib

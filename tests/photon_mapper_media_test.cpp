@@ -1,0 +1,158 @@
+// The photon mapper in media and behind glass that splits light, against furnaces, closed forms and the path tracer.
+
+#include "methods/photon_walk.h"
+#include "tests/scene_text.h"
+#include "tests/seed_means.h"
+
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace gib {
+namespace {
+
+using test::box_film;
+using test::means_over_seeds;
+using test::Moments;
+using test::scene_of;
+using test::scene_xml;
+
+constexpr double pi_d = std::numbers::pi;
+constexpr double sigmas = 5;  ///< of means of seeds
+constexpr int unlimited = std::numeric_limits<int>::max();
+
+const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+
+std::string camera(int size, double fov) {
+    return fmt::format(
+        "<sensor type='perspective'><float name='fov' value='{}'/><transform name='to_world'><translate "
+        "z='-4'/></transform>{}</sensor>",
+        fov, box_film(size));
+}
+std::string ball(const std::string& bsdf, const std::string& sigma_s, double g = 0) {
+    return "<shape type='sphere'>" + bsdf + "<medium name='interior' type='homogeneous'><rgb name='sigma_s' value='" +
+           sigma_s + fmt::format("'/><phase type='hg'><float name='g' value='{}'/></phase></medium></shape>", g);
+}
+const std::string no_surface = "<bsdf type='null'/>";
+const std::string glass =
+    "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+
+/// Of the unit ball with extinction sigma under a sky of radiance 1 that nothing absorbs: the integral of fluence over it. All is
+/// 4 pi V. What comes straight from the sky: every line crosses a chord l = 2 mu, cosine-distributed over the surface,
+/// integral of exp(-sigma t) over it = (1 - exp(-sigma l)) / sigma.
+double fluence_of_ball(double sigma, bool straight_only) {
+    if (!straight_only) return 4 * pi_d * 4 / 3 * pi_d;
+    const double a = 2 * sigma;
+    return pi_d * 4 * pi_d / sigma * (1 - 2 * (1 - (1 + a) * std::exp(-a)) / (a * a));
+}
+
+TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
+    for (const auto& [sigma, g] : {std::pair{0.5, 0.0}, {3.0, 0.0}, {3.0, 0.8}}) {
+        const auto scene = scene_of(
+            scene_xml(camera(4, 40) + constant_sky + ball(no_surface, fmt::format("{0}, {0}, {0}", sigma), g)));
+        Moments stored;
+        for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+            double sum = 0;
+            for (const Photon& photon :
+                 trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).photons)
+                sum += static_cast<double>(photon.power()[1]);
+            stored.add(sum);
+        }
+        const double expected = fluence_of_ball(sigma, false) - fluence_of_ball(sigma, true);
+        EXPECT_LT(stored.standard_error(), 0.01 * expected) << "the test would not see an error";
+        EXPECT_NEAR(stored.mean(), expected, sigmas * stored.standard_error()) << sigma << ' ' << g;
+    }
+}
+
+// Nothing is absorbed: what leaves the light escapes again, in each channel, though the channels are scattered differently.
+TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
+    const auto scene = scene_of(scene_xml(camera(4, 40) + constant_sky + ball(glass, "0.3, 1, 4", 0.3)));
+    std::array<Moments, 3> escaped, lost;
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+        const auto balance = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).balance;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto channel = static_cast<int>(c);
+            escaped[c].add(balance.escaped[channel] / balance.emitted[channel]);
+            lost[c].add(balance.lost_in_media[channel] / balance.emitted[channel]);
+        }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_LT(escaped[c].standard_error(), 0.01);
+        EXPECT_NEAR(escaped[c].mean(), 1, sigmas * escaped[c].standard_error() + 1e-6) << c;
+        EXPECT_NEAR(lost[c].mean(), 0, sigmas * lost[c].standard_error() + 1e-6) << c;
+    }
+}
+
+// The camera stands outside of a ball of fog, the lamp in its middle: what the lamp lies in is found from the camera.
+TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
+    const auto scene = scene_of(
+        scene_xml(camera(4, 40) + "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
+                                  "name='intensity' value='1'/></emitter>" +
+                  ball(no_surface, "0.5, 0.5, 0.5")));
+    EXPECT_FALSE(trace_photons(*scene.scene, PhotonMapKind::volume, 1000, unlimited, 1).photons.empty());
+    // Once scattered a photon of a path of three edges is stored at its second event only.
+    for (const Photon& photon : trace_photons(*scene.scene, PhotonMapKind::volume, 1000, 3, 1).photons)
+        EXPECT_EQ(photon.edges, 2);
+}
+
+// A medium that absorbs nothing cannot be seen under a sky of radiance 1.
+TEST(PhotonMapperInMedia, WhiteMediaVanish) {
+    const std::vector<std::pair<std::string, std::string>> bodies = {
+        {"thin", ball(no_surface, "0.3, 0.3, 0.3")},
+        {"dense", ball(no_surface, "8, 8, 8")},
+        {"forwards", ball(no_surface, "4, 4, 4", 0.7)},
+        {"coloured", ball(no_surface, "0.2, 1, 5")},
+        {"in glass", ball(glass, "2, 2, 2")},
+    };
+    for (const auto& [name, body] : bodies)
+        for (const char* kernel : {"uniform", "gaussian"}) {
+            const auto found = means_over_seeds(scene_of(scene_xml(camera(16, 25) + constant_sky + body)), 16, 8, {},
+                                                std::string("photon_mapper photons=2e5 kernel=") + kernel);
+            for (const Moments& m : found) {
+                EXPECT_LT(m.standard_error(), 0.005) << name;
+                // The fluence is the same everywhere; blur over the ball's rim is corrected for by 8 probes only.
+                EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + 0.01) << name << ' ' << kernel;
+            }
+        }
+}
+
+void expect_components(const LoadedScene& scene, std::uint32_t path_passes, const std::string& photon_mapper,
+                       std::uint32_t photon_passes, int seeds, const std::vector<Component>& components) {
+    for (Component c : components) {
+        const auto path = means_over_seeds(scene, path_passes, seeds, c);
+        const auto photons = means_over_seeds(scene, photon_passes, seeds, c, photon_mapper);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double error = std::hypot(path[i].standard_error(), photons[i].standard_error());
+            EXPECT_LT(error, 0.02 * path[i].mean()) << name_of(c) << ' ' << i;
+            EXPECT_NEAR(photons[i].mean(), path[i].mean(), 0.01 * path[i].mean() + sigmas * error) << name_of(c) << ' ' << i;
+        }
+    }
+}
+
+// Fog between walls with a ball of glass: every class of paths once, also those that a surface sends into the fog and the fog to a
+// surface.
+TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
+    const auto scene = test::shipped_scene("fog.xml", {{}, std::pair{32, 32}});
+    expect_components(scene, 256, "photon_mapper photons=2e5", 16, 8,
+                      {Component::emission, Component::direct, Component::indirect, Component::volume});
+}
+
+// The floor is seen through the ball that split the light which falls on it: both paths have a stratum.
+TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
+    const std::string split = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
+                              "value='1'/><float name='cauchy_b' value='0.03'/></bsdf>";
+    const auto scene = scene_of(scene_xml(
+        camera(16, 40) + "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' "
+                         "angle='-90'/><translate y='-1'/></transform><bsdf type='diffuse'/></shape>" +
+        "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' angle='180'/><translate "
+        "z='3'/></transform><bsdf type='diffuse'/></shape>" +
+        "<shape type='sphere'><point name='center' x='1' y='3' z='0'/><float name='radius' value='1.2'/><emitter "
+        "type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape><shape type='sphere'>" +
+        split + "</shape>"));
+    ASSERT_TRUE(scene.scene->has_dispersion());
+    expect_components(scene, 1024, "photon_mapper photons=2e5", 64, 8,
+                      {Component::emission, Component::direct, Component::caustic, Component::indirect});
+}
+
+}  // namespace
+}  // namespace gib
