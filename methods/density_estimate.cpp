@@ -141,7 +141,7 @@ Color DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& ray
         const Vec3 wi = photon.direction();
         const Vec3 wi_local = transmits ? hit.shading.to_local(wi) : lifted(wo_local, hit.shading.to_local(wi));
         const float scale = shading_normal_factor(hit, wi) * kernel_weight(kernel, found[i].distance2, r);
-        sum += hit.bsdf->f_local(wo_local, wi_local).diffuse * photon.power * scale;
+        sum += hit.bsdf->f_local(wo_local, wi_local).diffuse * photon.power() * scale;
     }
     if (area == DiscArea::surface && !is_black(sum))
         sum /= share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));

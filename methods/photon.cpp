@@ -22,7 +22,40 @@ Vec3 from_octahedral(const Vec2& p) {
 std::uint32_t quantise(float x, float half) { return static_cast<std::uint32_t>(std::lround((x + 1.f) * half)); }
 float dequantise(std::uint32_t x, float half) { return static_cast<float>(x) / half - 1.f; }
 
+constexpr int smallest_exponent = -126;
+constexpr std::uint8_t not_finite = 254;  // its unit is infinite, and 0 times that is not a number
+
+/// Of s from -126 to 127.
+float power_of_two(int s) { return std::bit_cast<float>(static_cast<std::uint32_t>(s + 127) << 23); }
+
 }  // namespace
+
+Photon::Photon(const Vec3& position, const Color& power, const Vec3& wi, const Vec3& normal, int path_edges,
+               bool in_medium, std::optional<int> stratum)
+    : p(position),
+      tag_(static_cast<std::uint8_t>(static_cast<int>(in_medium) + 2 * (stratum ? *stratum + 1 : 0))),
+      wi_(encode_direction(wi)),
+      normal_(encode_normal(normal)),
+      edges(static_cast<std::uint16_t>(path_edges)) {
+    set_power(power);
+}
+
+void Photon::set_power(const Color& power) {
+    mantissa_ = {0, 0, 0};
+    exponent_ = 0;
+    const float largest = power.maxCoeff();
+    if (!((power >= 0.f).all() && largest < infinity)) {
+        exponent_ = not_finite;
+        return;
+    }
+    if (largest == 0.f) return;
+    int s = std::max(std::ilogb(largest) - 15, smallest_exponent);
+    // Rounding to nearest, ties to even: truncation would darken every sum.
+    if (std::lrint(largest * power_of_two(-s)) > 0xffff) ++s;
+    for (Eigen::Index c = 0; c < 3; ++c)
+        mantissa_[static_cast<std::size_t>(c)] = static_cast<std::uint16_t>(std::lrint(power[c] * power_of_two(-s)));
+    exponent_ = static_cast<std::uint8_t>(s - smallest_exponent);
+}
 
 std::uint32_t encode_direction(const Vec3& w) {
     const Vec2 p = octahedral(w);

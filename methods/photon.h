@@ -1,25 +1,57 @@
 #pragma once
-// What a photon is, and the boxes in which photons travel from the walk to the map.
+// What a photon is.
 
 #include "common/math.h"
 
+#include <array>
+#include <bit>
 #include <cstdint>
-#include <vector>
+#include <optional>
 
 namespace gib {
 
-/// Power that arrived at a diffuse surface. 32 bytes.
-struct Photon {
-    Vec3 p;
-    Color power;           ///< [W]
-    std::uint32_t wi;      ///< encoded: the direction that it came from, away from the surface
-    std::uint16_t normal;  ///< encoded: geometric normal of the surface, on the side that it arrived at
-    std::uint16_t edges;   ///< of its path, from the light to here
+/// Power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
+///
+/// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at which the
+/// largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of 2^15 or more) for
+/// largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons gains or loses nothing.
+class Photon {
+public:
+    Photon() = default;
+    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so that the
+    ///                   film counts it.
+    /// @param wi         where it came from, away from here
+    /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
+    /// @param edges      of its path, from the light to here; at most 65535
+    /// @param in_medium  its path was scattered in a medium
+    /// @param stratum    of wavelengths, if its path was split (common/dispersion.h)
+    Photon(const Vec3& p, const Color& power, const Vec3& wi, const Vec3& normal, int edges, bool in_medium = false,
+           std::optional<int> stratum = std::nullopt);
 
+    void set_power(const Color& power);  ///< [W]
+
+    Color power() const {  ///< [W]
+        const float unit = std::bit_cast<float>((exponent_ + 1u) << 23);
+        return Color(mantissa_[0], mantissa_[1], mantissa_[2]) * unit;
+    }
+    bool in_medium() const { return (tag_ & 1) != 0; }
+    std::optional<int> stratum() const { return tag_ < 2 ? std::nullopt : std::optional<int>((tag_ >> 1) - 1); }
     Vec3 direction() const;
     Vec3 surface_normal() const;
+
+    Vec3 p;
+
+private:
+    std::array<std::uint16_t, 3> mantissa_;
+    std::uint8_t exponent_;  ///< s = exponent - 126
+    std::uint8_t tag_;       ///< in_medium + 2 (stratum + 1)
+    std::uint32_t wi_;
+    std::uint16_t normal_;
+
+public:
+    std::uint16_t edges;
 };
-static_assert(sizeof(Photon) == 32);
+static_assert(sizeof(Photon) == 28);
 
 /// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at
 /// most 1e-4 (0.02) radians. Source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
@@ -29,7 +61,7 @@ Vec3 decode_direction(std::uint32_t code);
 std::uint16_t encode_normal(const Vec3& n);
 Vec3 decode_normal(std::uint16_t code);
 
-inline Vec3 Photon::direction() const { return decode_direction(wi); }
-inline Vec3 Photon::surface_normal() const { return decode_normal(normal); }
+inline Vec3 Photon::direction() const { return decode_direction(wi_); }
+inline Vec3 Photon::surface_normal() const { return decode_normal(normal_); }
 
 }  // namespace gib

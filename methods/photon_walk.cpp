@@ -26,7 +26,7 @@ float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Vec
 
 Photon photon_at(const SurfaceHit& hit, const Vec3& wo, const Color& power, int edges) {
     const Vec3 side = wo.dot(hit.ng) >= 0.f ? hit.ng : Vec3(-hit.ng);
-    return {hit.p, power, encode_direction(wo), encode_normal(side), static_cast<std::uint16_t>(edges)};
+    return {hit.p, power, wo, side, edges};
 }
 
 /// One photon from a light until it is absorbed, escapes or can no longer be stored.
