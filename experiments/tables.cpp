@@ -1,6 +1,7 @@
 #include "experiments/tables.h"
 
 #include "common/files.h"
+#include "experiments/comparison.h"
 
 #include <fmt/format.h>
 
@@ -166,7 +167,7 @@ std::string markdown_table(const Analysis& analysis) {
         "|---|---|---:|---:|---:|---:|---:|---:|---|\n";
     for (const auto& row : analysis.rows)
         if (row.component == total_name) text += markdown_row(row);
-    return text;
+    return text + comparison_text(analysis);
 }
 
 void write_tables(const Analysis& analysis, const ResultFolder& folder) {

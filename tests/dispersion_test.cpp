@@ -236,17 +236,6 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
     }
 }
 
-// The photon mapper's glass has one index for all light, and says so.
-TEST(Dispersion, IsMissingWhereAMethodCannotSimulateIt) {
-    const auto scene =
-        scene_of(scene_xml(camera + floor_and_lamp + glass_ball("dielectric", "<float name='abbe' value='40'/>")));
-    const MethodDescription& description = find_method("photon_mapper");
-    const auto method =
-        description.create(ParameterValues(all_parameters(description), MethodLabel::parse("photon_mapper")),
-                           MethodDefaults{scene.max_edges});
-    EXPECT_EQ(method->plan(*scene.scene).missing, Effects{Effect::dispersion});
-}
-
 TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
     const std::vector<std::array<std::string, 3>> rows = {
         {"<float name='cauchy_b' value='-0.1'/>", "3:24", "'cauchy_b' must not be negative: -0.1"},

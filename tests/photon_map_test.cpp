@@ -131,7 +131,8 @@ double relative_density(const DensityEstimator& estimator, std::uint64_t look_up
             const float y = static_cast<float>(i / per_side + 1) / static_cast<float>(per_side + 1);
             const Sampler u(PointSet::independent, number, i, 0);
             sum += static_cast<double>(estimator.reflected_radiance(map, rays, hit_at(*scene.scene, x, y),
-                                                                    Vec3(0, 0, 1), 100, u, 0, found)[0]);
+                                                                    Vec3(0, 0, 1), EyePath{100}, u, 0, found)
+                                           .between_surfaces[0]);
         }
         means[number] = sum / static_cast<double>(per_side * per_side);
     });
@@ -165,8 +166,9 @@ TEST(DensityEstimate, FewerThanKPhotonsAreDividedByTheLargestDisc) {
     const PhotonMap map(photons);
     std::vector<PhotonMap::Neighbour> found;
     const DensityEstimator e{Kernel::uniform, 10, 0.5f, DiscArea::plain};
-    const Color L = e.reflected_radiance(map, rays, hit_at(*scene.scene, 0, 0), Vec3(0, 0, 1), 100,
-                                         Sampler(PointSet::independent, 1, 0, 0), 0, found);
+    const Color L = e.reflected_radiance(map, rays, hit_at(*scene.scene, 0, 0), Vec3(0, 0, 1), EyePath{100},
+                                         Sampler(PointSet::independent, 1, 0, 0), 0, found)
+                        .between_surfaces;
     EXPECT_NEAR(L[0], 2.f / (pi * 0.25f) / pi, 1e-6f);
 }
 
@@ -178,8 +180,9 @@ TEST(DensityEstimate, PhotonsOfTooLongPathsDoNotCount) {
     std::vector<PhotonMap::Neighbour> found;
     const DensityEstimator e{Kernel::uniform, 10, 0.5f, DiscArea::plain};
     const auto at = [&](int edges) {
-        return e.reflected_radiance(map, rays, hit_at(*scene.scene, 0.5f, 0.5f), Vec3(0, 0, 1), edges,
-                                    Sampler(PointSet::independent, 1, 0, 0), 0, found)[0];
+        return e.reflected_radiance(map, rays, hit_at(*scene.scene, 0.5f, 0.5f), Vec3(0, 0, 1), EyePath{edges},
+                                    Sampler(PointSet::independent, 1, 0, 0), 0, found)
+            .between_surfaces[0];
     };
     EXPECT_GT(at(2), 0.f);
     EXPECT_EQ(at(1), 0.f);

@@ -15,7 +15,15 @@ using test::mean_of;
 using test::render;
 
 PhotonMapperSettings settings(std::uint64_t photons) {
-    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17};
+    PhotonMapperSettings s{};
+    s.photons = s.caustic_photons = s.volume_photons = photons;
+    s.k = s.caustic_k = s.volume_k = 50;
+    s.radius = 0.1;
+    s.caustic_radius = 0.025;
+    s.volume_radius = 0.05;
+    s.area = DiscArea::surface;
+    s.max_edges = 17;
+    return s;
 }
 
 struct Rendered {

@@ -17,7 +17,7 @@ TEST(PhotonView, LightsUpADiscForEachPhoton) {
         "</shape><shape type='rectangle'><transform name='to_world'><scale value='20'/><rotate x='1' angle='180'/>"
         "<translate z='2'/></transform>" +
         test::diffuse(0.8) +
-        "</shape><emitter type='point'><point name='position' z='1'/><rgb name='intensity' value='1'/></emitter>"));
+        "</shape><emitter type='point'><point name='position' x='0' y='0' z='1'/><rgb name='intensity' value='1'/></emitter>"));
     const std::string label = "photon_view map=global photons=300 size=0.0003";
     const auto photons = trace_photons(*scene.scene, PhotonMapKind::global, 300, 1 << 30, 1).photons;
     std::size_t on_floor = 0;
@@ -42,7 +42,9 @@ TEST(PhotonView, ShowsEachMapInItsComponent) {
         const auto image = render(fog, std::string("photon_view photons=2000 size=0.01 map=") + map, 2);
         EXPECT_GT(mean_of(*image[component]).mean(), 0) << map;
         for (Component other : all_components)
-            if (other != component && other != Component::emission) EXPECT_FALSE(image[other]) << map;
+            if (other != component && other != Component::emission) {
+                EXPECT_FALSE(image[other]) << map;
+            }
     }
 }
 

@@ -101,8 +101,8 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     std::vector<PhotonMap::Neighbour> found;
     const VolumeEstimator estimator{Kernel::uniform, 100, 1.f, DiscArea::plain};
     const auto sum = [&](const EyePath& eye) {
-        return estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0, found) *
-               (4 * pi * 4 / 3 * pi);
+        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0, found) *
+                     (4 * pi * 4 / 3 * pi));
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);
     EXPECT_NEAR(sum({3})[1], 3, 1e-4) << "edges";

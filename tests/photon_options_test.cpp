@@ -1,0 +1,75 @@
+// What must hold for the photon mapper whatever its options: every combination that its parameter table allows is tried.
+
+#include "tests/scene_fixtures.h"
+
+#include <algorithm>
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::render;
+
+/// Labels of every combination of choices, and of the words that stand beside a number with that number's default.
+std::vector<std::string> combinations() {
+    std::vector<std::string> labels = {"photon_mapper"};
+    for (const Parameter& p : find_method("photon_mapper").parameters) {
+        std::vector<std::string> values = p.choices;
+        if (values.empty()) continue;
+        if (p.kind != Parameter::Kind::choice) values.push_back(p.default_value);
+        std::vector<std::string> extended;
+        for (const auto& label : labels)
+            for (const auto& value : values)
+                extended.push_back(label + " " + p.name + "=" + value);
+        labels = std::move(extended);
+    }
+    return labels;
+}
+
+bool has_plain_discs(const std::string& label) { return label.find("area=plain") != std::string::npos; }
+
+TEST(PhotonOptions, CoverWhatTheTableOffers) {
+    const auto labels = combinations();
+    EXPECT_GE(labels.size(), 16u);
+    for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
+        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(),
+                                [&](const auto& l) { return l.find(option) != std::string::npos; }))
+            << option;
+}
+
+// Radiance 1 everywhere. Plain discs are too dark at edges: what a disc of radius r loses along the 12 edges of the box.
+TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
+    const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
+    for (const auto& label : combinations()) {
+        const double mean =
+            mean_of(render(furnace, label + " photons=100000 radius=0.03", 4).total()).mean();
+        EXPECT_GT(mean, has_plain_discs(label) ? 0.95 : 0.99) << label;
+        EXPECT_LT(mean, 1.01) << label;
+    }
+}
+
+// The image's mean is the path tracer's: no path class is lost or counted twice by any option.
+TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
+    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{32, 32}});
+    const double truth = mean_of(render(glass, "path", 1024).total()).mean();
+    for (const auto& label : combinations()) {
+        const double mean =
+            mean_of(render(glass, label + " photons=100000 radius=0.03 caustic_radius=0.01", 8).total()).mean();
+        EXPECT_NEAR(mean / truth, 1, has_plain_discs(label) ? 0.06 : 0.03) << label;
+    }
+}
+
+TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
+    for (const char* file : {"cornell-glass.xml", "fog.xml"}) {
+        const auto scene = test::shipped_scene(file, {{}, std::pair{20, 20}});
+        for (const auto& label : combinations()) {
+            const std::string small = label + " photons=6000 radius=0.02 caustic_radius=0.02";
+            const Image one = render(scene, small, 1, 1, 1).total();
+            for (int threads : {2, 5})
+                ASSERT_EQ(one.rgb, render(scene, small, 1, 1, threads).total().rgb) << label << ' ' << threads;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace gib
