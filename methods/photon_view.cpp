@@ -105,7 +105,9 @@ private:
             if (!hit) return sample;
             const Vec3 wo = -traced.ray.d, wo_local = hit->shading.to_local(wo);
             if (hit->bsdf->traits_at(wo_local.z()).diffuse) {
-                const bool lit = kind_ != PhotonMapKind::volume && light_up(hit->p, found, sample);
+                const Vec3 side = wo.dot(hit->ng) >= 0.f ? hit->ng : Vec3(-hit->ng);
+                const auto on_side = [&](const Photon& photon, float) { return photon.surface_normal().dot(side) > 0.f; };
+                const bool lit = kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, found, sample);
                 if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
             }
@@ -123,10 +125,10 @@ private:
         return sample;
     }
 
-    /// Whether a photon is near p; then it is in the sample.
-    bool light_up(const Vec3& p, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
-        map_.nearest(
-            p, 1, size_, [](const Photon&, float) { return true; }, found);
+    /// Whether a photon that `accept` takes is near p; then it is in the sample.
+    template <typename Accept>
+    bool light_up(const Vec3& p, Accept&& accept, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+        map_.nearest(p, 1, size_, accept, found);
         if (found.empty()) return false;
         sample[component_of(kind_)] = map_[found.front().photon].power() * per_mean_power_;
         return true;
@@ -136,7 +138,7 @@ private:
         if (map_.size() == 0) return false;
         // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
         for (float t = ray.t_min; t < end; t += size_)
-            if (light_up(ray.o + t * ray.d, found, sample)) return true;
+            if (light_up(ray.o + t * ray.d, [](const Photon&, float) { return true; }, found, sample)) return true;
         return false;
     }
 
