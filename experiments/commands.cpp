@@ -75,11 +75,12 @@ int render(const RenderOptions& options, std::ostream& out) {
     ProgressLine progress;
     // Which checkpoint is the last is not known before: a method may converge.
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
-    const auto show = [&](std::uint32_t passes, double seconds) {
-        const double share = static_cast<double>(passes) / work.spp;
-        progress.update(share, seconds * (1 / share - 1), loaded.name + ", " + options.method);
+    const auto show = [&](const OngoingWork& ongoing) {
+        const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
+        progress.update(share, ongoing.seconds * (1 / share - 1),
+                        fmt::format("{}, {}: {}", loaded.name, options.method, ongoing.stage));
     };
-    with_threads(options.threads, [&] { measured = measure(work, keep_last, show); });
+    with_threads(options.threads, [&] { measured = measure(work, keep_last, {}, show); });
     const Checkpoint& last = measured.checkpoints.back();
     image.metadata = {{"method", chosen.label.text()},
                       {"seed", std::to_string(options.seed)},

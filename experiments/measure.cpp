@@ -34,14 +34,23 @@ bool is_checkpoint(std::uint32_t passes) {
     return passes == 1 || passes == 3;
 }
 
-Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer) {
+Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer,
+                    const WorkObserver& work_observer) {
     const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
     Measurement result;
     StageTimes stages;
     const Stopwatch start_watch;
+    bool preparing = true;
+    std::uint32_t passes = 0;
+    if (work_observer)
+        stages.listen([&](std::string_view stage, double fraction) {
+            const double prepared = result.prepare_seconds;
+            work_observer({preparing, passes, stage, fraction, start_watch.seconds() - prepared});
+        });
     const auto run = work.method.start(work.scene, work.seed, stages);
     double charged = start_watch.seconds();
     result.prepare_seconds = charged;
+    preparing = false;
     double peak = 0;
 
     for (std::uint32_t pass = 0;; ++pass) {
@@ -49,7 +58,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         const Progress progress = run->advance(pass);
         charged += watch.seconds();
 
-        const std::uint32_t passes = pass + 1;
+        passes = pass + 1;
         result.converged = progress == Progress::converged;
         const bool ends =
             result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);

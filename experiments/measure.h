@@ -40,11 +40,23 @@ using CheckpointSink = std::function<void(const Checkpoint&, const ComponentImag
 /// Called after each pass; not charged. May throw to stop.
 using PassObserver = std::function<void(std::uint32_t passes, double seconds)>;
 
+/// Work that goes on, in the preparation or in a pass.
+struct OngoingWork {
+    bool preparing;
+    std::uint32_t passes;     ///< done before
+    std::string_view stage;
+    double fraction;          ///< of the stage
+    double seconds;           ///< since the preparation, or the first pass, began
+};
+/// Told a few times a second, from any thread but never from two at once; charged, so it should be quick.
+using WorkObserver = std::function<void(const OngoingWork&)>;
+
 /// 1, 2, 3, 4, 6, 8, 12, 16, 24, ...: two to the octave, the same in every replicate.
 bool is_checkpoint(std::uint32_t passes);
 
 /// Runs until spp, the budget or convergence. At least one pass completes, and the last pass is a checkpoint.
-Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {});
+Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
+                    const WorkObserver& work_observer = {});
 
 /// The label's spp, else the scene's sample count, else 16.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);

@@ -21,6 +21,15 @@ std::vector<StageTimes::Stage> StageTimes::stages() const {
     return copy;
 }
 
+void StageTimes::report(std::string_view stage, double fraction) const {
+    if (!listener_) return;
+    const std::unique_lock lock(listening_, std::try_to_lock);
+    const auto now = std::chrono::steady_clock::now();
+    if (!lock || now - last_report_ < std::chrono::milliseconds(100)) return;
+    last_report_ = now;
+    listener_(stage, fraction);
+}
+
 bool Plan::runs(std::string_view pass) const {
     const auto step = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.pass == pass; });
     return step != steps.end() && step->runs;

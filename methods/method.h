@@ -7,10 +7,13 @@
 #include "common/image.h"
 #include "methods/parameters.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,8 +44,32 @@ public:
     /// In the order in which they first ran.
     std::vector<Stage> stages() const;
 
+    /// Hears how far a stage has come, in [0, 1]: from any thread, never from two at once, ten times a second at most.
+    using Listener = std::function<void(std::string_view stage, double fraction)>;
+    void listen(Listener listener) { listener_ = std::move(listener); }
+    void report(std::string_view stage, double fraction) const;
+
 private:
     std::vector<std::unique_ptr<Stage>> stages_;  // a Timer holds a pointer into one
+    Listener listener_;
+    mutable std::mutex listening_;
+    mutable std::chrono::steady_clock::time_point last_report_{};
+};
+
+/// How much of a stage's work is done, counted by the threads that do it.
+class StageProgress {
+public:
+    StageProgress(const StageTimes& stages, std::string_view stage, std::uint64_t total)
+        : stages_(stages), stage_(stage), total_(total) {}
+    void add(std::uint64_t done) {
+        stages_.report(stage_, static_cast<double>(done_ += done) / static_cast<double>(total_));
+    }
+
+private:
+    const StageTimes& stages_;
+    std::string_view stage_;
+    std::uint64_t total_;
+    std::atomic<std::uint64_t> done_ = 0;
 };
 
 /// What a method does for a scene: its passes, run or skipped, and what it leaves out.

@@ -181,8 +181,7 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
-        const auto timer = stages_.time(pass_eye_paths);
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, [this] {
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, pass_eye_paths, [this] {
             return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
                 return trace_path(rays, eye, sampler, settings_);
             };

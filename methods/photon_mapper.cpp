@@ -84,8 +84,7 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
-        const auto timer = stages_.time("gather");
-        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
+        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [gather = PhotonGather(maps_, gather_)](RayQueries& rays, const TracedRay& eye,
                                                            const Sampler& sampler) mutable {
                 return gather.sample(rays, eye, sampler);
@@ -102,7 +101,8 @@ private:
         PhotonWalkResult walk;
         {
             const auto timer = stages_.time("photon tracing");
-            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_);
+            StageProgress progress(stages_, "photon tracing", count);
+            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, &progress);
         }
         rays_ += walk.rays;
         photons_ += walk.emitted;

@@ -67,7 +67,8 @@ public:
                 {}) {
         if (!photon_view_plan(scene, settings).runs("photon map")) return;
         const auto timer = stages_.time("photon tracing");
-        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed);
+        StageProgress progress(stages, "photon tracing", settings.photons);
+        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed, &progress);
         photons_ = walk.emitted;
         rays_ = walk.rays;
         double sum = 0;
@@ -79,8 +80,7 @@ public:
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
-        const auto timer = stages_.time(pass_eye_paths);
-        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, [this] {
+        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, pass_eye_paths, [this] {
             return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
                                                                        const Sampler& sampler) mutable {
                 return look(rays, eye, sampler, found);

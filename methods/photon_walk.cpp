@@ -4,6 +4,7 @@
 #include "common/sampler.h"
 #include "common/scene.h"
 #include "methods/dispersed_path.h"
+#include "methods/method.h"
 #include "methods/ray_queries.h"
 
 #include <limits>
@@ -183,7 +184,7 @@ PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
 }
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed) {
+                               std::uint64_t seed, StageProgress* progress) {
     PhotonWalkResult result;
     result.emitted = count;
     if (count == 0 || !scene.has_light()) return result;
@@ -200,6 +201,7 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
             PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(share);
         }
         blocks[block].rays = rays.count();
+        if (progress) progress->add(end - begin);
     });
 
     std::size_t stored = 0;

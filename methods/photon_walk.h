@@ -13,6 +13,7 @@
 namespace gib {
 
 class Scene;
+class StageProgress;
 
 /// Which photons are stored.
 enum class PhotonMapKind {
@@ -53,6 +54,6 @@ struct PhotonWalkResult {
 /// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
 /// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart.
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed);
+                               std::uint64_t seed, StageProgress* progress = nullptr);
 
 }  // namespace gib

@@ -4,6 +4,7 @@
 #include "common/film.h"
 #include "common/parallel.h"
 #include "common/sampler.h"
+#include "methods/method.h"
 #include "methods/ray_queries.h"
 
 #include <algorithm>
@@ -38,14 +39,16 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
     }
 }
 
-/// Adds one sample of every pixel to the film and returns the number of rays traced. `start_block()` gives the sampling
-/// function of one block of pixels, which may own scratch memory: PixelSample(RayQueries&, const TracedRay&, const Sampler&).
+/// Adds one sample of every pixel to the film and returns the number of rays traced; `stage` is what `stages` is told about it.
+/// `start_block()` gives the sampling function of one block of pixels, which may own scratch memory: PixelSample(RayQueries&, const TracedRay&, const Sampler&).
 template <typename StartBlock>
 std::uint64_t sample_pixels(const Scene& scene, Film& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
-                            StartBlock&& start_block) {
+                            StageTimes& stages, std::string_view stage, StartBlock&& start_block) {
+    const auto timer = stages.time(stage);
     const Sensor& sensor = scene.sensor();
     const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
     std::atomic<std::uint64_t> traced = 0;
+    StageProgress progress(stages, stage, pixels);
     parallel_blocks(pixels, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries rays(scene);
         auto sample = start_block();
@@ -54,6 +57,7 @@ std::uint64_t sample_pixels(const Scene& scene, Film& film, PointSet points, std
                            film.add(pixel, pass, sample(rays, eye, sampler));
                        });
         traced += rays.count();
+        progress.add(end - begin);
     });
     return traced;
 }
