@@ -30,17 +30,16 @@ float power_of_two(int s) { return std::bit_cast<float>(static_cast<std::uint32_
 
 }  // namespace
 
-Photon::Photon(const Vec3& position, const Color& power, const Vec3& wi, const Vec3& normal, int path_edges,
-               bool in_medium, std::optional<int> stratum)
-    : p(position),
-      tag_(static_cast<std::uint8_t>(static_cast<int>(in_medium) + 2 * (stratum ? *stratum + 1 : 0))),
+PhotonPayload::PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
+                             std::optional<int> stratum)
+    : tag_(static_cast<std::uint8_t>(static_cast<int>(in_medium) + 2 * (stratum ? *stratum + 1 : 0))),
       wi_(encode_direction(wi)),
       normal_(encode_normal(normal)),
       edges(static_cast<std::uint16_t>(path_edges)) {
     set_power(power);
 }
 
-void Photon::set_power(const Color& power) {
+void PhotonPayload::set_power(const Color& power) {
     mantissa_ = {0, 0, 0};
     exponent_ = 0;
     const float largest = power.maxCoeff();

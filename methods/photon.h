@@ -10,23 +10,16 @@
 
 namespace gib {
 
-/// Power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
+/// What a photon carries, all but its position. 16 bytes.
 ///
 /// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at which the
 /// largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of 2^15 or more) for
 /// largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons gains or loses nothing.
-class Photon {
+class PhotonPayload {
 public:
-    Photon() = default;
-    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so that the
-    ///                   film counts it.
-    /// @param wi         where it came from, away from here
-    /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
-    /// @param edges      of its path, from the light to here; at most 65535
-    /// @param in_medium  its path was scattered in a medium
-    /// @param stratum    of wavelengths, if its path was split (common/dispersion.h)
-    Photon(const Vec3& p, const Color& power, const Vec3& wi, const Vec3& normal, int edges, bool in_medium = false,
-           std::optional<int> stratum = std::nullopt);
+    PhotonPayload() = default;
+    PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
+                  std::optional<int> stratum);
 
     void set_power(const Color& power);  ///< [W]
 
@@ -39,8 +32,6 @@ public:
     Vec3 direction() const;
     Vec3 surface_normal() const;
 
-    Vec3 p;
-
 private:
     std::array<std::uint16_t, 3> mantissa_;
     std::uint8_t exponent_;  ///< s = exponent - 126
@@ -50,6 +41,25 @@ private:
 
 public:
     std::uint16_t edges;
+};
+static_assert(sizeof(PhotonPayload) == 16);
+
+/// Power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
+struct Photon : PhotonPayload {
+    Vec3 p;
+
+    Photon() = default;
+    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so that the
+    ///                   film counts it.
+    /// @param wi         where it came from, away from here
+    /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
+    /// @param path_edges of its path, from the light to here; at most 65535
+    /// @param in_medium  its path was scattered in a medium
+    /// @param stratum    of wavelengths, if its path was split (common/dispersion.h)
+    Photon(const Vec3& position, const Color& power, const Vec3& wi, const Vec3& normal, int path_edges,
+           bool in_medium = false, std::optional<int> stratum = std::nullopt)
+        : PhotonPayload(power, wi, normal, path_edges, in_medium, stratum), p(position) {}
+    Photon(const Vec3& position, const PhotonPayload& payload) : PhotonPayload(payload), p(position) {}
 };
 static_assert(sizeof(Photon) == 28);
 
@@ -61,7 +71,7 @@ Vec3 decode_direction(std::uint32_t code);
 std::uint16_t encode_normal(const Vec3& n);
 Vec3 decode_normal(std::uint16_t code);
 
-inline Vec3 Photon::direction() const { return decode_direction(wi_); }
-inline Vec3 Photon::surface_normal() const { return decode_normal(normal_); }
+inline Vec3 PhotonPayload::direction() const { return decode_direction(wi_); }
+inline Vec3 PhotonPayload::surface_normal() const { return decode_normal(normal_); }
 
 }  // namespace gib
