@@ -5,16 +5,19 @@
 // sampling, caustic from the caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D). Light found at the end of
 // specular paths counts only before that surface (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons [emitted], k, radius and caustic_radius [fractions of the scene's diagonal], kernel,
-// area; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// area, projection; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
 // noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
 // A pass: one gather sample of every pixel. The maps are filled at the start.
+// Photons are aimed: each light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
+// projection_map.h; their number stays, their power is that of the emission that is kept.
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
 #include "methods/direct_light.h"
 #include "methods/photon_walk.h"
 #include "methods/pixel_samples.h"
+#include "methods/projection_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,6 +29,12 @@ namespace {
 constexpr std::string_view pass_specular = "specular paths";
 constexpr std::string_view pass_caustic = "caustic map";
 constexpr std::string_view pass_global = "global map";
+constexpr std::string_view pass_caustic_aim = "projection map of the caustic map";
+constexpr std::string_view pass_global_aim = "projection map of the global map";
+
+/// Fewer photons are worth a coarser projection map, which is built faster.
+constexpr std::uint64_t photons_per_cell = 8;
+constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
 
 /// Eye paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go on
 /// after diffuse surfaces, where a throughput near 1 is rare.
@@ -48,7 +57,36 @@ void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t p
     plan.add(std::string(pass), reason.empty(), reason);
 }
 
-Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
+/// Where the photons of each map are aimed; null: everywhere.
+struct Aims {
+    std::unique_ptr<ProjectionMap> caustic, global;
+};
+
+/// Adds the step of a map's projection map, which is built to find out what it can save. Photons that are scattered in a medium
+/// may be of use whatever surface they meet first, and even if they meet none.
+void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
+             std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
+    if (scene.has_media()) surfaces = TargetSurfaces::all;
+    std::string reason;
+    if (!plan.runs(map)) {
+        reason = "its map is not run";
+    } else if (!settings.projection) {
+        reason = "projection=off";
+    } else if (scene.has_unbounded_medium()) {
+        reason = "light may be scattered in a medium without an end";
+    } else {
+        const std::uint64_t cells = std::clamp(photons / photons_per_cell, fewest_cells, most_cells);
+        aim = std::make_unique<ProjectionMap>(scene, surfaces, cells);
+        if (!aim->aims()) {
+            aim.reset();
+            reason = surfaces == TargetSurfaces::all ? "(nearly) every cell of every light reaches geometry"
+                                                     : "(nearly) every cell of every light reaches specular geometry";
+        }
+    }
+    plan.add(std::string(pass), reason.empty(), reason);
+}
+
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims) {
     Plan plan = described_plan(scene, description());
     plan.called_for = effects;
     add_eye_paths(plan, scene, settings.max_edges);
@@ -59,6 +97,9 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
             "no light reaches a diffuse surface by way of a specular one");
     add_map(plan, pass_global, effects.has(Effect::diffuse_interreflection), settings.photons, settings.max_edges,
             "no light is passed between diffuse surfaces");
+    add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
+            aims.caustic);
+    add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
     return plan;
 }
 
@@ -71,12 +112,17 @@ public:
           seed_(seed),
           stages_(stages),
           film_(film_for(scene, effects, description())) {
-        const Plan plan = photon_mapper_plan(scene, effects, settings);
+        Aims aims;
+        const Plan plan = [&] {
+            const auto timer = stages.time("projection map");
+            return photon_mapper_plan(scene, effects, settings, aims);
+        }();
         traces_ = plan.runs(pass_eye_paths);
         samples_lights_ = plan.runs(pass_light_sampling);
         follows_specular_ = plan.runs(pass_specular);
-        if (plan.runs(pass_caustic)) caustic_map_ = fill(PhotonMapKind::caustic, settings.caustic_photons);
-        if (plan.runs(pass_global)) global_map_ = fill(PhotonMapKind::global, settings.photons);
+        if (plan.runs(pass_caustic))
+            caustic_map_ = fill(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get());
+        if (plan.runs(pass_global)) global_map_ = fill(PhotonMapKind::global, settings.photons, aims.global.get());
         const auto length = [&](double fraction) {
             return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
         };
@@ -101,11 +147,11 @@ public:
     RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
 
 private:
-    PhotonMap fill(PhotonMapKind kind, std::uint64_t count) {
+    PhotonMap fill(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
         PhotonWalkResult walk;
         {
             const auto timer = stages_.time("photon tracing");
-            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_);
+            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim);
         }
         rays_ += walk.rays;
         photons_ += walk.emitted;
@@ -218,7 +264,10 @@ class PhotonMapper final : public Method {
 public:
     explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
 
-    Plan plan(const Scene& scene) const override { return photon_mapper_plan(scene, effects_of(scene), settings_); }
+    Plan plan(const Scene& scene) const override {
+        Aims aims;
+        return photon_mapper_plan(scene, effects_of(scene), settings_, aims);
+    }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
@@ -247,6 +296,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
     s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
     s.max_edges = max_edges_of(values, defaults);
+    s.projection = values.choice("projection") == "on";
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -310,6 +360,14 @@ MethodDescription describe_photon_mapper() {
              0,
              {"surface", "plain"},
              "area of a look-up's disc: the part on the surface, or all of it everywhere"},
+            {"projection",
+             Kind::choice,
+             "on",
+             "",
+             0,
+             0,
+             {"on", "off"},
+             "photons are emitted only where they can reach surfaces that matter"},
         },
         Effects::all() - Effects{Effect::participating_media, Effect::dispersion},
         {Component::emission, Component::direct, Component::caustic, Component::indirect},

@@ -14,8 +14,9 @@ namespace {
 using test::mean_of;
 using test::render;
 
+/// Photons are not aimed: a map that no light can fill would trace none.
 PhotonMapperSettings settings(std::uint64_t photons) {
-    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17};
+    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17, false};
 }
 
 struct Rendered {
