@@ -121,4 +121,33 @@ EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
     return {to_world_.to_world(direction_of(cell, theta)), interpolated(cell), density(cell)};
 }
 
+DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) const {
+    if (upper.x() <= uniform_share)
+        return cone_around(square_to_sphere_patch(Vec2(lower.x() / uniform_share, lower.y()),
+                                                  Vec2(std::min(upper.x() / uniform_share, 1.f), upper.y())),
+                           to_world_);
+    if (lower.x() < uniform_share) return {};
+    // By whole texels. Each number finds a row, or a column of it, that does not fall as the number rises.
+    const auto in_row = [](float u) {
+        return std::clamp((u - uniform_share) / (1.f - uniform_share), 0.f, 1.f - unit_roundoff);
+    };
+    const std::size_t first = rows_.sample(lower.y()).index;
+    const std::size_t last = rows_.sample(std::min(upper.y(), 1.f - unit_roundoff)).index;
+    std::size_t left = width_, right = 0;
+    for (std::size_t row = first; row <= last; ++row) {
+        if (!(columns_[row].total() > 0)) continue;  // never chosen
+        left = std::min(left, columns_[row].sample(in_row(lower.x())).index);
+        right = std::max(right, columns_[row].sample(in_row(upper.x())).index);
+    }
+    if (left > right) return {};
+    // Azimuth from -z towards +x, about the map's y.
+    Frame axes;
+    axes.s = -to_world_.n;
+    axes.t = to_world_.s;
+    axes.n = to_world_.t;
+    return cone_around({theta_of(first), theta_of(last + 1), cell_phi_ * (static_cast<double>(left) + 0.5),
+                        cell_phi_ * (static_cast<double>(right) + 1.5)},
+                       axes);
+}
+
 }  // namespace gib

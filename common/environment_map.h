@@ -1,6 +1,7 @@
 #pragma once
 // Radiance from all directions, given by a latitude-longitude image, and directions in proportion to it.
 
+#include "common/direction_cone.h"
 #include "common/image.h"
 #include "common/warp.h"
 
@@ -33,6 +34,8 @@ public:
     };
     /// Not for a black map.
     Sample sample(const Vec2& u) const;
+    /// Holds the directions that sample() finds for u in a box of [0, 1]^2. Not for a black map.
+    DirectionCone cone_of(const Vec2& lower, const Vec2& upper) const;
 
     /// Radiance over all directions [W/m^2].
     const Colord& integral() const { return integral_; }

@@ -129,6 +129,7 @@ struct EmissionSampler {
 
     EmissionSample operator()(const AreaLight& light) const {
         const Shape& shape = shapes[light.shape];
+        if (const auto* sphere = std::get_if<Sphere>(&shape)) return from_sphere(light, *sphere);
         if (!light.texture) return from_surface(light, light.surface.sample(shape, u_position), light.radiance);
         const SurfaceGeometry q = light.surface.sample_geometry(shape, u_position);
         return from_surface(light, q, light.texture->color(q.uv));
@@ -159,8 +160,24 @@ struct EmissionSampler {
 private:
     /// Uniform on the surface and cosine-weighted: Le cos / (pdf_a pdf_w) = Le A pi.
     EmissionSample from_surface(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
-        const Vec3 w = Frame(q.ng).to_world(square_to_cosine_hemisphere(u_direction));
+        // Around a cylinder the frame must turn with the normal: Frame's axes jump where n.z changes its sign.
+        const auto* cylinder = std::get_if<Cylinder>(&shapes[light.shape]);
+        const Frame frame = cylinder ? frame_along(q.ng, cylinder->axis) : Frame(q.ng);
+        const Vec3 w = frame.to_world(square_to_cosine_hemisphere(u_direction));
         return {Ray{offset_origin(q, w), w}, pi * light.surface.area() * Le, q.ng};
+    }
+
+    /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is the area on that
+    /// disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and no frame has to be spread over
+    /// the sphere: neighbours in (u_position, u_direction) are neighbours in position and direction.
+    EmissionSample from_sphere(const AreaLight& light, const Sphere& sphere) const {
+        const Vec3 w = square_to_sphere(u_direction);
+        const Vec2 d = square_to_disk(u_position);
+        // As in square_to_cosine_hemisphere: no ray leaves along the surface.
+        const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
+        const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
+        const SurfaceGeometry q = surface_at(sphere, 0, 0, 0, sphere.center + sphere.radius * n);
+        return {Ray{q.p + q.offset * q.ng, w}, pi * light.surface.area() * light.radiance_at(q.uv), q.ng};
     }
 
     /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.

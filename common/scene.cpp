@@ -80,6 +80,21 @@ void Scene::add(SceneParts::Object&& object) {
     has_dispersion_ |= materials_[object.material].is_dispersive();
 }
 
+bool Scene::has_unbounded_medium() const {
+    if (camera_medium_ != no_medium) return true;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        const MediumSides& sides = media_sides_[i];
+        const bool encloses = std::visit(
+            [](const auto& shape) {
+                if constexpr (requires { shape.flip_normals; }) return !shape.flip_normals;
+                else return false;
+            },
+            shapes_[i]);
+        if (sides.exterior != no_medium || (sides.interior != no_medium && !encloses)) return true;
+    }
+    return false;
+}
+
 SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
     const Instance& instance = groups_.instances[i.instance];
     const Ray r = carried_to_group(instance, ray);

@@ -74,6 +74,7 @@ public:
     /// Those of groups too, once each.
     const std::vector<Shape>& shapes() const { return shapes_; }
     const std::vector<Instance>& instances() const { return groups_.instances; }
+    const InstancedGroups& groups() const { return groups_; }
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Material>& materials() const { return materials_; }
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
@@ -86,6 +87,8 @@ public:
     /// Some space between surfaces absorbs or scatters light.
     bool has_media() const { return has_media_; }
     bool has_scattering_media() const;
+    /// Some medium may have no surface around it: one that the camera stands in, or one that lies outside a shape.
+    bool has_unbounded_medium() const;
     /// What the camera stands in; null: nothing.
     const Medium* camera_medium() const { return medium(camera_medium_); }
     /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.

@@ -118,6 +118,13 @@ public:
     SurfaceGeometry sample_geometry(const Shape& shape, const Vec2& u) const;
     float area() const { return area_; }
 
+    /// Of a mesh: the triangle that a first number u leads to, where the numbers of triangle i begin, and u's place among them, 0 to 1.
+    std::size_t triangle_at(float u) const { return triangles_.sample(u).index; }
+    float begin_of_triangle(std::size_t i) const { return triangles_.begin(i); }
+    double within_triangle(std::size_t i, float u) const {
+        return static_cast<double>(u - triangles_.begin(i)) / static_cast<double>(triangles_.probability(i));
+    }
+
 private:
     struct MeshSample {
         std::size_t triangle;

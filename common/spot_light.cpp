@@ -68,4 +68,18 @@ SpotLight::Direction SpotLight::sample(const Vec2& u) const {
             slide_ ? Color(solid_angle * intensity_ * slide_color(local)) : Color(solid_angle * intensity_)};
 }
 
+double SpotLight::sampled_angle(float u) const {
+    if (u < beam_share_)
+        return 2 * std::asin(std::sqrt(0.5 * static_cast<double>(u / beam_share_ * beam_one_minus_cos_)));
+    return beam_share_ < 1.f ? edge_.sample(std::min(static_cast<double>((u - beam_share_) / (1.f - beam_share_)), 1.0))
+                             : edge_.theta1;
+}
+
+DirectionCone SpotLight::cone_of(const Vec2& lower, const Vec2& upper) const {
+    const double turn = 2 * std::numbers::pi;
+    return cone_around({sampled_angle(lower.x()), sampled_angle(upper.x()), turn * static_cast<double>(lower.y()),
+                        turn * static_cast<double>(upper.y())},
+                       axes_);
+}
+
 }  // namespace gib

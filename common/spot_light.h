@@ -1,6 +1,7 @@
 #pragma once
 // A spot light: full intensity in the beam, a linear fall-off in angle from there to the cut-off, and a slide in front of it.
 
+#include "common/direction_cone.h"
 #include "common/texture.h"
 #include "common/warp.h"
 
@@ -27,12 +28,16 @@ public:
     };
     /// With a density in proportion to the fall-off.
     Direction sample(const Vec2& u) const;
+    /// Holds the directions that sample() finds for u in a box of [0, 1]^2.
+    DirectionCone cone_of(const Vec2& lower, const Vec2& upper) const;
 
     /// [W] per channel.
     const Colord& power() const { return power_; }
 
 private:
     float falloff(float theta) const;
+    /// The angle from the axis that sample() finds, which rises with u [rad].
+    double sampled_angle(float u) const;
     /// The slide fills the square around the cut-off circle.
     Color slide_color(const Vec3& w_local) const;
 

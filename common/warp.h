@@ -108,6 +108,8 @@ public:
     std::size_t size() const { return items_.size(); }
     double total() const { return total_; }
     float probability(std::size_t i) const { return items_[i].probability; }
+    /// The least number that leads to item i.
+    float begin(std::size_t i) const { return items_[i].begin; }
 
     struct Choice {
         std::size_t index;

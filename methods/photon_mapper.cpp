@@ -6,16 +6,19 @@
 // flight through a medium ends: light that comes straight from its source by light sampling, all other from the volume map.
 // Light found at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius [fractions of the
-// scene's diagonal], kernel, area; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// scene's diagonal], kernel, area, projection; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
 // noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
 // A pass: one gather sample of every pixel. The maps are filled at the start.
+// Photons are aimed: each light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
+// projection_map.h; their number stays, their power is that of the emission that is kept.
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
 #include "methods/photon_gather.h"
 #include "methods/photon_walk.h"
 #include "methods/pixel_samples.h"
+#include "methods/projection_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +31,12 @@ constexpr std::string_view pass_specular = "specular paths";
 constexpr std::string_view pass_caustic = "caustic map";
 constexpr std::string_view pass_global = "global map";
 constexpr std::string_view pass_volume = "volume map";
+constexpr std::string_view pass_caustic_aim = "projection map of the caustic map";
+constexpr std::string_view pass_global_aim = "projection map of the global map";
+
+/// Fewer photons are worth a coarser projection map, which is built faster.
+constexpr std::uint64_t photons_per_cell = 8;
+constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
 
 const MethodDescription& description() { return find_method("photon_mapper"); }
 
@@ -42,7 +51,35 @@ void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t p
     plan.add(std::string(pass), reason.empty(), reason);
 }
 
-Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
+/// Where the photons of each map are aimed; null: everywhere.
+struct Aims {
+    std::unique_ptr<ProjectionMap> caustic, global;
+};
+
+/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no caustic photon;
+/// for the other maps it may be of use even if it meets no surface.
+void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
+             std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
+    std::string reason;
+    if (!plan.runs(map)) {
+        reason = "its map is not run";
+    } else if (!settings.projection) {
+        reason = "projection=off";
+    } else if (surfaces == TargetSurfaces::all && scene.has_unbounded_medium()) {
+        reason = "light may be scattered in a medium without an end";
+    } else {
+        const std::uint64_t cells = std::clamp(photons / photons_per_cell, fewest_cells, most_cells);
+        aim = std::make_unique<ProjectionMap>(scene, surfaces, cells);
+        if (!aim->aims()) {
+            aim.reset();
+            reason = surfaces == TargetSurfaces::all ? "(nearly) every cell of every light reaches geometry"
+                                                     : "(nearly) every cell of every light reaches specular geometry";
+        }
+    }
+    plan.add(std::string(pass), reason.empty(), reason);
+}
+
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims) {
     Plan plan = described_plan(scene, description());
     plan.called_for = effects;
     add_eye_paths(plan, scene, settings.max_edges);
@@ -55,6 +92,9 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
             "no light is passed between diffuse surfaces");
     add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
             settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
+    add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
+            aims.caustic);
+    add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
     return plan;
 }
 
@@ -67,12 +107,20 @@ public:
           seed_(seed),
           stages_(stages),
           film_(film_for(scene, effects, description())) {
-        const Plan plan = photon_mapper_plan(scene, effects, settings);
+        Aims aims;
+        const Plan plan = [&] {
+            const auto timer = stages.time("projection map");
+            return photon_mapper_plan(scene, effects, settings, aims);
+        }();
         traces_ = plan.runs(pass_eye_paths);
         gather_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
-        if (plan.runs(pass_caustic)) maps_.caustic = fill(PhotonMapKind::caustic, settings.caustic_photons);
-        if (plan.runs(pass_global)) maps_.global = fill(PhotonMapKind::global, settings.photons);
-        if (plan.runs(pass_volume)) maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons);
+        if (plan.runs(pass_caustic))
+            maps_.caustic = fill(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get());
+        if (plan.runs(pass_global))
+            maps_.global = fill(PhotonMapKind::global, settings.photons, aims.global.get());
+        // What reaches no surface reaches no medium either: the global map's cells serve both.
+        if (plan.runs(pass_volume))
+            maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons, aims.global.get());
         const auto length = [&](double fraction) {
             return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
         };
@@ -97,12 +145,12 @@ public:
     RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
 
 private:
-    PhotonMap fill(PhotonMapKind kind, std::uint64_t count) {
+    PhotonMap fill(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
         PhotonWalkResult walk;
         {
             const auto timer = stages_.time("photon tracing");
             StageProgress progress(stages_, "photon tracing", count);
-            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, &progress);
+            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
         }
         rays_ += walk.rays;
         photons_ += walk.emitted;
@@ -127,7 +175,10 @@ class PhotonMapper final : public Method {
 public:
     explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
 
-    Plan plan(const Scene& scene) const override { return photon_mapper_plan(scene, effects_of(scene), settings_); }
+    Plan plan(const Scene& scene) const override {
+        Aims aims;
+        return photon_mapper_plan(scene, effects_of(scene), settings_, aims);
+    }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
@@ -160,6 +211,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
     s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
     s.max_edges = max_edges_of(values, defaults);
+    s.projection = values.choice("projection") == "on";
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -239,6 +291,14 @@ MethodDescription describe_photon_mapper() {
              0,
              {"surface", "plain"},
              "area of a look-up's disc: the part on the surface, or all of it everywhere"},
+            {"projection",
+             Kind::choice,
+             "on",
+             "",
+             0,
+             0,
+             {"on", "off"},
+             "photons are emitted only where they can reach surfaces that matter"},
         },
         Effects::all(),
         {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},

@@ -5,15 +5,20 @@
 #include "common/scene.h"
 #include "methods/dispersed_path.h"
 #include "methods/method.h"
+#include "methods/projection_map.h"
 #include "methods/ray_queries.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace gib {
 
 namespace {
 
 constexpr std::size_t photons_per_block = 4096;
+/// More of them lie closer together.
+constexpr std::size_t aimed_photons_per_block = 16384;
 /// From this hit on survival is capped, so that walks among mirrors of albedo 1 end; the rescaling keeps them unbiased.
 constexpr int first_capped_hit = 64;
 constexpr float capped_survival = 0.9f;
@@ -38,10 +43,7 @@ public:
     PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
         : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
 
-    void trace(float share) {
-        const EmissionSample start = rays_.scene().sample_emission(sampler_.get_1d(dimension::emission_light),
-                                                                   sampler_.get_2d(dimension::emission_position),
-                                                                   sampler_.get_2d(dimension::emission_direction));
+    void trace(const EmissionSample& start, float share) {
         power_ = share * start.power;
         if (is_black(power_)) return;  // from a dark texel; it would count as a neighbour in a density estimate
         result_.balance.emitted += power_.cast<double>();
@@ -172,6 +174,37 @@ private:
     Colord residual_ = Colord::Zero();  ///< what the balance has not accounted for
 };
 
+/// Calls visit(start, sampler) for the photons [begin, end).
+template <typename Visit>
+void emit(const Scene& scene, std::uint64_t key, std::size_t begin, std::size_t end, const Visit& visit) {
+    for (std::size_t i = begin; i < end; ++i) {
+        const Sampler sampler(PointSet::independent, key, i, 0);
+        visit(scene.sample_emission(sampler.get_1d(dimension::emission_light),
+                                    sampler.get_2d(dimension::emission_position),
+                                    sampler.get_2d(dimension::emission_direction)),
+              sampler);
+    }
+}
+
+/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that one photon finds in
+/// the cache what the one before it read. Tracing the glass bunny's caustic takes two thirds of the time.
+template <typename Visit>
+void emit_aimed(const Scene& scene, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
+                const Visit& visit) {
+    std::vector<std::pair<std::uint32_t, std::size_t>> order;
+    order.reserve(end - begin);
+    for (std::size_t i = begin; i < end; ++i)
+        order.emplace_back(aim.choose_cell(Sampler(PointSet::independent, key, i, 0).get_2d(dimension::emission_light)),
+                           i);
+    std::sort(order.begin(), order.end());
+    for (const auto& [cell, i] : order) {
+        const Sampler sampler(PointSet::independent, key, i, 0);
+        visit(aim.sample_emission(scene, cell, sampler.get_2d(dimension::emission_position),
+                                  sampler.get_2d(dimension::emission_direction)),
+              sampler);
+    }
+}
+
 }  // namespace
 
 PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
@@ -184,22 +217,24 @@ PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
 }
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, StageProgress* progress) {
+                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress) {
     PhotonWalkResult result;
     result.emitted = count;
-    if (count == 0 || !scene.has_light()) return result;
+    if (count == 0 || !scene.has_light() || (aim && aim->empty())) return result;
     // Edges are stored in 16 bits; with an unlimited path length no sum of edges can exceed the limit.
     const int longest = std::min(max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, static_cast<std::uint64_t>(kind) + 1);
     const float share = static_cast<float>(1.0 / static_cast<double>(count));
 
-    std::vector<PhotonWalkResult> blocks((count + photons_per_block - 1) / photons_per_block);
-    parallel_blocks(count, photons_per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    const std::size_t per_block = aim ? aimed_photons_per_block : photons_per_block;
+    std::vector<PhotonWalkResult> blocks((count + per_block - 1) / per_block);
+    parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         RayQueries rays(scene);
-        for (std::size_t i = begin; i < end; ++i) {
-            const Sampler sampler(PointSet::independent, key, i, 0);
-            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(share);
-        }
+        const auto trace = [&](const EmissionSample& start, const Sampler& sampler) {
+            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(start, share);
+        };
+        if (aim) emit_aimed(scene, *aim, key, begin, end, trace);
+        else emit(scene, key, begin, end, trace);
         blocks[block].rays = rays.count();
         if (progress) progress->add(end - begin);
     });

@@ -12,6 +12,7 @@
 
 namespace gib {
 
+class ProjectionMap;
 class Scene;
 class StageProgress;
 
@@ -26,7 +27,7 @@ enum class PhotonMapKind {
 /// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
 /// albedo), so that the sum is the emitted power only if the roulette and its rescaling are right.
 struct PowerBalance {
-    Colord emitted = Colord::Zero();
+    Colord emitted = Colord::Zero();  ///< with a projection map only what leaves through its cells
     Colord absorbed = Colord::Zero();
     Colord escaped = Colord::Zero();
     /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not absorb adds to it,
@@ -39,7 +40,7 @@ struct PowerBalance {
 };
 
 struct PhotonWalkResult {
-    std::vector<Photon> photons;  ///< in the order of emission
+    std::vector<Photon> photons;  ///< in the order of emission, aimed ones within a block in that of their cells
     std::uint64_t emitted = 0;    ///< number of photons
     std::uint64_t rays = 0;
     PowerBalance balance;  ///< each photon of power / emitted
@@ -52,8 +53,10 @@ struct PhotonWalkResult {
 /// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
 /// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
 /// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
-/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart.
+/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart. `aim`: null, or where
+/// to emit; its targets must hold the surfaces that photons of this kind meet first. Nothing is traced if it is empty.
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, StageProgress* progress = nullptr);
+                               std::uint64_t seed, const ProjectionMap* aim = nullptr,
+                               StageProgress* progress = nullptr);
 
 }  // namespace gib

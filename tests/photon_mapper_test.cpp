@@ -14,6 +14,7 @@ namespace {
 using test::mean_of;
 using test::render;
 
+/// Photons are not aimed: a map that no light can fill would trace none.
 PhotonMapperSettings settings(std::uint64_t photons) {
     PhotonMapperSettings s{};
     s.photons = s.caustic_photons = s.volume_photons = photons;
