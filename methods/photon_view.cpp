@@ -6,7 +6,8 @@
 // `emission`, so that photons have a place.
 // Parameters: map = global | caustic | volume, photons [emitted], size [fraction of the scene's diagonal]; spp and max_depth as for
 // all methods.
-// A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the same seed.
+// A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the same seed and
+// projection=off.
 // Fails: never; an empty map shows no photon.
 #include "methods/method.h"
 #include "methods/photon_map.h"
@@ -68,7 +69,7 @@ public:
         if (!photon_view_plan(scene, settings).runs("photon map")) return;
         const auto timer = stages_.time("photon tracing");
         StageProgress progress(stages, "photon tracing", settings.photons);
-        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed, &progress);
+        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed, nullptr, &progress);
         photons_ = walk.emitted;
         rays_ = walk.rays;
         double sum = 0;
