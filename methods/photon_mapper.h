@@ -10,13 +10,14 @@ namespace gib {
 struct PhotonMapperSettings {
     std::uint64_t photons;          ///< emitted for the global map
     std::uint64_t caustic_photons;  ///< emitted for the caustic map
-    std::size_t k;                  ///< photons in an estimate of the global map
+    std::size_t k;                  ///< photons in an estimate of the global map, or all_photons
     std::size_t caustic_k;          ///< the same of the caustic map
     double radius;                  ///< largest look-up radius in the global map, as a fraction of the scene's diagonal
     double caustic_radius;          ///< the same in the caustic map
     Kernel kernel;
     DiscArea area;
     int max_edges;
+    bool compensation;  ///< fewer photons where more would blur
 };
 
 /// k = auto: 50 at 1e5 photons and growing as photons^(2/3), at least 4. The bias of an estimate falls with r^2 ~ k / N

@@ -15,7 +15,7 @@ using test::mean_of;
 using test::render;
 
 PhotonMapperSettings settings(std::uint64_t photons) {
-    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17};
+    return {photons, photons, 50, 50, 0.1, 0.025, Kernel::uniform, DiscArea::surface, 17, false};
 }
 
 struct Rendered {
