@@ -32,37 +32,42 @@ std::vector<Photon> step(float beyond, bool spread_powers, std::uint64_t seed) {
     return photons;
 }
 
-Moments estimates(bool compensation, float beyond, bool spread_powers, float x, std::size_t maps) {
+/// By compensation (off, on) and by distance from the step, in radii of k photons.
+std::vector<std::vector<Moments>> estimates(float beyond, bool spread_powers, const std::vector<float>& distances,
+                                            std::size_t maps) {
     static const LoadedScene scene = scene_of_shapes(white("rectangle", ""));
-    std::vector<Ray> eyes;
-    for (int i = -2; i <= 2; ++i)
-        eyes.push_back(down_at(x, 0.35f * static_cast<float>(i)));
+    test::Groups groups;
+    for (float s : distances) {
+        auto& eyes = groups.emplace_back();
+        for (int i = -2; i <= 2; ++i)
+            eyes.push_back(down_at(-s * radius, 0.35f * static_cast<float>(i)));
+    }
     return relative_estimates(
-        *scene.scene, {Kernel::uniform, k, 1.f, DiscArea::surface, compensation}, maps,
-        x < 0 ? 1.0 : static_cast<double>(beyond),
-        [=](std::uint64_t seed) { return step(beyond, spread_powers, seed); }, eyes);
+        *scene.scene,
+        {{Kernel::uniform, k, 1.f, DiscArea::surface, false}, {Kernel::uniform, k, 1.f, DiscArea::surface, true}}, maps,
+        1.0, [=](std::uint64_t seed) { return step(beyond, spread_powers, seed); }, groups);
 }
 
 double deviation(const Moments& m) { return m.standard_error() * std::sqrt(static_cast<double>(m.count())); }
 
 TEST(BiasCompensation, OnEvenPhotonsTheMeanStaysAndTheNoiseHardlyGrows) {
     for (bool spread_powers : {false, true}) {
-        const Moments with = estimates(true, 1.f, spread_powers, -0.5f, 2000),
-                      without = estimates(false, 1.f, spread_powers, -0.5f, 2000);
-        std::cout << "even: mean " << with.mean() << " +- " << with.standard_error() << ", deviation "
-                  << deviation(with) << " against " << deviation(without) << '\n';
+        const auto found = estimates(1.f, spread_powers, {1.3f, 3.8f, 6.3f}, 400);
+        for (std::size_t g = 0; g < 3; ++g)
+            std::cout << "even: mean " << found[1][g].mean() << " +- " << found[1][g].standard_error() << ", deviation "
+                      << deviation(found[1][g]) << " against " << deviation(found[0][g]) << '\n';
     }
 }
 
 TEST(BiasCompensation, NearAnEdgeTheBiasFalls) {
-    for (float s : {0.2f, 0.4f, 0.7f})
-        for (float beyond : {0.1f, 10.f}) {
-            const Moments with = estimates(true, beyond, false, -s * radius, 200),
-                          without = estimates(false, beyond, false, -s * radius, 200);
-            std::cout << "edge: " << s << " r, beyond " << beyond << ": bias " << with.mean() - 1 << " against "
-                      << without.mean() - 1 << ", deviation " << deviation(with) << " against " << deviation(without)
-                      << '\n';
-        }
+    const std::vector<float> distances = {0.2f, 0.4f, 0.7f, 3.f};
+    for (float beyond : {0.1f, 10.f}) {
+        const auto found = estimates(beyond, false, distances, 60);
+        for (std::size_t g = 0; g < distances.size(); ++g)
+            std::cout << "edge: " << distances[g] << " r, beyond " << beyond << ": bias " << found[1][g].mean() - 1
+                      << " against " << found[0][g].mean() - 1 << ", deviation " << deviation(found[1][g])
+                      << " against " << deviation(found[0][g]) << '\n';
+    }
 }
 
 }  // namespace

@@ -42,14 +42,14 @@ Moments on_even_photons(const DensityEstimator& estimator, std::uint64_t look_up
     for (std::size_t i = 0; i < per_side * per_side; ++i)
         eyes.push_back(down_at(static_cast<float>(i % per_side + 1) / static_cast<float>(per_side + 1),
                                static_cast<float>(i / per_side + 1) / static_cast<float>(per_side + 1)));
-    return test::relative_estimates(
-        *scene.scene, estimator, look_ups / eyes.size() + 1, 1.0,
-        [](std::uint64_t seed) {
-            std::vector<Photon> photons;
-            spread(photons, n, Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), 1.f, seed);
-            return photons;
-        },
-        eyes);
+    return test::relative_estimates(*scene.scene, {estimator}, look_ups / eyes.size() + 1, 1.0,
+                                    [](std::uint64_t seed) {
+                                        std::vector<Photon> photons;
+                                        spread(photons, n, Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
+                                               1.f, seed);
+                                        return photons;
+                                    },
+                                    {eyes})[0][0];
 }
 
 // The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel, so 4e5, 6e4, 2.4e4 and 8e3 look-ups

@@ -42,27 +42,35 @@ inline LoadedScene scene_of_shapes(const std::string& shapes) {
                               speck("x='-10' y='-10' z='-10'") + speck("x='10' y='10' z='10'")));
 }
 
-/// Estimates, divided by the truth `E` / pi, at the points `at` seen from `eye`, over `maps` independent sets of photons. `make`
-/// returns the photons of a seed.
-inline Moments relative_estimates(const Scene& scene, const DensityEstimator& estimator, std::size_t maps, double E,
-                                  const std::function<std::vector<Photon>(std::uint64_t)>& make,
-                                  const std::vector<Ray>& eyes) {
-    std::vector<double> values(maps * eyes.size());
+/// Estimates divided by the truth `E` / pi, over `maps` independent sets of photons, by estimator and by group of rays, whose hits
+/// are looked up. `make` returns the photons of a seed.
+using Groups = std::vector<std::vector<Ray>>;
+inline std::vector<std::vector<Moments>> relative_estimates(
+    const Scene& scene, const std::vector<DensityEstimator>& estimators, std::size_t maps, double E,
+    const std::function<std::vector<Photon>(std::uint64_t)>& make, const Groups& groups) {
+    std::vector<std::vector<std::vector<double>>> values(maps);
     parallel_blocks(maps, 1, [&](std::size_t number, std::size_t, std::size_t) {
         RayQueries rays(scene);
         DensityEstimator::Found found;
         const PhotonMap map(make(1000 + number));
-        for (std::size_t i = 0; i < eyes.size(); ++i) {
-            const auto hit = scene.intersect(eyes[i]);
-            const Sampler u(PointSet::independent, number, i, 0);
-            const Color L = estimator.reflected_radiance(map, rays, *hit, -eyes[i].d, 100, u, 0, found);
-            values[number * eyes.size() + i] = static_cast<double>(L[0]) * std::numbers::pi / E;
-        }
+        for (std::size_t e = 0; e < estimators.size(); ++e)
+            for (std::size_t g = 0; g < groups.size(); ++g) {
+                auto& of_group = values[number].emplace_back();
+                for (std::size_t i = 0; i < groups[g].size(); ++i) {
+                    const Sampler u(PointSet::independent, number, i, 0);
+                    const auto hit = scene.intersect(groups[g][i]);
+                    const Color L =
+                        estimators[e].reflected_radiance(map, rays, *hit, -groups[g][i].d, 100, u, 0, found);
+                    of_group.push_back(static_cast<double>(L[0]) * std::numbers::pi / E);
+                }
+            }
     });
-    Moments moments;
-    for (double v : values)
-        moments.add(v);
-    return moments;
+    std::vector<std::vector<Moments>> sums(estimators.size(), std::vector<Moments>(groups.size()));
+    for (const auto& of_map : values)
+        for (std::size_t j = 0; j < of_map.size(); ++j)
+            for (double v : of_map[j])
+                sums[j / groups.size()][j % groups.size()].add(v);
+    return sums;
 }
 
 inline Ray down_at(float x, float y, float z = 1.f) { return {Vec3(x, y, z), Vec3(0, 0, -1)}; }

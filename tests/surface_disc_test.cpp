@@ -15,9 +15,9 @@ using test::white;
 const Vec3 up(0, 0, 1);
 const std::string floor_square = white("rectangle", "");
 
-/// Look-ups of about this radius: k photons of n over [-1, 1]^2.
-constexpr std::size_t n = 40000;
-float radius_of(std::size_t k) { return 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n))); }
+/// k photons of n over [-1, 1]^2 lie within about the radius r.
+constexpr std::size_t n = 20000, k = 100;
+const float r = 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n)));
 
 /// Photons of 1 [W/area] on [-1, 1]^2, those beyond the line x cos(turn) + y sin(turn) = at of 1000 times the power.
 std::vector<Photon> bright_beyond(float at, float turn, std::uint64_t seed) {
@@ -28,32 +28,38 @@ std::vector<Photon> bright_beyond(float at, float turn, std::uint64_t seed) {
     return photons;
 }
 
-/// The estimators that must find the density 1 on the dark side; the fixed radius is that of k photons.
-std::vector<DensityEstimator> estimators(std::size_t k, DiscArea area = DiscArea::surface) {
+/// The estimators that must find the density 1 on the dark side.
+std::vector<DensityEstimator> estimators(DiscArea area = DiscArea::surface) {
     return {{Kernel::uniform, k, 0.5f, area},
             {Kernel::cone, k, 0.5f, area},
-            {Kernel::gaussian, all_photons, radius_of(k), area},
-            {Kernel::epanechnikov, all_photons, radius_of(k), area}};
+            {Kernel::gaussian, all_photons, r, area},
+            {Kernel::epanechnikov, all_photons, r, area}};
 }
+
+std::string name_of(const DensityEstimator& e) { return std::string(kernel_names[static_cast<std::size_t>(e.kernel)]); }
 
 // The estimate stays within four standard errors and the 1 % that the noise of the probed area may add. Without the area, an edge
 // through the centre halves it; pi r^2 (1 - (acos(s) - s sqrt(1 - s^2)) / pi) is left at the distance s r.
 TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     const LoadedScene scene = scene_of_shapes(floor_square);
     const auto photons = [](std::uint64_t seed) { return bright_beyond(2.f, 0.f, seed); };
-    for (const DensityEstimator& e : estimators(200)) {
-        for (float s : {0.01f, 0.3f, 0.6f, 0.8f, 0.9f, 1.2f}) {
-            SCOPED_TRACE(testing::Message() << kernel_names[static_cast<std::size_t>(e.kernel)] << " at " << s);
-            std::vector<Ray> eyes;
-            for (int i = -3; i <= 3; ++i)
-                eyes.push_back(down_at(1.f - s * radius_of(200), 0.25f * static_cast<float>(i)));
-            const Moments found = relative_estimates(*scene.scene, e, 60, 1.0, photons, eyes);
-            EXPECT_NEAR(found.mean(), 1.0, 0.01 + 4 * found.standard_error());
-            EXPECT_LT(found.standard_error(), 0.006);
+    const std::array distances = {0.01f, 0.3f, 0.6f, 0.8f, 0.9f, 1.2f};
+    test::Groups groups;
+    for (float s : distances) {
+        auto& eyes = groups.emplace_back();
+        for (int i = -3; i <= 3; ++i)
+            eyes.push_back(down_at(1.f - s * r, 0.25f * static_cast<float>(i)));
+    }
+    groups.push_back({down_at(1.f - 1e-3f, 1.f - 1e-3f), down_at(-1.f + 1e-3f, 1.f - 1e-3f),
+                      down_at(1.f - 1e-3f, -1.f + 1e-3f), down_at(-1.f + 1e-3f, -1.f + 1e-3f)});
+    const auto found = relative_estimates(*scene.scene, estimators(), 150, 1.0, photons, groups);
+    for (std::size_t e = 0; e < found.size(); ++e) {
+        SCOPED_TRACE(name_of(estimators()[e]));
+        for (std::size_t g = 0; g < distances.size(); ++g) {
+            EXPECT_NEAR(found[e][g].mean(), 1.0, 0.01 + 4 * found[e][g].standard_error()) << distances[g];
+            EXPECT_LT(found[e][g].standard_error(), 0.006) << distances[g];
         }
-        const Moments corner =
-            relative_estimates(*scene.scene, e, 400, 1.0, photons, {down_at(1.f - 1e-3f, 1.f - 1e-3f)});
-        EXPECT_NEAR(corner.mean(), 1.0, 0.015 + 4 * corner.standard_error());
+        EXPECT_NEAR(found[e].back().mean(), 1.0, 0.015 + 4 * found[e].back().standard_error()) << "corner";
     }
 }
 
@@ -61,32 +67,32 @@ TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
 // exact. With photons rejected by normal and height alone it is wrong by more than 100 at half a radius.
 TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     for (float turn : {0.f, 0.2f, 0.7f, 2.f}) {
+        SCOPED_TRACE(turn);
         const std::string degrees = std::to_string(turn * 180.f / pi);
-        const LoadedScene scene = scene_of_shapes(
-            floor_square +
-            white("rectangle", "<rotate y='1' angle='90'/><scale y='4'/><rotate z='1' angle='" + degrees + "'/>"));
+        const LoadedScene scene = scene_of_shapes(floor_square + white("rectangle",
+                                                                       "<rotate y='1' angle='90'/><scale y='4'/>"
+                                                                       "<rotate z='1' angle='" +
+                                                                           degrees + "'/>"));
         const auto photons = [&](std::uint64_t seed) { return bright_beyond(0.f, turn, seed); };
-        for (const DensityEstimator& e : estimators(200)) {
-            for (float s : {0.02f, 0.3f, 0.7f, 0.95f}) {
-                SCOPED_TRACE(testing::Message() << kernel_names[static_cast<std::size_t>(e.kernel)] << " at " << s
-                                                << " radii, turned by " << degrees);
-                const float a = -s * radius_of(200);
-                std::vector<Ray> eyes;
-                for (int i = -2; i <= 2; ++i) {
-                    const float b = 0.3f * static_cast<float>(i);
-                    eyes.push_back(
-                        down_at(a * std::cos(turn) - b * std::sin(turn), a * std::sin(turn) + b * std::cos(turn)));
-                }
-                const Moments found = relative_estimates(*scene.scene, e, 40, 1.0, photons, eyes);
-                EXPECT_NEAR(found.mean(), 1.0, 0.005 + 4 * found.standard_error());
-                EXPECT_LT(found.standard_error(), 0.012);
+        const std::array distances = {0.02f, 0.3f, 0.5f, 0.7f, 0.95f};
+        test::Groups groups;
+        for (float s : distances) {
+            auto& eyes = groups.emplace_back();
+            for (int i = -2; i <= 2; ++i) {
+                const float a = -s * r, b = 0.3f * static_cast<float>(i);
+                eyes.push_back(
+                    down_at(a * std::cos(turn) - b * std::sin(turn), a * std::sin(turn) + b * std::cos(turn)));
             }
         }
-        const DensityEstimator rejected{Kernel::uniform, 200, 0.5f, DiscArea::rejected};
-        const float a = -0.5f * radius_of(200);
-        const auto leak = relative_estimates(*scene.scene, rejected, 4, 1.0, photons,
-                                             {down_at(a * std::cos(turn), a * std::sin(turn))});
-        EXPECT_GT(leak.mean(), 100.0);
+        const auto found = relative_estimates(*scene.scene, estimators(), 60, 1.0, photons, groups);
+        for (std::size_t e = 0; e < found.size(); ++e)
+            for (std::size_t g = 0; g < groups.size(); ++g) {
+                SCOPED_TRACE(name_of(estimators()[e]));
+                EXPECT_NEAR(found[e][g].mean(), 1.0, 0.005 + 4 * found[e][g].standard_error()) << distances[g];
+                EXPECT_LT(found[e][g].standard_error(), 0.015) << distances[g];
+            }
+        const auto leak = relative_estimates(*scene.scene, estimators(DiscArea::rejected), 2, 1.0, photons, groups);
+        EXPECT_GT(leak[0][2].mean(), 100.0);
     }
 }
 
@@ -105,13 +111,16 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
         spread(all, n, Vec3::Zero(), x, z, Vec3(0, 1, 0), 4000.f, seed + 200000);
         return all;
     };
-    const float r = radius_of(200);
-    for (const DensityEstimator& e : estimators(200))
-        for (const auto& [a, b] : {std::pair{0.05f, 0.05f}, {0.4f, 0.1f}, {0.4f, 0.6f}, {3.f, 0.3f}}) {
-            SCOPED_TRACE(testing::Message()
-                         << kernel_names[static_cast<std::size_t>(e.kernel)] << ' ' << a << ' ' << b);
-            const Moments found = relative_estimates(*scene.scene, e, 300, 1.0, photons, {down_at(a * r, b * r)});
-            EXPECT_NEAR(found.mean(), 1.0, 0.005 + 4 * found.standard_error());
+    const test::Groups groups = {{down_at(0.05f * r, 0.05f * r)},
+                                 {down_at(0.4f * r, 0.1f * r)},
+                                 {down_at(0.4f * r, 0.6f * r)},
+                                 {down_at(3.f * r, 0.3f * r)}};
+    const auto found = relative_estimates(*scene.scene, estimators(), 300, 1.0, photons, groups);
+    for (std::size_t e = 0; e < found.size(); ++e)
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            SCOPED_TRACE(name_of(estimators()[e]));
+            EXPECT_NEAR(found[e][g].mean(), 1.0, 0.005 + 4 * found[e][g].standard_error()) << g;
+            EXPECT_LT(found[e][g].standard_error(), 0.012) << g;
         }
 }
 
@@ -137,12 +146,12 @@ TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
         eyes.push_back(down_at(0.2f * static_cast<float>(i), 0.1f));
         inner.push_back(down_at(0.2f * static_cast<float>(i), 0.1f, -0.5f * gap));
     }
-    for (const DensityEstimator& e : estimators(200)) {
-        SCOPED_TRACE(kernel_names[static_cast<std::size_t>(e.kernel)]);
-        const Moments outside = relative_estimates(*scene.scene, e, 60, 1.0, photons(1, 1000), eyes);
-        EXPECT_NEAR(outside.mean(), 1.0, 0.005 + 4 * outside.standard_error());
-        const Moments between = relative_estimates(*scene.scene, e, 60, 1.0, photons(1000, 1), inner);
-        EXPECT_NEAR(between.mean(), 1.0, 0.005 + 4 * between.standard_error());
+    const auto outside = relative_estimates(*scene.scene, estimators(), 60, 1.0, photons(1, 1000), {eyes});
+    const auto between = relative_estimates(*scene.scene, estimators(), 60, 1.0, photons(1000, 1), {inner});
+    for (std::size_t e = 0; e < outside.size(); ++e) {
+        SCOPED_TRACE(name_of(estimators()[e]));
+        EXPECT_NEAR(outside[e][0].mean(), 1.0, 0.005 + 4 * outside[e][0].standard_error());
+        EXPECT_NEAR(between[e][0].mean(), 1.0, 0.005 + 4 * between[e][0].standard_error());
     }
 }
 
@@ -162,17 +171,19 @@ TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
             return all;
         };
     };
-    for (float r : {0.1f, 0.3f, 0.6f})
-        for (Kernel kernel : {Kernel::uniform, Kernel::cone}) {
-            SCOPED_TRACE(r);
-            const DensityEstimator e{kernel, all_photons, r, DiscArea::surface};
-            const Moments outside = relative_estimates(*scene.scene, e, 40, 1.0, photons(1.f),
-                                                       {down_at(0, 0, 2.f), down_at(0.4f, 0.2f, 2.f)});
-            EXPECT_NEAR(outside.mean(), 1.0, 0.005 + 4 * outside.standard_error());
-            const Moments inside = relative_estimates(*scene.scene, e, 40, 1.0, photons(-1.f),
-                                                      {down_at(0, 0, 0.f), down_at(0.4f, 0.2f, 0.f)});
-            EXPECT_NEAR(inside.mean(), 1.0, 0.005 + 4 * inside.standard_error());
-        }
+    std::vector<DensityEstimator> fixed;
+    for (float radius : {0.1f, 0.3f, 0.6f})
+        for (Kernel kernel : {Kernel::uniform, Kernel::cone})
+            fixed.push_back({kernel, all_photons, radius, DiscArea::surface});
+    const auto outside = relative_estimates(*scene.scene, fixed, 40, 1.0, photons(1.f),
+                                            {{down_at(0, 0, 2.f), down_at(0.4f, 0.2f, 2.f)}});
+    const auto inside = relative_estimates(*scene.scene, fixed, 40, 1.0, photons(-1.f),
+                                           {{{Vec3::Zero(), -up}, {Vec3::Zero(), Vec3(0.6f, 0, -0.8f)}}});
+    for (std::size_t e = 0; e < fixed.size(); ++e) {
+        SCOPED_TRACE(testing::Message() << name_of(fixed[e]) << ' ' << fixed[e].max_radius);
+        EXPECT_NEAR(outside[e][0].mean(), 1.0, 0.005 + 4 * outside[e][0].standard_error());
+        EXPECT_NEAR(inside[e][0].mean(), 1.0, 0.005 + 4 * inside[e][0].standard_error());
+    }
 }
 
 }  // namespace
