@@ -5,15 +5,19 @@
 // Source: Lepskii 1991, "On a Problem of Adaptive Estimation in Gaussian White Noise"; for photon maps compare Schregle
 // 2003, "Bias Compensation for Photon Maps", whose bisection compares with one mean instead of all smaller discs.
 //
-// Derivation: let E_i = S_i / A_i be the estimates of nested discs through photons k_i < k_j, of areas A_i, A_j. For evenly
-// spread photons A_i / A_j is a Beta(k_i, k_j - k_i) variable, whatever the density, and
-//     Var(E_i / E_j) = (k_j - k_i) / ((k_j - 1) (k_i - 2))  ~  1 / k_i - 1 / k_j
-// for equal powers; powers w whose mean square is q >= 1 times their squared mean raise it to q (1 / k_i - 1 / k_j). The test is
-// on log(E_i / E_j), which is far less skewed than the ratio. Discs agree if it is within `kappa` standard deviations.
-// The constants: see bias_compensation.cpp.
+// Derivation: n photons lie inside a disc whose rim is the next one, so for evenly spread photons its area A is a
+// Gamma(n + 1) variable, and for nested discs of i < j photons A_i / A_j is a Beta variable whatever the density. The cube root of
+// a Gamma variable is nearly normal (Wilson and Hilferty 1931, "The Distribution of Chi-square"), hence, with the unskewed
+// densities D = (n + 1) / A, (D_j / D_i)^(1/3) has the mean 1 - v and the variance v,
+//     v = q / 9 (1 / i - 1 / j),
+// where q >= 1 is the mean square of the photons' powers over their squared mean. (For areas alone, Var(D_i / D_j) =
+// q (1 / i - 1 / j) to first order.) Discs agree if the cube root lies within sqrt(kappa^2 + 2 log(k / n)) standard deviations,
+// n the photons of the disc that would be settled for: the chance to settle for it without need falls by n / k, as its variance
+// is larger by k / n.
 //
-// Bias on evenly spread photons: the rule stops early by chance with a small probability p_j at each disc, where |E_j / E - 1| is
-// about z(p_j) / sqrt(k_j); tests/density_estimate_test.cpp states and checks a bound.
+// Cost on evenly spread photons (k = 500; tests/bias_compensation_test.cpp): the rare false alarms raise the mean by 0.4 %, below
+// the bound of 1 % that is tested, and the standard deviation from 0.045 to 0.06.
+// Where the surface ends inside the disc, the areas are those before that correction: such discs may stop early.
 
 #include <cstddef>
 #include <span>

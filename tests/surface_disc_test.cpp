@@ -97,7 +97,7 @@ TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
 }
 
 // Three walls meet; each has its own density. The photons of the others do not count, and what the discs lose beyond the edges is
-// known.
+// known. A quarter of a fixed disc has 25 photons: 1 / sqrt(25 x 300) of standard error, times 1.15 at most for the kernel.
 TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
     const LoadedScene scene =
         scene_of_shapes(white("rectangle", "<translate x='1' y='1'/>") +
@@ -120,7 +120,7 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
         for (std::size_t g = 0; g < groups.size(); ++g) {
             SCOPED_TRACE(name_of(estimators()[e]));
             EXPECT_NEAR(found[e][g].mean(), 1.0, 0.005 + 4 * found[e][g].standard_error()) << g;
-            EXPECT_LT(found[e][g].standard_error(), 0.012) << g;
+            EXPECT_LT(found[e][g].standard_error(), 0.016) << g;
         }
 }
 
