@@ -1,19 +1,13 @@
 #include "methods/density_estimate.h"
 
+#include "methods/bias_compensation.h"
+#include "methods/surface_disc.h"
+
+#include <algorithm>
+
 namespace gib {
 
 namespace {
-
-constexpr float gaussian_cut = 0.13533528f;  // exp(-1 / (2 gaussian_sigma^2))
-
-/// A photon lies on the surface of the point if their normals agree within 60 degrees and it is seen within 30 degrees
-/// off the tangent plane: on a smooth surface both hold for radii up to its radius of curvature.
-constexpr float min_normal_cosine = 0.5f;
-constexpr float max_elevation_sine = 0.5f;
-
-/// Points per probed disc; stratified by distance, golden-angle spiral.
-constexpr int disc_probes = 8;
-constexpr float golden_angle = 2.3999632f;
 
 /// A photon that passed the test of its normal arrived on wo's side of its own surface. Where the surface is curved it
 /// may come from below the horizon of the look-up's point; dropping it would darken every curved surface.
@@ -23,144 +17,177 @@ Vec3 lifted(const Vec3& wo_local, Vec3 wi_local) {
     return wi_local;
 }
 
-/// The density of photons is irradiance on the geometric surface, |wi.ng|; what an interpolated normal reflects is |wi.ns|.
-/// The ratio grows without bound for photons that graze the geometry; 10 is where it is cut off, which darkens only them.
+/// Sums over photons, by their paths.
+struct PhotonSums {
+    Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
+
+    void add(const Photon& photon, const Colord& value) {
+        (photon.in_medium() ? through_media : between_surfaces) += value;
+    }
+};
+
+/// One look-up.
+class LookUp {
+public:
+    LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
+           const Vec3& wo, const EyePath& eye, const Vec2& u, DensityEstimator::Found& found)
+        : e_(estimator),
+          map_(map),
+          rays_(rays),
+          hit_(hit),
+          normal_(normal_towards(hit, wo)),
+          wo_local_(hit.shading.to_local(wo)),
+          eye_(eye),
+          transmits_(hit.bsdf->traits().transmission),
+          disc_(hit, normal_, u),
+          found_(found) {}
+
+    Reflected radiance() {
+        if (e_.k == all_photons) return radiance_of_all();
+        find_nearest();
+        std::size_t inside = found_.size();
+        float r = e_.max_radius;
+        if (inside == e_.k) {
+            r = std::sqrt(found_.back().distance2);
+            --inside;
+        }
+        if (e_.compensation) compensate(inside, r);
+        if (inside == 0 || !(r > 0.f)) return {};
+        PhotonSums sums;
+        for (std::size_t i = 0; i < inside; ++i) {
+            const Photon photon = map_[found_[i].photon];
+            sums.add(photon, reflected(photon) * double{kernel_weight(e_.kernel, found_[i].distance2, r)});
+        }
+        return normalised(sums, r);
+    }
+
+private:
+    bool counts(const Photon& photon, const Vec3& offset, float distance2) const {
+        if (!eye_.accepts(photon)) return false;
+        if (e_.area == DiscArea::plain) return true;
+        const float cosine = photon.surface_normal().dot(normal_);
+        return (transmits_ ? std::abs(cosine) : cosine) > min_normal_cosine &&
+               sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
+    }
+
+    /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are none
+    /// only a few short rays are traced; what they hide is found out before the search is repeated.
+    void find_nearest() {
+        const auto near_plane = [this](const Photon& photon, float distance2) {
+            return counts(photon, photon.p - hit_.p, distance2);
+        };
+        map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, found_);
+        if (e_.area != DiscArea::surface || found_.empty()) return;
+
+        const auto offset_of = [this](const PhotonMap::Neighbour& n) -> Vec3 { return map_[n.photon].p - hit_.p; };
+        bool hidden = false;
+        if (std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
+            disc_.find_layers(rays_, max_elevation_slope * e_.max_radius);
+            hidden =
+                std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
+        }
+        const float r = found_.size() == e_.k && !hidden ? std::sqrt(found_.back().distance2) : e_.max_radius;
+        if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
+        map_.nearest(
+            hit_.p, e_.k, e_.max_radius,
+            [this](const Photon& photon, float distance2) {
+                const Vec3 offset = photon.p - hit_.p;
+                return counts(photon, offset, distance2) && disc_.contains(offset);
+            },
+            found_);
+    }
+
+    Reflected radiance_of_all() {
+        const float r = e_.max_radius;
+        const bool on_surface = e_.area == DiscArea::surface;
+        if (!(r > 0.f)) return {};
+        if (on_surface) {
+            disc_.find_layers(rays_, max_elevation_slope * r);
+            disc_.find_obstacles(rays_, r, r);
+        }
+        PhotonSums sums;
+        map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
+            const Vec3 offset = photon.p - hit_.p;
+            if (counts(photon, offset, distance2) && (!on_surface || disc_.contains(offset)))
+                sums.add(photon, reflected(photon) * double{kernel_weight(e_.kernel, distance2, r)});
+        });
+        return normalised(sums, r);
+    }
+
+    /// f power of one photon.
+    Colord reflected(const Photon& photon) const {
+        const Vec3 wi = photon.direction();
+        const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
+        const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
+        return (f * photon.power() * eye_.weight(photon) * shading_normal_factor(hit_, wi)).cast<double>();
+    }
+
+    Reflected normalised(const PhotonSums& sums, float r) {
+        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>()};
+        if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
+            const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
+            L.between_surfaces /= share;
+            L.through_media /= share;
+        }
+        return L;
+    }
+
+    /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones.
+    void compensate(std::size_t& inside, float& r) {
+        if (inside <= smallest_disc) return;
+        std::sort(found_.begin(), found_.end());
+        std::array<NestedDisc, most_discs> discs;
+        std::array<float, most_discs> radii;
+        std::size_t n = 0;
+        NestedDisc disc{0, 0, 0, 0};
+        const auto close = [&](float radius) {
+            disc.area = double{disc_.share(Kernel::uniform, radius)} * double{radius} * double{radius};
+            discs[n] = disc;
+            radii[n++] = radius;
+        };
+        // The disc of n photons is bounded by the next one, as the whole is.
+        for (std::size_t end = smallest_disc; end < inside; end = next_disc(end)) {
+            add(disc, end);
+            close(std::sqrt(found_[end].distance2));
+        }
+        add(disc, inside);
+        close(r);
+        const std::size_t chosen = largest_agreeing_disc(std::span(discs).first(n));
+        inside = discs[chosen].photons;
+        r = radii[chosen];
+    }
+
+    void add(NestedDisc& disc, std::size_t end) const {
+        for (; disc.photons < end; ++disc.photons) {
+            const double weight = reflected(map_[found_[disc.photons].photon]).sum();
+            disc.weight += weight;
+            disc.squared_weight += weight * weight;
+        }
+    }
+
+    const DensityEstimator& e_;
+    const PhotonMap& map_;
+    RayQueries& rays_;
+    const SurfaceHit& hit_;
+    Vec3 normal_;
+    Vec3 wo_local_;
+    const EyePath& eye_;
+    bool transmits_;  ///< light that arrives from behind is scattered here too
+    SurfaceDisc disc_;
+    DensityEstimator::Found& found_;
+};
+
+}  // namespace
+
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
     if (hit.ns == hit.ng) return 1.f;
     return std::abs(wi.dot(hit.ns)) / std::max(std::abs(wi.dot(hit.ng)), 0.1f * std::abs(wi.dot(hit.ns)));
 }
 
-Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.dot(s.ng) >= 0.f ? s.ng : Vec3(-s.ng); }
-
-/// Finds out which points of a disc in the tangent plane lie on the surface around its centre. Rays go down to the disc
-/// from a point above its centre, so that walls that stand on it hide what lies behind them. What an object that merely
-/// touches the surface hides from there (a sphere on a floor) is tried again from just above the surface.
-class DiscProbe {
-public:
-    DiscProbe(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float r)
-        : hit_(hit),
-          frame_(normal),
-          origin_(offset_origin(hit, normal)),
-          below_(0.25f * r),
-          low_(1e-3f * r),
-          high_(0.5f * r) {
-        if (const auto ceiling = rays.intersect({origin_, normal, 0.f, high_}))
-            high_ = 0.5f * (ceiling->p - origin_).norm();
-        low_ = std::min(low_, high_);
-    }
-
-    bool reaches(RayQueries& rays, float distance, float phi) const {
-        const Vec3 target = hit_.p + distance * (std::cos(phi) * frame_.s + std::sin(phi) * frame_.t);
-        switch (look(rays, target, high_)) {
-            case Seen::surface:
-                return true;
-            case Seen::nothing:
-                return false;
-            case Seen::obstacle:
-                return look(rays, target, low_) == Seen::surface;
-        }
-        return false;
-    }
-
-private:
-    enum class Seen { surface, obstacle, nothing };
-
-    Seen look(RayQueries& rays, const Vec3& target, float height) const {
-        const Vec3 apex = origin_ + height * frame_.n;
-        const auto found = rays.intersect({apex, target - apex, 0.f, (height + below_) / height});
-        if (!found) return Seen::nothing;
-        const bool level = std::abs((found->p - hit_.p).dot(frame_.n)) <= below_;
-        const bool alike = normal_towards(*found, frame_.n).dot(frame_.n) > min_normal_cosine;
-        const bool stores_photons = found->bsdf->traits_at(found->ns.dot(frame_.n)).diffuse;
-        return level && alike && stores_photons ? Seen::surface : Seen::obstacle;
-    }
-
-    const SurfaceHit& hit_;
-    Frame frame_;
-    Vec3 origin_;
-    float below_;       ///< a surface that bends away stays on the disc down to here
-    float low_, high_;  ///< above the surface: where the rays start
-};
-
-}  // namespace
-
-float kernel_weight(Kernel kernel, float d2, float r) {
-    const float area = pi * r * r;
-    const float s2 = d2 / (r * r);
-    switch (kernel) {
-        case Kernel::uniform:
-            return 1.f / area;
-        case Kernel::cone:
-            return 3.f * std::max(1.f - std::sqrt(s2), 0.f) / area;
-        case Kernel::gaussian:
-            return std::exp(-s2 / (2.f * sqr(gaussian_sigma))) /
-                   (2.f * sqr(gaussian_sigma) * (1.f - gaussian_cut) * area);
-        case Kernel::epanechnikov:
-            return 2.f * std::max(1.f - s2, 0.f) / area;
-    }
-    return 0.f;
-}
-
-float kernel_radius(Kernel kernel, float u) {
-    switch (kernel) {
-        case Kernel::uniform:
-            return std::sqrt(u);
-        case Kernel::cone:
-            return 0.5f - std::sin(std::asin(1.f - 2.f * u) / 3.f);  // 3 s^2 - 2 s^3 = u
-        case Kernel::gaussian:
-            return gaussian_sigma * std::sqrt(-2.f * std::log1p(-u * (1.f - gaussian_cut)));
-        case Kernel::epanechnikov:
-            return std::sqrt(1.f - std::sqrt(1.f - u));  // 2 s^2 - s^4 = u
-    }
-    return 0.f;
-}
-
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
-                                               std::uint32_t dimension,
-                                               std::vector<PhotonMap::Neighbour>& found) const {
-    const Vec3 normal = normal_towards(hit, wo);
-    // Light that arrives from behind is scattered here too where the material lets it through.
-    const bool transmits = hit.bsdf->traits().transmission;
-    const auto on_surface = [&](const Photon& photon, float d2) {
-        const float cosine = photon.surface_normal().dot(normal);
-        return eye.accepts(photon) && (transmits ? std::abs(cosine) : cosine) > min_normal_cosine &&
-               sqr((photon.p - hit.p).dot(normal)) <= sqr(max_elevation_sine) * d2;
-    };
-    map.nearest(hit.p, k, max_radius, on_surface, found);
-    const bool all_found = found.size() == k;
-    const float r = all_found ? std::sqrt(found.back().distance2) : max_radius;
-    const std::size_t inside = all_found ? k - 1 : found.size();
-    if (inside == 0 || !(r > 0.f)) return {};
-
-    const Vec3 wo_local = hit.shading.to_local(wo);
-    Reflected sum;
-    for (std::size_t i = 0; i < inside; ++i) {
-        const Photon& photon = map[found[i].photon];
-        const Vec3 wi = photon.direction();
-        const Vec3 wi_local = transmits ? hit.shading.to_local(wi) : lifted(wo_local, hit.shading.to_local(wi));
-        const float scale = shading_normal_factor(hit, wi) * kernel_weight(kernel, found[i].distance2, r);
-        const Color f = hit.bsdf->f_local(wo_local, wi_local).diffuse;
-        (photon.in_medium() ? sum.through_media : sum.between_surfaces) += f * photon.power() * eye.weight(photon) * scale;
-    }
-    if (area == DiscArea::surface && !(is_black(sum.between_surfaces) && is_black(sum.through_media))) {
-        const float share = share_on_surface(rays, hit, wo, r, sampler.get_2d(dimension));
-        sum.between_surfaces /= share;
-        sum.through_media /= share;
-    }
-    return sum;
-}
-
-float DensityEstimator::share_on_surface(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, float r,
-                                         const Vec2& u) const {
-    const DiscProbe disc(rays, hit, normal_towards(hit, wo), r);
-    int on_surface = 0;
-    for (int i = 0; i < disc_probes; ++i) {
-        const float s = r * kernel_radius(kernel, (static_cast<float>(i) + u.x()) / disc_probes);
-        if (disc.reaches(rays, s, golden_angle * static_cast<float>(i) + 2.f * pi * u.y())) ++on_surface;
-    }
-    // The centre is on the surface, so the share cannot be zero even where no probe finds it.
-    return static_cast<float>(std::max(on_surface, 1)) / disc_probes;
+                                               std::uint32_t dimension, Found& found) const {
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), found).radiance();
 }
 
 }  // namespace gib

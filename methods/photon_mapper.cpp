@@ -6,7 +6,8 @@
 // flight through a medium ends: light that comes straight from its source by light sampling, all other from the volume map.
 // Light found at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius [fractions of the
-// scene's diagonal], kernel, area, projection; spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// scene's diagonal], kernel, area, compensation, projection; spp and max_depth as for all methods. Defaults stand with the declarations at
+// the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
 // noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
 // A pass: one gather sample of every pixel. The maps are filled at the start.
@@ -124,8 +125,10 @@ public:
         const auto length = [&](double fraction) {
             return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
         };
-        maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area};
-        maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area};
+        maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area,
+                                  settings.compensation};
+        maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area,
+                                   settings.compensation};
         maps_.volume_estimator = {settings.kernel, settings.volume_k, length(settings.volume_radius), settings.area};
     }
 
@@ -201,15 +204,20 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.volume_photons =
         values.given("volume_photons") ? static_cast<std::uint64_t>(values.integer("volume_photons")) : s.photons;
     const auto k = values.number_unless_word("k");
-    s.k = k ? static_cast<std::size_t>(*k) : automatic_k(s.photons);
-    s.caustic_k = k ? s.k : automatic_k(s.caustic_photons);
-    s.volume_k = k ? s.k : automatic_k(s.volume_photons);
+    const bool all = values.choice("k") == "all";
+    s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
+    s.caustic_k = k || all ? s.k : automatic_k(s.caustic_photons);
+    s.volume_k = k || all ? s.k : automatic_k(s.volume_photons);
     s.radius = values.number("radius");
     s.caustic_radius = values.number("caustic_radius");
     s.volume_radius = values.number("volume_radius");
     const auto kernel = std::find(kernel_names.begin(), kernel_names.end(), values.choice("kernel"));
     s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
-    s.area = values.choice("area") == "plain" ? DiscArea::plain : DiscArea::surface;
+    const auto area = std::find(disc_area_names.begin(), disc_area_names.end(), values.choice("area"));
+    s.area = static_cast<DiscArea>(area - disc_area_names.begin());
+    s.compensation = values.choice("compensation") == "on";
+    if (s.compensation && all)
+        throw InputError("compensation=on chooses among at most k photons; k=all keeps the radius");
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
     return std::make_unique<PhotonMapper>(s);
@@ -256,8 +264,8 @@ MethodDescription describe_photon_mapper() {
              "photons",
              2,
              1e6,
-             {"auto"},
-             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3)"},
+             {"auto", "all"},
+             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: those within the radius"},
             {"radius",
              Kind::number,
              "0.1",
@@ -289,8 +297,17 @@ MethodDescription describe_photon_mapper() {
              "",
              0,
              0,
-             {"surface", "plain"},
-             "area of a look-up's disc: the part on the surface, or all of it everywhere"},
+             strings(disc_area_names),
+             "what a look-up divides: the photons on the surface by the part of the disc on it; or by the whole disc "
+             "(rejected); or every photon near by the whole disc (plain)"},
+            {"compensation",
+             Kind::choice,
+             "off",
+             "",
+             0,
+             0,
+             {"off", "on"},
+             "use fewer than k photons where more would blur: as many as agree within their noise"},
             {"projection",
              Kind::choice,
              "on",

@@ -11,7 +11,7 @@ struct PhotonMapperSettings {
     std::uint64_t photons;          ///< emitted for the global map
     std::uint64_t caustic_photons;  ///< emitted for the caustic map
     std::uint64_t volume_photons;   ///< emitted for the volume map
-    std::size_t k;                  ///< photons in an estimate of the global map
+    std::size_t k;                  ///< photons in an estimate of the global map, or all_photons
     std::size_t caustic_k;          ///< the same of the caustic map
     std::size_t volume_k;           ///< the same of the volume map
     double radius;                  ///< largest look-up radius in the global map, as a fraction of the scene's diagonal
@@ -20,6 +20,7 @@ struct PhotonMapperSettings {
     Kernel kernel;
     DiscArea area;
     int max_edges;
+    bool compensation;  ///< fewer photons where more would blur
     bool projection;  ///< photons are emitted where they can reach surfaces that matter
 };
 

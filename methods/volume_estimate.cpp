@@ -65,18 +65,24 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
                                           const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
                                           const Sampler& sampler, std::uint32_t dimension,
                                           std::vector<PhotonMap::Neighbour>& found) const {
-    map.nearest(
-        p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, found);
-    const bool all_found = found.size() == k;
-    const float r = all_found ? std::sqrt(found.back().distance2) : max_radius;
-    const std::size_t inside = all_found ? k - 1 : found.size();
-    if (inside == 0 || !(r > 0.f)) return Color::Zero();
-
     Color sum = Color::Zero();
-    for (std::size_t i = 0; i < inside; ++i) {
-        const Photon& photon = map[found[i].photon];
-        const float scale = phase.value(wo, photon.direction()) * ball_kernel_weight(kernel, found[i].distance2, r);
+    float r = max_radius;
+    const auto add = [&](const Photon& photon, float distance2) {
+        const float scale = phase.value(wo, photon.direction()) * ball_kernel_weight(kernel, distance2, r);
         sum += scale * photon.power() * eye.weight(photon);
+    };
+    const auto accept = [&](const Photon& photon, float) { return eye.accepts(photon); };
+    if (k == all_photons) {
+        map.within(p, r, [&](const Photon& photon, float distance2) {
+            if (eye.accepts(photon)) add(photon, distance2);
+        });
+    } else {
+        map.nearest(p, k, max_radius, accept, found);
+        std::size_t inside = found.size();
+        if (inside == k) r = std::sqrt(found[--inside].distance2);
+        if (!(r > 0.f)) return Color::Zero();
+        for (std::size_t i = 0; i < inside; ++i)
+            add(map[found[i].photon], found[i].distance2);
     }
     if (area == DiscArea::surface && !is_black(sum)) sum /= share_in_sight(rays, p, r, sampler, dimension);
     return sum;

@@ -25,7 +25,7 @@ float ball_kernel_radius(Kernel kernel, float u);
 
 struct VolumeEstimator {
     Kernel kernel;
-    std::size_t k;
+    std::size_t k;     ///< or all_photons
     float max_radius;  ///< [scene units]
     DiscArea area;     ///< `surface`: the ball is cut off where surfaces hide it
 

@@ -23,6 +23,10 @@ std::vector<std::string> combinations() {
                 extended.push_back(label + " " + p.name + "=" + value);
         labels = std::move(extended);
     }
+    // Refused: there is nothing to choose where all photons within the radius count.
+    std::erase_if(labels, [](const std::string& label) {
+        return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;
+    });
     return labels;
 }
 

@@ -1,0 +1,59 @@
+#include "methods/kernel.h"
+
+#include "common/math.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+constexpr float gaussian_cut = 0.13533528f;  // exp(-1 / (2 gaussian_sigma^2))
+}  // namespace
+
+float kernel_weight(Kernel kernel, float d2, float r) {
+    const float area = pi * r * r;
+    const float s2 = d2 / (r * r);
+    switch (kernel) {
+        case Kernel::uniform:
+            return 1.f / area;
+        case Kernel::cone:
+            return 3.f * std::max(1.f - std::sqrt(s2), 0.f) / area;
+        case Kernel::gaussian:
+            return std::exp(-s2 / (2.f * sqr(gaussian_sigma))) /
+                   (2.f * sqr(gaussian_sigma) * (1.f - gaussian_cut) * area);
+        case Kernel::epanechnikov:
+            return 2.f * std::max(1.f - s2, 0.f) / area;
+    }
+    return 0.f;
+}
+
+float kernel_mass(Kernel kernel, float s) {
+    switch (kernel) {
+        case Kernel::uniform:
+            return s * s;
+        case Kernel::cone:
+            return s * s * (3.f - 2.f * s);
+        case Kernel::gaussian:
+            return -std::expm1(-sqr(s / gaussian_sigma) / 2.f) / (1.f - gaussian_cut);
+        case Kernel::epanechnikov:
+            return s * s * (2.f - s * s);
+    }
+    return 0.f;
+}
+
+float kernel_radius(Kernel kernel, float u) {
+    switch (kernel) {
+        case Kernel::uniform:
+            return std::sqrt(u);
+        case Kernel::cone:
+            return 0.5f - std::sin(std::asin(1.f - 2.f * u) / 3.f);  // 3 s^2 - 2 s^3 = u
+        case Kernel::gaussian:
+            return gaussian_sigma * std::sqrt(-2.f * std::log1p(-u * (1.f - gaussian_cut)));
+        case Kernel::epanechnikov:
+            return std::sqrt(1.f - std::sqrt(1.f - u));  // 2 s^2 - s^4 = u
+    }
+    return 0.f;
+}
+
+}  // namespace gib

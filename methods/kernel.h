@@ -1,0 +1,24 @@
+#pragma once
+// Kernels of the density estimate: radial weights over a disc, each with integral 1. With s = d / r the weight times
+// pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2)) (gaussian, cut off at
+// two standard deviations), 2 (1 - s^2) (epanechnikov).
+
+#include <array>
+#include <string_view>
+
+namespace gib {
+
+/// Width of the Gaussian in units of the radius at which it is cut off.
+inline constexpr float gaussian_sigma = 0.5f;
+
+enum class Kernel { uniform, cone, gaussian, epanechnikov };
+inline constexpr std::array<std::string_view, 4> kernel_names = {"uniform", "cone", "gaussian", "epanechnikov"};
+
+/// K(d) [1/area] for d^2 = `d2` <= r^2; integrates to 1 over the disc of radius r.
+float kernel_weight(Kernel kernel, float d2, float r);
+/// The share of the kernel's integral that lies within `s` of 0..1 radii of the centre.
+float kernel_mass(Kernel kernel, float s);
+/// The inverse: the distance, as a fraction of r, within which the share `u` lies.
+float kernel_radius(Kernel kernel, float u);
+
+}  // namespace gib
