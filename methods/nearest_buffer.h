@@ -16,8 +16,8 @@ struct Neighbour {
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 
-/// Keeps the k nearest of the candidates offered to it: a buffer of k and some more, cut back to k whenever it is full, so that
-/// an offer costs constant time on average where a heap's costs log k.
+/// Keeps the k nearest of the candidates offered to it: a buffer of k and some more, cut back to k whenever it is full,
+/// so that an offer costs constant time on average where a heap's costs log k.
 class NearestBuffer {
 public:
     NearestBuffer(std::size_t k, float max_distance, std::vector<Neighbour>& storage)

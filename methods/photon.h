@@ -12,9 +12,10 @@ namespace gib {
 
 /// What a photon carries, all but its position. 16 bytes.
 ///
-/// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at which the
-/// largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of 2^15 or more) for
-/// largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons gains or loses nothing.
+/// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at
+/// which the largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of
+/// 2^15 or more) for largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons
+/// gains or loses nothing.
 class PhotonPayload {
 public:
     PhotonPayload() = default;
@@ -49,8 +50,8 @@ struct Photon : PhotonPayload {
     Vec3 p;
 
     Photon() = default;
-    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so that the
-    ///                   film counts it.
+    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so
+    ///                   that the film counts it.
     /// @param wi         where it came from, away from here
     /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
     /// @param path_edges of its path, from the light to here; at most 65535

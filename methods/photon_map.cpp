@@ -82,7 +82,8 @@ void PhotonMap::build(const Subtree& tree) {
     }
 }
 
-/// Puts the records below the median before `middle`, the others behind; ties go to the lower photon. Returns the median.
+/// Puts the records below the median before `middle`, the others behind; ties go to the lower photon. Returns the
+/// median.
 template <int axis>
 float PhotonMap::split_at_median(std::size_t begin, std::size_t middle, std::size_t end) {
     PhotonPayload* const records = payloads_.data();

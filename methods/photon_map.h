@@ -1,9 +1,10 @@
 #pragma once
 // Photons in a balanced kd-tree, and the searches for the nearest of them and for all within a radius.
 //
-// Leaves hold eight photons whose positions lie together by coordinate, so that one look at a leaf yields eight distances and
-// the mask of those within the bound; only these are shown to the caller. What else a photon carries lies apart and is read
-// for photons within the bound only. 29 bytes a photon: 12 of position, 16 of payload, 8 a leaf of nodes.
+// Leaves hold eight photons whose positions lie together by coordinate, so that one look at a leaf yields eight
+// distances and the mask of those within the bound; only these are shown to the caller. What else a photon carries lies
+// apart and is read for photons within the bound only. 29 bytes a photon: 12 of position, 16 of payload, 8 a leaf of
+// nodes.
 
 #include "common/huge_pages.h"
 #include "methods/nearest_buffer.h"
@@ -25,8 +26,9 @@ public:
     using Neighbour = gib::Neighbour;
 
     PhotonMap() = default;
-    /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads. While it
-    /// does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons.
+    /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
+    /// While it does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons, at finite
+    /// positions.
     explicit PhotonMap(std::vector<Photon> photons);
 
     std::size_t size() const { return payloads_.size(); }
@@ -44,8 +46,8 @@ public:
     /// The k nearest photons to p within `max_distance` for which accept(photon, distance2) holds: fewer than k if
     /// there are no more. In no particular order except that, if there are k, the LAST one is the farthest. Of photons
     /// at the same distance the one with the lower index counts as nearer. `found` is cleared first and keeps its
-    /// memory. A squared distance is (dx^2 + dy^2) + dz^2, each operation rounded; accept is only called for those within the
-    /// largest distance that is still wanted.
+    /// memory. A squared distance is (dx^2 + dy^2) + dz^2, each operation rounded; accept is only called for those
+    /// within the largest distance that is still wanted.
     template <typename Accept>
     void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
                  std::vector<Neighbour>& found) const;
@@ -82,7 +84,8 @@ private:
     float split_at_median(std::size_t begin, std::size_t middle, std::size_t end);
     void store_leaves(const std::vector<Photon>& photons);
 
-    /// Calls visit_photon(index, distance2) for the photons with distance2 <= bound(), nearer leaves first by and large.
+    /// Calls visit_photon(index, distance2) for the photons with distance2 <= bound(), nearer leaves first by and
+    /// large.
     template <typename Bound, typename VisitPhoton>
     void traverse(const Vec3& p, const Bound& bound, const VisitPhoton& visit_photon) const;
 

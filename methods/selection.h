@@ -7,10 +7,11 @@
 
 namespace gib {
 
-/// What std::nth_element does for elements whose keys all differ: *kth becomes the one that sorting would put there, those
-/// before it are smaller, those behind it larger. key(element) is an unsigned integer. About 1.5 n comparisons for large n:
-/// a pivot from a sample, a little on the far side of the k-th, cuts the larger part off; the next one the rest. The order
-/// that results is a function of the order given. Source: Floyd and Rivest 1975, "Expected time bounds for selection".
+/// What std::nth_element does for elements whose keys all differ: *kth becomes the one that sorting would put there,
+/// those before it are smaller, those behind it larger. key(element) is an unsigned integer. About 1.5 n comparisons
+/// for large n: a pivot from a sample, a little on the far side of the k-th, cuts the larger part off; the next one the
+/// rest. The order that results is a function of the order given. Source: Floyd and Rivest 1975, "Expected time bounds
+/// for selection".
 template <typename T, typename Key>
 void select_kth(T* begin, T* kth, T* end, const Key& key) {
     constexpr std::ptrdiff_t sorted_size = 3, small = 256, medium = 2048, largest_sample = 127;
@@ -19,8 +20,8 @@ void select_kth(T* begin, T* kth, T* end, const Key& key) {
             std::nth_element(begin, kth, end, [&](const T& a, const T& b) { return key(a) < key(b); });
             return;
         }
-        // A sample at equal steps, and of it the rank of the k-th, about a standard deviation towards the far end. It is never
-        // the lowest, so something is smaller than the pivot, and with the pivot neither part is empty.
+        // A sample at equal steps, and of it the rank of the k-th, about a standard deviation towards the far end. It
+        // is never the lowest, so something is smaller than the pivot, and with the pivot neither part is empty.
         const std::ptrdiff_t n = end - begin;
         auto pivot = key(begin[n / 2]);
         if (n < small) {

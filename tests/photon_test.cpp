@@ -61,8 +61,8 @@ TEST(Photon, PowerIsOffByHalfAUnitAtMost) {
     }
 }
 
-// Errors of rounding are independent and of mean zero, so their sum is within 4 of its standard errors (alpha = 6e-5 each);
-// truncation would lose half a unit of every photon, more than 1000 standard errors.
+// Errors of rounding are independent and of mean zero, so their sum is within 4 of its standard errors (alpha = 6e-5
+// each); truncation would lose half a unit of every photon, more than 1000 standard errors.
 TEST(Photon, ASumOfManyPowersIsUnbiased) {
     for (const float scale : {1e-30f, 1e-5f, 1.f, 1e30f}) {
         Colord sum = Colord::Zero(), squares = Colord::Zero();

@@ -1,5 +1,6 @@
-// The photon map beside nanoflann on the same photons and queries: the rates of their k-nearest searches on one thread, and of
-// building them (nanoflann's on one thread, as its version here can; ours on two). `ratio` is ours over nanoflann's.
+// The photon map beside nanoflann on the same photons and queries: the rates of their k-nearest searches on one thread,
+// and of building them (nanoflann's on one thread, as its version here can; ours on two). `ratio` is ours over
+// nanoflann's.
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "methods/photon_map.h"
@@ -10,7 +11,7 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <string>
+#include <stdexcept>
 
 namespace gib {
 namespace {
