@@ -58,7 +58,7 @@ TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
     const double truth = mean_of(render(glass, "path", 1024).total()).mean();
     for (const auto& label : combinations()) {
         const double mean =
-            mean_of(render(glass, label + " photons=100000 radius=0.03 caustic_radius=0.01", 8).total()).mean();
+            mean_of(render(glass, label + " photons=50000 radius=0.03 caustic_radius=0.01", 6).total()).mean();
         EXPECT_NEAR(mean / truth, 1, has_plain_discs(label) ? 0.06 : 0.03) << label;
     }
 }

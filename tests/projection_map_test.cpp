@@ -229,7 +229,7 @@ StoredPower stored_power(const Scene& scene, PhotonMapKind kind, const Projectio
         double power = 0;
         Vec3d place = Vec3d::Zero();
         for (const Photon& photon : trace_photons(scene, kind, 20000, 8, seed + (aim ? 100 : 0), aim).photons) {
-            const double p = photon.power.cast<double>().mean();
+            const double p = photon.power().cast<double>().mean();
             power += p;
             place += p * photon.p.cast<double>();
         }
