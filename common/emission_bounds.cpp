@@ -27,7 +27,8 @@ double concentric_angle(double a, double b) {
     return quarter * (2 - a / b) + (b < 0 ? 4 * quarter : 0);
 }
 
-/// Of square_to_disk over the box [x0, x1] x [y0, y1]. The radius is max(|a|, |b|); in each quadrant the angle is monotone in a
+/// Of square_to_disk over the box [x0, x1] x [y0, y1]. The radius is max(|a|, |b|); in each quadrant the angle is
+/// monotone in a
 /// and in b, so that its range is that of the corners, unless the centre lies inside.
 DiskPatch square_to_disk_patch(double x0, double x1, double y0, double y1) {
     const double a0 = 2 * x0 - 1, a1 = 2 * x1 - 1, b0 = 2 * y0 - 1, b1 = 2 * y1 - 1;
@@ -86,8 +87,10 @@ SphericalPatch cosine_hemisphere_patch(const EmissionBox& box) {
     return {theta(1 - sqr(d.r0) + rounding_of_square), theta(1 - sqr(d.r1) - rounding_of_square), d.phi0, d.phi1};
 }
 
-/// How far Frame(w) v can move while w stays within `angle` of an axis with |axis.z| = z, for |v| = 1; 2 where the frame jumps.
-/// Frame(w) is the least rotation from +-z to w: beside the turn of w itself it spins about w at a rate of tan(theta / 2) <= 1,
+/// How far Frame(w) v can move while w stays within `angle` of an axis with |axis.z| = z, for |v| = 1; 2 where the
+/// frame jumps.
+/// Frame(w) is the least rotation from +-z to w: beside the turn of w itself it spins about w at a rate of tan(theta
+/// / 2) <= 1,
 /// at most sqrt(2) together within a hemisphere of z.
 double frame_motion(double z, double angle) {
     if (angle == 0) return 0;
@@ -95,7 +98,8 @@ double frame_motion(double z, double angle) {
     return jumps ? 2 : std::min(2.0, std::numbers::sqrt2 * angle);
 }
 
-/// The points center + Frame(w) (d, 0) for d on a patch of the disk of radius `radius` and w in the cone: every line along w through a
+/// The points center + Frame(w) (d, 0) for d on a patch of the disk of radius `radius` and w in the cone: every line
+/// along w through a
 /// point on the disk meets this ball.
 RayBundle bundle_across(const Vec3& center, double radius, const DiskPatch& patch, const DirectionCone& w) {
     const Vec3d c = center.cast<double>();
@@ -168,7 +172,8 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
         turn = std::max({turn, static_cast<double>((own.s - frame.s).norm()),
                          static_cast<double>((own.t - frame.t).norm()), static_cast<double>((own.n - frame.n).norm())});
     }
-    // The sum of three coordinates' motions, each at most `turn`, bounds that of a unit vector by sqrt(3) turn: a chord.
+    // The sum of three coordinates' motions, each at most `turn`, bounds that of a unit vector by sqrt(3) turn: a
+    // chord.
     const double chord = std::min(std::numbers::sqrt3 * turn, 2.0);
     bundle.cone = cone_around(cosine_hemisphere_patch(box), frame);
     bundle.cone.half_angle += 2 * std::asin(0.5 * chord);
@@ -215,7 +220,8 @@ private:
 
     static RayBundle from_point(const Vec3& p, const DirectionCone& cone) { return {p.cast<double>(), 0, cone}; }
 
-    /// The origin, far outside, does not matter: the lines pass the disk in the scene's middle where the origins lie on theirs.
+    /// The origin, far outside, does not matter: the lines pass the disk in the scene's middle where the origins lie
+    /// on theirs.
     RayBundle from_infinity(const BoundingSphere& scene, const DirectionCone& w) const {
         RayBundle bundle = bundle_across(scene.center, static_cast<double>(scene.radius), position_patch(box), w);
         bundle.cone.axis = -w.axis;
@@ -261,7 +267,8 @@ private:
         return bundle;
     }
 
-    /// A ray that leaves the sphere has come through the disk across its middle; one that crosses its inside begins up to a radius before that.
+    /// A ray that leaves the sphere has come through the disk across its middle; one that crosses its inside begins
+    /// up to a radius before that.
     RayBundle from(const AreaLight&, const Sphere& sphere) const {
         const double radius = static_cast<double>(sphere.radius);
         RayBundle bundle = bundle_across(sphere.center, radius, position_patch(box), sphere_cone(identity()));

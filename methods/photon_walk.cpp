@@ -23,7 +23,8 @@ constexpr std::size_t aimed_photons_per_block = 16384;
 constexpr int first_capped_hit = 64;
 constexpr float capped_survival = 0.9f;
 
-/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals agree.
+/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals
+/// agree.
 /// wo is where the photon came from. Source: Veach 1997, section 5.3.
 float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Vec3& wi) {
     const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(hit.ns));
@@ -186,7 +187,8 @@ void emit(const Scene& scene, std::uint64_t key, std::size_t begin, std::size_t 
     }
 }
 
-/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that one photon finds in
+/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that
+/// one photon finds in
 /// the cache what the one before it read. Tracing the glass bunny's caustic takes two thirds of the time.
 template <typename Visit>
 void emit_aimed(const Scene& scene, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,

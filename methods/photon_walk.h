@@ -53,7 +53,8 @@ struct PhotonWalkResult {
 /// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
 /// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
 /// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
-/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart. `aim`: null, or where
+/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart. `aim`:
+/// null, or where
 /// to emit; its targets must hold the surfaces that photons of this kind meet first. Nothing is traced if it is empty.
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim = nullptr,

@@ -107,7 +107,8 @@ private:
         return bundle.radius + 2 * std::sin(0.5 * std::min(bundle.cone.half_angle, std::numbers::pi)) * distance;
     }
 
-    /// In the dimension without whose extent the rays would be narrowest: halving it may narrow nothing yet, as of a ring around an
+    /// In the dimension without whose extent the rays would be narrowest: halving it may narrow nothing yet, as of a
+    /// ring around an
     /// axis. Of equals, the one in which the box is longest.
     Halves halves_of(const Growing& cell) const {
         const auto dimensions = emission_dimensions(light_of(cell));

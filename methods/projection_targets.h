@@ -1,5 +1,6 @@
 #pragma once
-// Balls around the surfaces that photons are to reach, in a tree, and the question whether a bundle of rays can meet them.
+// Balls around the surfaces that photons are to reach, in a tree, and the question whether a bundle of rays can meet
+// them.
 
 #include "common/emission_bounds.h"
 
@@ -15,7 +16,8 @@ enum class TargetSurfaces {
     specular  ///< those whose material has a lobe that counts as S
 };
 
-/// Meshes are cut into the pieces that lie in the cells of a grid, large triangles too; what instances show is carried to the
+/// Meshes are cut into the pieces that lie in the cells of a grid, large triangles too; what instances show is
+/// carried to the
 /// scene. Each piece lies inside its ball.
 class ProjectionTargets {
 public:
@@ -33,7 +35,8 @@ public:
         all_meet  ///< every ray meets a target, which is a whole sphere
     };
     static constexpr std::uint32_t no_shape = ~0u;
-    /// Targets of the shape `except` do not count. `hint`: a node that is tried first, and set to the one that was met; 0 at first.
+    /// Targets of the shape `except` do not count. `hint`: a node that is tried first, and set to the one that was
+    /// met; 0 at first.
     Reach reach(const RayBundle& bundle, std::uint32_t except, std::uint32_t& hint) const;
 
     struct Ball {

@@ -1,4 +1,5 @@
-// Projection maps: the bounds of emission hold for every kind of light, no cell is dropped that can reach a target, and aimed
+// Projection maps: the bounds of emission hold for every kind of light, no cell is dropped that can reach a target,
+// and aimed
 // photons carry the same power as others.
 #include "methods/projection_map.h"
 
@@ -244,7 +245,8 @@ void expect_equal(const test::Moments& a, const test::Moments& b, const std::str
     EXPECT_NEAR(a.mean(), b.mean(), 5 * std::hypot(a.standard_error(), b.standard_error())) << what;
 }
 
-// 160 means, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3 together). They are
+// 160 means, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3
+// together). They are
 // known to 3 %, those that are aimed better.
 TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
     const test::TemporaryFolder folder;
