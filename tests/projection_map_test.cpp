@@ -212,7 +212,9 @@ TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
             if (map.aims()) {
                 EXPECT_GT(met, 300) << name;
             }
-            if (targets == TargetSurfaces::specular) {
+            // So few cells of a light all around are too large to miss anything: it is left alone.
+            const bool all_around = name == "sphere around" || name == "constant";
+            if (targets == TargetSurfaces::specular && !all_around) {
                 EXPECT_TRUE(map.aims()) << name;
             }
         }
