@@ -15,8 +15,8 @@
 // n the photons of the disc that would be settled for: the chance to settle for it without need falls by n / k, as its variance
 // is larger by k / n.
 //
-// Cost on evenly spread photons (k = 500; tests/bias_compensation_test.cpp): the rare false alarms raise the mean by 0.4 %, below
-// the bound of 1 % that is tested, and the standard deviation from 0.045 to 0.06.
+// Cost on evenly spread photons (k = 500; tests/bias_compensation_test.cpp): the rare false alarms raise the mean by 0.3 to 0.5 %, below
+// the bound of 1 % that is tested, and the standard deviation from 0.045 to 0.065.
 // Where the surface ends inside the disc, the areas are those before that correction: such discs may stop early.
 
 #include <cstddef>
