@@ -7,8 +7,8 @@ namespace gib {
 
 namespace {
 
-/// See the header: at the last disc 3 standard deviations; a smaller one is settled for, at the price of its noise, only on
-/// stronger evidence.
+/// See the header: at the last disc 3 standard deviations; a smaller one is settled for, at the price of its noise,
+/// only on stronger evidence.
 constexpr double kappa = 3.0;
 double allowed_deviations2(const NestedDisc& settled, const NestedDisc& last) {
     return kappa * kappa + 2 * std::log(static_cast<double>(last.photons) / static_cast<double>(settled.photons));
