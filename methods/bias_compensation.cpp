@@ -7,9 +7,9 @@ namespace gib {
 
 namespace {
 
-/// See the header: at the last disc 2.8 standard deviations; a smaller one is settled for, at the price of its noise, only on
-/// stronger evidence.
-constexpr double kappa = 2.8;
+/// See the header: at the last disc 3 standard deviations; a smaller one is settled for, at the price of its noise,
+/// only on stronger evidence.
+constexpr double kappa = 3.0;
 double allowed_deviations2(const NestedDisc& settled, const NestedDisc& last) {
     return kappa * kappa + 2 * std::log(static_cast<double>(last.photons) / static_cast<double>(settled.photons));
 }

@@ -70,8 +70,8 @@ private:
                sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
     }
 
-    /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are none
-    /// only a few short rays are traced; what they hide is found out before the search is repeated.
+    /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are
+    /// none only a few short rays are traced; what they hide is found out before the search is repeated.
     void find_nearest() {
         const auto near_plane = [this](const Photon& photon, float distance2) {
             return counts(photon, photon.p - hit_.p, distance2);

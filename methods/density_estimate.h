@@ -9,15 +9,16 @@
 //  - with fewer than k inside the maximum radius, or with all photons asked for, all of them count and r is the maximum
 //    radius;
 //  - every kernel is divided by its own integral;
-//  - photons that do not lie on the point's surface do not count, and where the disc leaves the surface (edges, corners,
-//    thin walls, other layers) the area is that of the part that is on it: methods/surface_disc.h.
+//  - photons that do not lie on the point's surface do not count, and where the disc leaves the surface (edges,
+//    corners, thin walls, other layers) the area is that of the part that is on it: methods/surface_disc.h.
 //
 // Two bounds, and what they cost:
-//  - a photon from below the look-up's horizon (on a curved surface) is taken to come from just above it. An ideal diffuse
-//    lobe is the same from everywhere, so that costs nothing; one whose reflectance falls to 0 at the horizon (plastic)
-//    loses what it would lose by dropping the photon, the share of the light within the angle by which the normals differ.
-//  - the ratio |wi.ns| / |wi.ng| of interpolated to geometric normals is cut off at 10. In even light, with the angle delta
-//    between the normals, that loses sin^2(delta) / 20 of the irradiance to second order: 0.15 % at 10 degrees,
+//  - a photon from below the look-up's horizon (on a curved surface) is taken to come from just above it. An ideal
+//    diffuse lobe is the same from everywhere, so that costs nothing; one whose reflectance falls to 0 at the horizon
+//    (plastic) loses what it would lose by dropping the photon, the share of the light within the angle by which the
+//    normals differ.
+//  - the ratio |wi.ns| / |wi.ng| of interpolated to geometric normals is cut off at 10. In even light, with the angle
+//    delta between the normals, that loses sin^2(delta) / 20 of the irradiance to second order: 0.15 % at 10 degrees,
 //    2.5 % at 45 degrees (test).
 
 #include "common/sampler.h"

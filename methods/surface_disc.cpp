@@ -7,10 +7,11 @@ namespace gib {
 
 namespace {
 
-/// The rays that look for obstacles rise by this slope, so that they neither start above a low ceiling nor run along the
-/// surface. What is lower is no obstacle.
+/// The rays that look for obstacles rise by this slope, so that they neither start above a low ceiling nor run along
+/// the surface. What is lower is no obstacle.
 constexpr float rising_slope = 0.02f;
-/// Where the disc is probed first: edges show at its rim, and at 95 % of the radius 8 probes miss less than 2.5 % of its area.
+/// Where the disc is probed first: edges show at its rim, and at 95 % of the radius 8 probes miss less than 2.5 % of
+/// its area.
 constexpr float rim = 0.95f;
 
 bool is_surface(const SurfaceHit& found, const Vec3& normal) {

@@ -2,22 +2,22 @@
 // The part of a look-up's disc that belongs to the surface around its centre, for density estimates at corners, edges,
 // thin walls and close layers.
 //
-// S, the part, is what can be reached from the centre along the surface: the disc is split into n sectors, and each ends
-// at the first obstacle that a ray close above the tangent plane meets along either of its sides, times cos(pi / n). So
-// no part of S lies behind a straight wall as long as the disc, however thin the wall: the distance to a straight line is
-// never below cos(pi / n) times the smaller of the distances along the sides of a sector. Photons outside S do not count,
-// and the area is that of S: both follow the same n distances, so evenly spread photons are estimated without bias
-// whatever S is, and its area is exact, without noise.
+// S, the part, is what can be reached from the centre along the surface: the disc is split into n sectors, and each
+// ends at the first obstacle that a ray close above the tangent plane meets along either of its sides, times cos(pi /
+// n). So no part of S lies behind a straight wall as long as the disc, however thin the wall: the distance to a
+// straight line is never below cos(pi / n) times the smaller of the distances along the sides of a sector. Photons
+// outside S do not count, and the area is that of S: both follow the same n distances, so evenly spread photons are
+// estimated without bias whatever S is, and its area is exact, without noise.
 //
-// Where the surface ends (the outer edge of a box, of a sheet), no photons lie, and only the area must shrink: rays down
-// to the disc find the covered share of S. Its estimate q from m stratified rays enters as 1 / q, which is too bright by
-// var(q) / q^2, below 1 % on straight edges (test).
+// Where the surface ends (the outer edge of a box, of a sheet), no photons lie, and only the area must shrink: rays
+// down to the disc find the covered share of S. Its estimate q from m stratified rays enters as 1 / q, which is too
+// bright by var(q) / q^2, below 1 % on straight edges (test).
 //
 // A second layer of surface within reach above or below (a double floor, a thin slab) is found by two rays along the
 // normal; photons nearer to it than to the tangent plane do not count.
 //
-// Left: posts that pass between the rays; a wall that ends inside the disc hides what is behind it by sectors, not exactly;
-// an overhang that starts beside the centre's normal is no layer.
+// Left: posts that pass between the rays; a wall that ends inside the disc hides what is behind it by sectors, not
+// exactly; an overhang that starts beside the centre's normal is no layer.
 
 #include "common/sampler.h"
 #include "methods/kernel.h"
@@ -27,8 +27,8 @@
 
 namespace gib {
 
-/// A photon or a point lies on the surface of a look-up if their normals agree within 60 degrees and it is seen within 30
-/// degrees off the tangent plane: on a smooth surface both hold for radii up to its radius of curvature.
+/// A photon or a point lies on the surface of a look-up if their normals agree within 60 degrees and it is seen within
+/// 30 degrees off the tangent plane: on a smooth surface both hold for radii up to its radius of curvature.
 inline constexpr float min_normal_cosine = 0.5f;
 inline constexpr float max_elevation_slope = 0.5f;
 

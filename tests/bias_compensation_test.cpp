@@ -50,8 +50,9 @@ std::vector<std::vector<Moments>> estimates(float beyond, bool spread_powers, co
 
 double deviation(const Moments& m) { return m.standard_error() * std::sqrt(static_cast<double>(m.count())); }
 
-// False alarms settle for discs that look too bright more often than for those that look too dark: the mean rises by 0.4 % (0 %
-// with powers as unequal as these). The bounds are 1 % of the mean and 1.7 times the full disc's deviation.
+// False alarms settle for discs that look too bright more often than for those that look too dark: the mean rises by
+// 0.3 to 0.5 % (0 % with powers as unequal as these). The bounds are 1 % of the mean and 1.8 times the full disc's
+// deviation.
 TEST(BiasCompensation, OnEvenPhotonsTheMeanStaysAndTheNoiseHardlyGrows) {
     for (bool spread_powers : {false, true}) {
         const auto found = estimates(1.f, spread_powers, {1.3f, 3.8f, 6.3f}, 400);
@@ -59,15 +60,15 @@ TEST(BiasCompensation, OnEvenPhotonsTheMeanStaysAndTheNoiseHardlyGrows) {
             SCOPED_TRACE(g);
             EXPECT_NEAR(found[0][g].mean(), 1.0, 4 * found[0][g].standard_error());
             EXPECT_NEAR(found[1][g].mean(), 1.0, 0.01);
-            EXPECT_LT(deviation(found[1][g]), 1.7 * deviation(found[0][g]));
+            EXPECT_LT(deviation(found[1][g]), 1.8 * deviation(found[0][g]));
             std::cout << "even: mean " << found[1][g].mean() << " +- " << found[1][g].standard_error() << ", deviation "
                       << deviation(found[1][g]) << " against " << deviation(found[0][g]) << '\n';
         }
     }
 }
 
-// On the dark side of a step by a factor of 10 the full disc's bias falls by 3 to 5 or more, on the bright side, where half of the
-// photons cannot be missed by as much, by 1.2 or more. Beyond the disc of k photons nothing changes.
+// On the dark side of a step by a factor of 10 the full disc's bias falls by 3 to 5 or more, on the bright side, where
+// half of the photons cannot be missed by as much, by 1.15 or more. Beyond the disc of k photons nothing changes.
 TEST(BiasCompensation, NearAnEdgeTheBiasFalls) {
     const std::vector<float> distances = {0.2f, 0.4f, 0.7f, 3.f};
     const auto dark = estimates(10.f, false, distances, 60), bright = estimates(0.1f, false, distances, 60);
@@ -84,7 +85,7 @@ TEST(BiasCompensation, NearAnEdgeTheBiasFalls) {
             continue;
         }
         EXPECT_LT(bias(dark[1][g]) * fall[g], bias(dark[0][g]));
-        EXPECT_LT(bias(bright[1][g]) * 1.2, bias(bright[0][g]));
+        EXPECT_LT(bias(bright[1][g]) * 1.15, bias(bright[0][g]));
     }
 }
 

@@ -62,9 +62,9 @@ TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
         EXPECT_NEAR(on_even_photons({Kernel::uniform, k, 1.f, DiscArea::plain}, look_ups).mean(), 1.0, 0.003) << k;
 }
 
-// For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, with v = 0, 1/2, 0.313 and 1/3 that of a kernel's weights: at most
-// 0.5, which over 6e5 look-ups in hundreds of independent maps leaves a standard error below 0.001. The part of the disc on the
-// surface is all of it, which `surface` must find.
+// For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, with v = 0, 1/2, 0.313 and 1/3 that of a kernel's
+// weights: at most 0.5, which over 6e5 look-ups in hundreds of independent maps leaves a standard error below 0.001.
+// The part of the disc on the surface is all of it, which `surface` must find.
 TEST(DensityEstimate, EveryKernelIsUnbiasedOnUniformPhotons) {
     const std::array variance = {1. / 3, 0.5, 4. / 3 * (1 + 0.313 / 4) - 1, 4. / 3 * (1 + 1. / 12) - 1};
     for (std::size_t i = 0; i < kernel_names.size(); ++i)
@@ -149,8 +149,8 @@ TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
     }
 }
 
-// The bound of the ratio of normals loses sin^2(delta) / 20 of even light to second order; |wi.ns| integrates to pi over every
-// hemisphere.
+// The bound of the ratio of normals loses sin^2(delta) / 20 of even light to second order; |wi.ns| integrates to pi
+// over every hemisphere.
 TEST(DensityEstimate, TheBoundOfTheNormalsRatioLosesWhatItsCommentSays) {
     const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
     SurfaceHit hit = *scene.scene->intersect(down_at(0, 0));

@@ -1,5 +1,5 @@
-#include "common/parallel.h"
 #include "methods/photon_map.h"
+#include "common/parallel.h"
 #include "methods/photon_walk.h"
 #include "tests/nanoflann_tree.h"
 #include "tests/scene_fixtures.h"

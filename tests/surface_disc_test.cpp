@@ -38,8 +38,9 @@ std::vector<DensityEstimator> estimators(DiscArea area = DiscArea::surface) {
 
 std::string name_of(const DensityEstimator& e) { return std::string(kernel_names[static_cast<std::size_t>(e.kernel)]); }
 
-// The estimate stays within four standard errors and the 1 % that the noise of the probed area may add. Without the area, an edge
-// through the centre halves it; pi r^2 (1 - (acos(s) - s sqrt(1 - s^2)) / pi) is left at the distance s r.
+// The estimate stays within four standard errors and the 1 % that the noise of the probed area may add. Without the
+// area, an edge through the centre halves it; pi r^2 (1 - (acos(s) - s sqrt(1 - s^2)) / pi) is left at the distance s
+// r.
 TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     const LoadedScene scene = scene_of_shapes(floor_square);
     const auto photons = [](std::uint64_t seed) { return bright_beyond(2.f, 0.f, seed); };
@@ -63,8 +64,8 @@ TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     }
 }
 
-// A wall of no thickness at all, at any angle: what lies behind it, 1000 times brighter, adds nothing, and the estimate is
-// exact. With photons rejected by normal and height alone it is wrong by more than 100 at half a radius.
+// A wall of no thickness at all, at any angle: what lies behind it, 1000 times brighter, adds nothing, and the
+// estimate is exact. With photons rejected by normal and height alone it is wrong by more than 100 at half a radius.
 TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     for (float turn : {0.f, 0.2f, 0.7f, 2.f}) {
         SCOPED_TRACE(turn);
@@ -96,8 +97,9 @@ TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     }
 }
 
-// Three walls meet; each has its own density. The photons of the others do not count, and what the discs lose beyond the edges is
-// known. A quarter of a fixed disc has 25 photons: 1 / sqrt(25 x 300) of standard error, times 1.15 at most for the kernel.
+// Three walls meet; each has its own density. The photons of the others do not count, and what the discs lose beyond
+// the edges is known. A quarter of a fixed disc has 25 photons: 1 / sqrt(25 x 300) of standard error, times 1.15 at
+// most for the kernel.
 TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
     const LoadedScene scene =
         scene_of_shapes(white("rectangle", "<translate x='1' y='1'/>") +
@@ -124,8 +126,8 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
         }
 }
 
-// Layers 1e-4 of the scene's size (about 35) apart, with the same normal: the photons of the lower one, and of both undersides, do
-// not count on the upper one, nor the other way round.
+// Layers 1e-4 of the scene's size (about 35) apart, with the same normal: the photons of the lower one, and of both
+// undersides, do not count on the upper one, nor the other way round.
 TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
     constexpr float gap = 3.5e-3f;
     const LoadedScene scene =
@@ -155,8 +157,8 @@ TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
     }
 }
 
-// The cap of a sphere within the chord d has the area pi d^2: nothing is to be cut, inside or outside, up to radii near the
-// sphere's own.
+// The cap of a sphere within the chord d has the area pi d^2: nothing is to be cut, inside or outside, up to radii
+// near the sphere's own.
 TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
     const LoadedScene scene = scene_of_shapes("<shape type='sphere'>" + test::diffuse(1.0) + "</shape>");
     const auto photons = [](float side) {
