@@ -11,9 +11,8 @@ struct DirectionCone {
     double half_angle = std::numbers::pi;
 };
 
-/// The directions whose angle to a frame's n lies in [theta0, theta1], within [0, pi], and whose azimuth from s
-/// towards t lies in
-/// [phi0, phi1]. [rad]
+/// The directions whose angle to a frame's n lies in [theta0, theta1], within [0, pi], and whose azimuth from s towards
+/// t lies in [phi0, phi1]. [rad]
 struct SphericalPatch {
     double theta0, theta1, phi0, phi1;
 };

@@ -28,8 +28,7 @@ double concentric_angle(double a, double b) {
 }
 
 /// Of square_to_disk over the box [x0, x1] x [y0, y1]. The radius is max(|a|, |b|); in each quadrant the angle is
-/// monotone in a
-/// and in b, so that its range is that of the corners, unless the centre lies inside.
+/// monotone in a and in b, so that its range is that of the corners, unless the centre lies inside.
 DiskPatch square_to_disk_patch(double x0, double x1, double y0, double y1) {
     const double a0 = 2 * x0 - 1, a1 = 2 * x1 - 1, b0 = 2 * y0 - 1, b1 = 2 * y1 - 1;
     const auto least = [](double low, double high) {
@@ -88,10 +87,8 @@ SphericalPatch cosine_hemisphere_patch(const EmissionBox& box) {
 }
 
 /// How far Frame(w) v can move while w stays within `angle` of an axis with |axis.z| = z, for |v| = 1; 2 where the
-/// frame jumps.
-/// Frame(w) is the least rotation from +-z to w: beside the turn of w itself it spins about w at a rate of tan(theta
-/// / 2) <= 1,
-/// at most sqrt(2) together within a hemisphere of z.
+/// frame jumps. Frame(w) is the least rotation from +-z to w: beside the turn of w itself it spins about w at a rate of
+/// tan(theta / 2) <= 1, at most sqrt(2) together within a hemisphere of z.
 double frame_motion(double z, double angle) {
     if (angle == 0) return 0;
     const bool jumps = angle >= 0.5 * std::numbers::pi || std::abs(z) <= std::sin(angle) + rounding;
@@ -99,8 +96,7 @@ double frame_motion(double z, double angle) {
 }
 
 /// The points center + Frame(w) (d, 0) for d on a patch of the disk of radius `radius` and w in the cone: every line
-/// along w through a
-/// point on the disk meets this ball.
+/// along w through a point on the disk meets this ball.
 RayBundle bundle_across(const Vec3& center, double radius, const DiskPatch& patch, const DirectionCone& w) {
     const Vec3d c = center.cast<double>();
     RayBundle bundle{c, radius * patch.r1, w};

@@ -1,10 +1,9 @@
 #pragma once
 // Where the rays can go that a light emits for a box of random numbers.
 //
-// A light's emission maps (u_position, u_direction), uniform in [0, 1)^4, to rays whose share of power is in
-// proportion to
-// volume there, whatever the light's own density; so the share of a box is its volume, and its rays are bounded by the
-// continuity of the map. All bounds are conservative.
+// A light's emission maps (u_position, u_direction), uniform in [0, 1)^4, to rays whose share of power is in proportion
+// to volume there, whatever the light's own density; so the share of a box is its volume, and its rays are bounded by
+// the continuity of the map. All bounds are conservative.
 
 #include "common/direction_cone.h"
 #include "common/light.h"
@@ -27,8 +26,7 @@ struct EmissionBox {
 };
 
 /// Rays from a ball into a cone of directions, with all that lies in front of a ray; or the whole lines, if they come
-/// from
-/// outside everything.
+/// from outside everything.
 struct RayBundle {
     Vec3d center;
     double radius;

@@ -85,7 +85,8 @@ struct BiasPoint {
     double x, bias2, deviation;  ///< deviation: standard error of log bias2
 };
 
-/// Log bias^2 against log x, weighted by the points' deviations; where the points scatter more than these say, the interval widens.
+/// Log bias^2 against log x, weighted by the points' deviations; where the points scatter more than these say, the
+/// interval widens.
 Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const auto& p : points) {

@@ -30,7 +30,8 @@ struct BiasLaw {
     Estimate exponent;    ///< weighted least squares of the logarithms
     std::size_t resolved; ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
 };
-/// For every numeric parameter of which three values or more stand among labels that are otherwise equal; at least three resolved.
+/// For every numeric parameter of which three values or more stand among labels that are otherwise equal; at least
+/// three resolved.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
 
 /// Both as sections of table.md; empty where there is nothing to say.

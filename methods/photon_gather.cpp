@@ -10,8 +10,8 @@ namespace gib {
 
 namespace {
 
-/// Eye paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go on
-/// after diffuse surfaces, where a throughput near 1 is rare.
+/// Eye paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go
+/// on after diffuse surfaces, where a throughput near 1 is rare.
 constexpr int first_roulette_vertex = 8;
 
 /// Where the disc or ball of a look-up is probed: past all dimensions of a path of 2^16 vertices.

@@ -1,6 +1,6 @@
 #pragma once
-// The photon mapper's second pass: one path of a pixel among specular surfaces, and the light that reaches its end. Source:
-// Jensen 2001, chapters 9 and 10.
+// The photon mapper's second pass: one path of a pixel among specular surfaces, and the light that reaches its end.
+// Source: Jensen 2001, chapters 9 and 10.
 
 #include "common/film.h"
 #include "methods/density_estimate.h"

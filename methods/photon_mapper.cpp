@@ -1,19 +1,18 @@
 // Photon mapping: caustics and indirect light from the density of photons, direct light sampled, specular paths traced.
 // Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 10.
 //
-// Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the caustic
-// map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the way). Where a free
-// flight through a medium ends: light that comes straight from its source by light sampling, all other from the volume map.
-// Light found at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
-// Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius [fractions of the
-// scene's diagonal], kernel, area, compensation, projection; spp and max_depth as for all methods. Defaults stand with the declarations at
-// the end of this file.
-// Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
-// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
-// A pass: one gather sample of every pixel. The maps are filled at the start.
-// Photons are aimed: each light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
-// projection_map.h; their number stays, their power is that of the emission that is kept.
-// Fails: never; a map without photons near a point gives 0 there.
+// Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the
+// caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
+// way). Where a free flight through a medium ends: light that comes straight from its source by light sampling, all
+// other from the volume map. Light found at the end of specular paths counts only before that surface or event
+// (emission), so that every path is counted once. Parameters: photons, caustic_photons, volume_photons [emitted], k,
+// radius, caustic_radius and volume_radius [fractions of the scene's diagonal], kernel, area, compensation, projection;
+// spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file. Bias: the
+// estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
+// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. A pass: one gather sample of every
+// pixel. The maps are filled at the start. Photons are aimed: each light emits only where its rays can reach geometry
+// (global map) or specular geometry (caustic map), see projection_map.h; their number stays, their power is that of the
+// emission that is kept. Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
 #include "methods/photon_gather.h"
@@ -41,8 +40,8 @@ constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
 
 const MethodDescription& description() { return find_method("photon_mapper"); }
 
-/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event, eye)
-/// is allowed.
+/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event,
+/// eye) is allowed.
 void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
              const std::string& why_not_called_for) {
     std::string reason;
@@ -57,8 +56,8 @@ struct Aims {
     std::unique_ptr<ProjectionMap> caustic, global;
 };
 
-/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no caustic photon;
-/// for the other maps it may be of use even if it meets no surface.
+/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no
+/// caustic photon; for the other maps it may be of use even if it meets no surface.
 void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
              std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
     std::string reason;

@@ -115,7 +115,8 @@ private:
         residual_ -= power.cast<double>();
     }
 
-    /// Ends the path with probability 1 - survival. Never before a number of hits that is far beyond what paths that lose light reach.
+    /// Ends the path with probability 1 - survival. Never before a number of hits that is far beyond what paths that
+    /// lose light reach.
     bool survives(float survival, int vertex, float u) {
         survival = std::clamp(survival, 0.f, 1.f);
         if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
@@ -124,8 +125,8 @@ private:
         return true;
     }
 
-    /// An event at p in the medium, at the end of `edges` edges: `before` is the power with which the flight began, and the weight of the
-    /// flight is what roulette undoes. False: the photon ends here.
+    /// An event at p in the medium, at the end of `edges` edges: `before` is the power with which the flight began, and
+    /// the weight of the flight is what roulette undoes. False: the photon ends here.
     bool scatter_in_medium(const Vec3& p, const Color& before, int edges, Ray& ray) {
         const Vec3 wo = -ray.d;
         const bool came_straight = path_.diffuse_vertices == 0 && !path_.specular_since_diffuse && !path_.in_medium;
@@ -187,9 +188,9 @@ void emit(const Scene& scene, std::uint64_t key, std::size_t begin, std::size_t 
     }
 }
 
-/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that
-/// one photon finds in
-/// the cache what the one before it read. Tracing the glass bunny's caustic takes two thirds of the time.
+/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that one
+/// photon finds in the cache what the one before it read. Tracing the glass bunny's caustic takes two thirds of the
+/// time.
 template <typename Visit>
 void emit_aimed(const Scene& scene, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
                 const Visit& visit) {

@@ -30,10 +30,11 @@ struct PowerBalance {
     Colord emitted = Colord::Zero();  ///< with a projection map only what leaves through its cells
     Colord absorbed = Colord::Zero();
     Colord escaped = Colord::Zero();
-    /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not absorb adds to it,
-    /// with a mean of zero.
+    /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not
+    /// absorb adds to it, with a mean of zero.
     Colord lost_in_media = Colord::Zero();
-    /// Sum over photons of (emitted - absorbed - escaped - lost)^2, from which the standard error of the balance follows.
+    /// Sum over photons of (emitted - absorbed - escaped - lost)^2, from which the standard error of the balance
+    /// follows.
     Colord squared_residuals = Colord::Zero();
 
     PowerBalance& operator+=(const PowerBalance& other);
@@ -46,16 +47,17 @@ struct PhotonWalkResult {
     PowerBalance balance;  ///< each photon of power / emitted
 };
 
-/// In a medium a photon is stored with its power over the scattering coefficient there [W x scene unit]: flights end in proportion to
-/// sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence over it [W x scene unit], also
-/// where the medium thins out (a collision estimator: Spanier and Gelbard 1969, section 2.7).
+/// In a medium a photon is stored with its power over the scattering coefficient there [W x scene unit]: flights end in
+/// proportion to sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence
+/// over it [W x scene unit], also where the medium thins out (a collision estimator: Spanier and Gelbard 1969, section
+/// 2.7).
 ///
 /// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
 /// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
 /// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
 /// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart. `aim`:
-/// null, or where
-/// to emit; its targets must hold the surfaces that photons of this kind meet first. Nothing is traced if it is empty.
+/// null, or where to emit; its targets must hold the surfaces that photons of this kind meet first. Nothing is traced
+/// if it is empty.
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim = nullptr,
                                StageProgress* progress = nullptr);

@@ -108,8 +108,7 @@ private:
     }
 
     /// In the dimension without whose extent the rays would be narrowest: halving it may narrow nothing yet, as of a
-    /// ring around an
-    /// axis. Of equals, the one in which the box is longest.
+    /// ring around an axis. Of equals, the one in which the box is longest.
     Halves halves_of(const Growing& cell) const {
         const auto dimensions = emission_dimensions(light_of(cell));
         std::optional<std::pair<EmissionBox, EmissionBox>> best;

@@ -3,23 +3,17 @@
 // Illumination using Photon Maps", section 3.1; Jensen 2001, "Realistic Image Synthesis Using Photon Mapping",
 // section 5.3.
 //
-// A light's emission is a map from numbers x uniform in [0, 1)^4 to rays of power Phi(x) [W], whose mean is the
-// light's power.
-// The map of a light is a set of boxes in that space, its cells: those whose rays can reach a target, by bounds of
-// the rays
-// (emission_bounds.h) and of the targets (projection_targets.h), never by trying rays. With V_l the volume of the
-// light's kept
-// cells, P_l the probability of choosing the light and V_c that of a cell, a cell is chosen with probability P_l V_c
-// / V_l and
-// x uniformly in it: density P_l / V_l, so that
+// A light's emission is a map from numbers x uniform in [0, 1)^4 to rays of power Phi(x) [W], whose mean is the light's
+// power. The map of a light is a set of boxes in that space, its cells: those whose rays can reach a target, by bounds
+// of the rays (emission_bounds.h) and of the targets (projection_targets.h), never by trying rays. With V_l the volume
+// of the light's kept cells, P_l the probability of choosing the light and V_c that of a cell, a cell is chosen with
+// probability P_l V_c / V_l and x uniformly in it: density P_l / V_l, so that
 //
 //     Phi(x) V_l / P_l
 //
 // is an unbiased estimate of the power that leaves through the kept cells, whatever they are. Nothing is lost as long
-// as no
-// ray of a dropped cell reaches a target. Jensen scales by the fraction of cells that are kept; here cells differ in
-// size, and
-// it is the emission's own density that counts: that is volume.
+// as no ray of a dropped cell reaches a target. Jensen scales by the fraction of cells that are kept; here cells differ
+// in size, and it is the emission's own density that counts: that is volume.
 
 #include "methods/projection_targets.h"
 

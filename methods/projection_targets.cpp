@@ -174,8 +174,7 @@ std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
 }
 
 /// Whether rays from the ball (c, rho) into a cone can meet the ball (q, r): with d = |q - c| they can where d <= r +
-/// rho, and else if
-/// the angle from the axis to q - c is at most alpha + asin((r + rho) / d).
+/// rho, and else if the angle from the axis to q - c is at most alpha + asin((r + rho) / d).
 class BundleTest {
 public:
     explicit BundleTest(const RayBundle& bundle)

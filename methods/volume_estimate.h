@@ -1,12 +1,13 @@
 #pragma once
 // Radiance scattered in a medium, from the density of photons around a point.
 //
-// The source of scattered light, integral of p(wo, wi) L(wi) over wi [W/(sr m^2)], is estimated by the sum over photons of
-// p(wo, wi) F K(d) / phi, where F is the value that the walk stored (its sum over a volume is the integral of fluence), K a
-// kernel that integrates to 1 over the ball of radius r, and phi the share of the ball (weighted by K) that no surface hides
-// from its centre. Where a free flight from the eye ends, this is multiplied by the flight's weight, which has sigma_s T / pdf:
-// spheres along the ray, one each sample, at distances that the flight chooses. Source: Jensen and Christensen 1998, "Efficient
-// Simulation of Light Transport in Scenes with Participating Media using Photon Maps", equation 12; corrected as on surfaces:
+// The source of scattered light, integral of p(wo, wi) L(wi) over wi [W/(sr m^2)], is estimated by the sum over photons
+// of p(wo, wi) F K(d) / phi, where F is the value that the walk stored (its sum over a volume is the integral of
+// fluence), K a kernel that integrates to 1 over the ball of radius r, and phi the share of the ball (weighted by K)
+// that no surface hides from its centre. Where a free flight from the eye ends, this is multiplied by the flight's
+// weight, which has sigma_s T / pdf: spheres along the ray, one each sample, at distances that the flight chooses.
+// Source: Jensen and Christensen 1998, "Efficient Simulation of Light Transport in Scenes with Participating Media
+// using Photon Maps", equation 12; corrected as on surfaces:
 //  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: 4/3 pi r_k^3 lambda is a Gamma(k)
 //    variable;
 //  - with fewer than k inside the maximum radius, all of them count and r is the maximum radius.
@@ -29,8 +30,8 @@ struct VolumeEstimator {
     float max_radius;  ///< [scene units]
     DiscArea area;     ///< `surface`: the ball is cut off where surfaces hide it
 
-    /// Radiance that the photons around p, which lies in a medium of this phase function, make it scatter towards wo, per unit of its
-    /// scattering coefficient [W/(sr m^2)].
+    /// Radiance that the photons around p, which lies in a medium of this phase function, make it scatter towards wo,
+    /// per unit of its scattering coefficient [W/(sr m^2)].
     Color scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
                              const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                              std::vector<PhotonMap::Neighbour>& found) const;

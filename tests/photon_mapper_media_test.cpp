@@ -37,9 +37,9 @@ const std::string no_surface = "<bsdf type='null'/>";
 const std::string glass =
     "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
 
-/// Of the unit ball with extinction sigma under a sky of radiance 1 that nothing absorbs: the integral of fluence over it. All is
-/// 4 pi V. What comes straight from the sky: every line crosses a chord l = 2 mu, cosine-distributed over the surface,
-/// integral of exp(-sigma t) over it = (1 - exp(-sigma l)) / sigma.
+/// Of the unit ball with extinction sigma under a sky of radiance 1 that nothing absorbs: the integral of fluence over
+/// it. All is 4 pi V. What comes straight from the sky: every line crosses a chord l = 2 mu, cosine-distributed over
+/// the surface, integral of exp(-sigma t) over it = (1 - exp(-sigma l)) / sigma.
 double fluence_of_ball(double sigma, bool straight_only) {
     if (!straight_only) return 4 * pi_d * 4 / 3 * pi_d;
     const double a = 2 * sigma;
@@ -64,7 +64,8 @@ TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
     }
 }
 
-// Nothing is absorbed: what leaves the light escapes again, in each channel, though the channels are scattered differently.
+// Nothing is absorbed: what leaves the light escapes again, in each channel, though the channels are scattered
+// differently.
 TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
     const auto scene = scene_of(scene_xml(camera(4, 40) + constant_sky + ball(glass, "0.3, 1, 4", 0.3)));
     std::array<Moments, 3> escaped, lost;
@@ -134,8 +135,8 @@ const std::string grey_floor = "<shape type='rectangle'><transform name='to_worl
 const std::string grey_wall = "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
                               "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
 
-// A cube of fog over a floor, with a ball of glass in it and a lamp outside: every class of paths once, also those that a surface
-// sends into the fog and the fog to a surface. Emission is left out: the lamp is not in view.
+// A cube of fog over a floor, with a ball of glass in it and a lamp outside: every class of paths once, also those that
+// a surface sends into the fog and the fog to a surface. Emission is left out: the lamp is not in view.
 TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
     const std::string fog = "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
                             "value='0.9, 0.8, 0.95'/><phase type='hg'><float name='g' value='0.4'/></phase></medium>";

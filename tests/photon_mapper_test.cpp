@@ -71,8 +71,9 @@ TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
         EXPECT_NE(step.runs, !step.reason.empty()) << step.pass;
 }
 
-// Every path class is counted once: emission, direct, caustic and indirect light each agree with the path tracer's, within
-// the 1 % that the density estimate may blur and four standard errors of independent runs (3 % of the caustic, at most).
+// Every path class is counted once: emission, direct, caustic and indirect light each agree with the path tracer's,
+// within the 1 % that the density estimate may blur and four standard errors of independent runs (3 % of the caustic,
+// at most).
 TEST(PhotonMapper, EveryComponentAgreesWithThePathTracerOnGlass) {
     const auto scene = test::shipped_scene("cornell-glass.xml", {{}, std::pair{64, 64}});
     std::map<Component, test::Moments> path, photons;
@@ -136,8 +137,8 @@ TEST(PhotonMapper, ShortPathsNeedNoMaps) {
     EXPECT_TRUE(plan_of("3").runs("global map"));
 }
 
-// A floor whose interpolated normals lean by 45 degrees beside a wall that lights it indirectly, nothing below the floor: photons count irradiance on the
-// geometric floor, the path tracer's cosine is that of the shading normal.
+// A floor whose interpolated normals lean by 45 degrees beside a wall that lights it indirectly, nothing below the
+// floor: photons count irradiance on the geometric floor, the path tracer's cosine is that of the shading normal.
 TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
     const std::string folder = ::testing::TempDir();
     const std::string file = folder + "leaning_floor.obj";
@@ -159,8 +160,9 @@ TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
     EXPECT_NEAR(mean_of(*photons[Component::indirect]).mean() / mean_of(*path[Component::indirect]).mean(), 1.0, 0.02);
 }
 
-// Discs as wide as a fifth of the furnace's walls: a quarter of them hang over an edge. Their own wall's photons divided by pi r^2
-// are 10 % too dark on average; with those of the other walls (half a disc each in the edge itself, more next to it) 4 % too bright.
+// Discs as wide as a fifth of the furnace's walls: a quarter of them hang over an edge. Their own wall's photons
+// divided by pi r^2 are 10 % too dark on average; with those of the other walls (half a disc each in the edge itself,
+// more next to it) 4 % too bright.
 TEST(PhotonMapper, DiscsThatLeaveTheSurfaceDoNotDarkenTheEdges) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{24, 24}});
     const auto indirect = [&](const std::string& area) {
@@ -172,8 +174,8 @@ TEST(PhotonMapper, DiscsThatLeaveTheSurfaceDoNotDarkenTheEdges) {
     EXPECT_GT(indirect("plain"), 0.25 * 1.03);
 }
 
-// Both scenes are black where the camera stands if the dim lamp is off: all that is seen is light through a wall 4 mm thick, or
-// through plates 0.5 mm apart. The plain estimate shows 25 times what the dim lamp gives.
+// Both scenes are black where the camera stands if the dim lamp is off: all that is seen is light through a wall 4 mm
+// thick, or through plates 0.5 mm apart. The plain estimate shows 25 times what the dim lamp gives.
 TEST(PhotonMapper, NoLightPassesThinWallsOrPlanesCloseTogether) {
     for (const char* file : {"thin-wall.xml", "parallel-planes.xml"})
         for (const char* k : {"50", "all radius=0.03 caustic_radius=0.02"}) {

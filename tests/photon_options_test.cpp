@@ -1,4 +1,5 @@
-// What must hold for the photon mapper whatever its options: every combination that its parameter table allows is tried.
+// What must hold for the photon mapper whatever its options: every combination that its parameter table allows is
+// tried.
 
 #include "tests/scene_fixtures.h"
 
@@ -41,7 +42,8 @@ TEST(PhotonOptions, CoverWhatTheTableOffers) {
             << option;
 }
 
-// Of the radiance 1 everywhere indirect light is rho^2 = 1/4. 1e5 photons are good for 0.3 %. Plain discs are too dark at edges.
+// Of the radiance 1 everywhere indirect light is rho^2 = 1/4. 1e5 photons are good for 0.3 %. Plain discs are too dark
+// at edges.
 TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
     for (const auto& label : combinations()) {

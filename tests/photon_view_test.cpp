@@ -19,8 +19,9 @@ LoadedScene floor_under_a_ceiling(const std::string& eye) {
         "value='1'/></emitter>"));
 }
 
-// A photon lights up a disc of the radius that is asked for: where few photons lie far apart, the lit share of a floor that fills the
-// image is photons x pi r^2 over the floor's area, and each shows its share of the mean power, which is 1 on average.
+// A photon lights up a disc of the radius that is asked for: where few photons lie far apart, the lit share of a floor
+// that fills the image is photons x pi r^2 over the floor's area, and each shows its share of the mean power, which is
+// 1 on average.
 TEST(PhotonView, LightsUpADiscForEachPhoton) {
     const auto scene = floor_under_a_ceiling("0,0,1.9");
     const std::string label = "photon_view map=global photons=300 size=0.0003";

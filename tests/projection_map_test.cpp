@@ -1,6 +1,5 @@
-// Projection maps: the bounds of emission hold for every kind of light, no cell is dropped that can reach a target,
-// and aimed
-// photons carry the same power as others.
+// Projection maps: the bounds of emission hold for every kind of light, no cell is dropped that can reach a target, and
+// aimed photons carry the same power as others.
 #include "methods/projection_map.h"
 
 #include "methods/photon_walk.h"
@@ -248,8 +247,7 @@ void expect_equal(const test::Moments& a, const test::Moments& b, const std::str
 }
 
 // 160 means, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3
-// together). They are
-// known to 3 %, those that are aimed better.
+// together). They are known to 3 %, those that are aimed better.
 TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
     const test::TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
