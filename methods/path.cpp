@@ -55,7 +55,6 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
     [[maybe_unused]] const Medium* medium = features.media_or_dispersion ? rays.scene().camera_medium() : nullptr;
     [[maybe_unused]] std::optional<int> stratum;  // of wavelengths, once the path has met a surface that splits light
     for (int vertex = 0; vertex < settings.max_edges;) {
-        const VertexNumbers u = sampler.at_vertex(vertex);  // while memory fetches what surface_hit() reads
         auto hit = rays.surface_hit(traced);
         const Vec3 wo = -traced.ray.d;
         if constexpr (features.media_or_dispersion) {
@@ -69,6 +68,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                     if (vertex + 1 >= settings.max_edges) break;
                     path.in_medium = true;
                     previous = from + *flight * ray.d;
+                    const VertexNumbers u = sampler.at_vertex(vertex);
                     if (settings.light_sampling)
                         sample[path.component()] +=
                             beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights},
@@ -106,6 +106,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         if (vertex + 1 >= settings.max_edges) break;
 
         if constexpr (features.media_or_dispersion) disperse(rays.scene(), sampler.get_1d(dimension::stratum), *hit, stratum, beta);
+        const VertexNumbers u = sampler.at_vertex(vertex);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));

@@ -41,7 +41,6 @@ public:
     void trace(TracedRay& traced) {
         note(traced.ray, false);
         traced.found = scene_.accelerator().intersect(traced.ray);
-        scene_.prefetch(traced.found);
     }
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
