@@ -181,7 +181,7 @@ private:
 
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
     if (hit.ns == hit.ng) return 1.f;
-    return std::abs(wi.dot(hit.ns)) / std::max(std::abs(wi.dot(hit.ng)), 0.1f * std::abs(wi.dot(hit.ns)));
+    return std::abs(wi.dot(hit.ns)) / std::max(std::abs(wi.dot(hit.ng)), 0.01f * std::abs(wi.dot(hit.ns)));
 }
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,

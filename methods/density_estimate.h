@@ -17,9 +17,9 @@
 //    diffuse lobe is the same from everywhere, so that costs nothing; one whose reflectance falls to 0 at the horizon
 //    (plastic) loses what it would lose by dropping the photon, the share of the light within the angle by which the
 //    normals differ.
-//  - the ratio |wi.ns| / |wi.ng| of interpolated to geometric normals is cut off at 10. In even light, with the angle
-//    delta between the normals, that loses sin^2(delta) / 20 of the irradiance to second order: 0.15 % at 10 degrees,
-//    2.5 % at 45 degrees (test).
+//  - the ratio |wi.ns| / |wi.ng| of interpolated to geometric normals is cut off at 100: without a bound the variance
+//    has none either. In even light, with the angle delta between the normals, that loses sin^2(delta) / 200 of the
+//    irradiance to second order: 0.015 % at 10 degrees, 0.25 % at 45 degrees (test).
 
 #include "common/sampler.h"
 #include "methods/kernel.h"
@@ -64,7 +64,7 @@ struct DensityEstimator {
                                  Found& found) const;
 };
 
-/// |wi.ns| / |wi.ng|, at most 10: the density of photons is irradiance on the geometric surface, |wi.ng|; what an
+/// |wi.ns| / |wi.ng|, at most 100: the density of photons is irradiance on the geometric surface, |wi.ng|; what an
 /// interpolated normal reflects is |wi.ns|.
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi);
 
