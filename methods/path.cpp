@@ -1,13 +1,11 @@
 // Path tracing: the unbiased reference.
 //
-// Computes: every component, by random walks from the eye. Light is found in two ways, by sampling a point of a light and by
-// following the samples of the bsdf or phase function, combined by the power heuristic (Veach 1997, section 9.2). In a medium
-// both need the same free flights, so these cancel in the heuristic.
-// Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
-// Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
-// surfaces, and finds small lights behind them rarely (heavy tails).
-// A pass: one sample of every pixel.
-// Fails: never; non-finite samples are counted and dropped.
+// Computes: every component, by random walks from the eye. Light is found in two ways, by sampling a point of a light
+// and by following the samples of the bsdf or phase function, combined by the power heuristic (Veach 1997, section
+// 9.2). In a medium both need the same free flights, so these cancel in the heuristic. Parameters: sampler = sobol
+// (default) | independent; spp and max_depth as for all methods. Bias: none, for paths that it can sample. It cannot
+// sample a point, spot or directional light seen through specular surfaces, and finds small lights behind them rarely
+// (heavy tails). A pass: one sample of every pixel. Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
 
 #include "methods/direct_light.h"
@@ -29,8 +27,8 @@ constexpr int first_roulette_vertex = 3;
 /// scaling of refractions, which is undone on the way out.
 float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
 
-/// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to `found`, where
-/// the film counts it.
+/// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to
+/// `found`, where the film counts it.
 inline bool survives(Color& beta, float eta_scale, float u, Color& found) {
     if (!beta.isFinite().all()) {
         found += beta;
@@ -105,7 +103,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         }
         if (vertex + 1 >= settings.max_edges) break;
 
-        if constexpr (features.media_or_dispersion) disperse(rays.scene(), sampler.get_1d(dimension::stratum), *hit, stratum, beta);
+        if constexpr (features.media_or_dispersion)
+            disperse(rays.scene(), sampler.get_1d(dimension::stratum), *hit, stratum, beta);
         const VertexNumbers u = sampler.at_vertex(vertex);
         const Vec3 wo_local = hit->shading.to_local(wo);
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
@@ -212,8 +211,8 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither where S+ L ends a
-        // caustic path, nor at the end of a longer one.
+        // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither
+        // where S+ L ends a caustic path, nor at the end of a longer one.
         if (has_delta_light(scene) && has_delta_lobe(scene)) {
             if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
             if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);

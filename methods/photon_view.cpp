@@ -105,7 +105,9 @@ private:
             const Vec3 wo = -traced.ray.d, wo_local = hit->shading.to_local(wo);
             if (hit->bsdf->traits_at(wo_local.z()).diffuse) {
                 const Vec3 side = wo.dot(hit->ng) >= 0.f ? hit->ng : Vec3(-hit->ng);
-                const auto on_side = [&](const Photon& photon, float) { return photon.surface_normal().dot(side) > 0.f; };
+                const auto on_side = [&](const Photon& photon, float) {
+                    return photon.surface_normal().dot(side) > 0.f;
+                };
                 const bool lit = kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, found, sample);
                 if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
@@ -133,7 +135,8 @@ private:
         return true;
     }
 
-    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
+    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found,
+                        PixelSample& sample) const {
         if (map_.size() == 0) return false;
         // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
         for (float t = ray.t_min; t < end; t += size_)

@@ -96,7 +96,8 @@ float VolumeEstimator::share_in_sight(RayQueries& rays, const Vec3& p, float r, 
         const float shell = (static_cast<float>(i) + turn.x()) / ball_probes;
         // Zones of the sphere in another order, begun at random, so that every shell meets every zone.
         const int zone = (3 * i + static_cast<int>(turn.y() * ball_probes)) % ball_probes;
-        const Vec2 u((static_cast<float>(zone) + shift.x()) / ball_probes, 0.618034f * static_cast<float>(i) + shift.y());
+        const Vec2 u((static_cast<float>(zone) + shift.x()) / ball_probes,
+                     0.618034f * static_cast<float>(i) + shift.y());
         const Vec3 w = square_to_sphere({u.x(), u.y() - std::floor(u.y())});
         if (!rays.intersect({p, w, 0.f, r * ball_kernel_radius(kernel, shell)})) ++in_sight;
     }

@@ -8,8 +8,8 @@
 // weight, which has sigma_s T / pdf: spheres along the ray, one each sample, at distances that the flight chooses.
 // Source: Jensen and Christensen 1998, "Efficient Simulation of Light Transport in Scenes with Participating Media
 // using Photon Maps", equation 12; corrected as on surfaces:
-//  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: 4/3 pi r_k^3 lambda is a Gamma(k)
-//    variable;
+//  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: 4/3 pi r_k^3 lambda is a
+//    Gamma(k) variable;
 //  - with fewer than k inside the maximum radius, all of them count and r is the maximum radius.
 
 #include "common/phase.h"
@@ -37,7 +37,8 @@ struct VolumeEstimator {
                              std::vector<PhotonMap::Neighbour>& found) const;
 
     /// The share of the kernel's ball of radius r around p that lies before the first surface, in (0, 1].
-    float share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler, std::uint32_t dimension) const;
+    float share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
+                         std::uint32_t dimension) const;
 };
 
 }  // namespace gib

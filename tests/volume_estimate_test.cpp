@@ -63,8 +63,8 @@ PhotonMap uniform_photons(std::uint64_t seed, std::size_t count) {
     return PhotonMap(std::move(photons));
 }
 
-// The k-th photon lies on the rim: k inside would be too dense by k / (k - 1), 25 % for k = 5. Deviation of one look-up 1 / sqrt(k - 2)
-// for the uniform kernel, and somewhat more for the others.
+// The k-th photon lies on the rim: k inside would be too dense by k / (k - 1), 25 % for k = 5. Deviation of one look-up
+// 1 / sqrt(k - 2) for the uniform kernel, and somewhat more for the others.
 TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
     const PhaseFunction isotropic;
     for (const Kernel kernel : kernels) {
