@@ -35,7 +35,7 @@ constexpr std::string_view pass_caustic_aim = "projection map of the caustic map
 constexpr std::string_view pass_global_aim = "projection map of the global map";
 
 /// Fewer photons are worth a coarser projection map, which is built faster.
-constexpr std::uint64_t photons_per_cell = 8;
+constexpr std::uint64_t photons_per_cell = 16;
 constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
 
 const MethodDescription& description() { return find_method("photon_mapper"); }

@@ -9,6 +9,7 @@
 #include "methods/ray_queries.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -44,24 +45,24 @@ public:
     PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
         : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
 
-    void trace(const EmissionSample& start, float share) {
+    void trace(const EmissionSample& start, const TracedRay& first, float share) {
         power_ = share * start.power;
         if (is_black(power_)) return;  // from a dark texel; it would count as a neighbour in a density estimate
         result_.balance.emitted += power_.cast<double>();
         residual_ = power_.cast<double>();
-        follow(start.ray);
+        follow(first);
         result_.balance.squared_residuals += residual_ * residual_;
     }
 
 private:
-    void follow(const Ray& start) {
+    void follow(TracedRay traced) {
         const Scene& scene = rays_.scene();
-        TracedRay traced{start};
-        if (scene.has_media()) medium_ = rays_.medium_at(start.o);
+        if (scene.has_media()) medium_ = rays_.medium_at(traced.ray.o);
         std::uint32_t holes = 0;
+        bool is_first = true;
         // An edge to here and at least one more to the eye: a photon of max_edges could never be used.
         for (int edges = 1; edges < max_edges_; ++edges) {
-            rays_.trace(traced);
+            if (!std::exchange(is_first, false)) rays_.trace(traced);
             if (medium_) {
                 const Color before = power_;
                 const float length = traced.found ? traced.found->t : infinity;
@@ -176,23 +177,24 @@ private:
     Colord residual_ = Colord::Zero();  ///< what the balance has not accounted for
 };
 
-/// Calls visit(start, sampler) for the photons [begin, end).
+/// Calls visit(start, first, sampler) for the photons [begin, end); `first` is where the start's ray went.
 template <typename Visit>
-void emit(const Scene& scene, std::uint64_t key, std::size_t begin, std::size_t end, const Visit& visit) {
+void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t end, const Visit& visit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Sampler sampler(PointSet::independent, key, i, 0);
-        visit(scene.sample_emission(sampler.get_1d(dimension::emission_light),
-                                    sampler.get_2d(dimension::emission_position),
-                                    sampler.get_2d(dimension::emission_direction)),
-              sampler);
+        const EmissionSample start = rays.scene().sample_emission(sampler.get_1d(dimension::emission_light),
+                                                                  sampler.get_2d(dimension::emission_position),
+                                                                  sampler.get_2d(dimension::emission_direction));
+        TracedRay first{start.ray};
+        rays.trace(first);
+        visit(start, first, sampler);
     }
 }
 
 /// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that one
-/// photon finds in the cache what the one before it read. Tracing the glass bunny's caustic takes two thirds of the
-/// time.
+/// photon finds in the cache what the one before it read, and their first rays are traced as packets.
 template <typename Visit>
-void emit_aimed(const Scene& scene, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
+void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
                 const Visit& visit) {
     std::vector<std::pair<std::uint32_t, std::size_t>> order;
     order.reserve(end - begin);
@@ -200,11 +202,22 @@ void emit_aimed(const Scene& scene, const ProjectionMap& aim, std::uint64_t key,
         order.emplace_back(aim.choose_cell(Sampler(PointSet::independent, key, i, 0).get_2d(dimension::emission_light)),
                            i);
     std::sort(order.begin(), order.end());
-    for (const auto& [cell, i] : order) {
-        const Sampler sampler(PointSet::independent, key, i, 0);
-        visit(aim.sample_emission(scene, cell, sampler.get_2d(dimension::emission_position),
-                                  sampler.get_2d(dimension::emission_direction)),
-              sampler);
+    std::array<EmissionSample, Accelerator::packet_size> starts;
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    const auto sampler_of = [&](std::size_t at) { return Sampler(PointSet::independent, key, order[at].second, 0); };
+    for (std::size_t group = 0; group < order.size(); group += packet.size()) {
+        const std::size_t count = std::min(packet.size(), order.size() - group);
+        for (std::size_t j = 0; j < count; ++j) {
+            const Sampler sampler = sampler_of(group + j);
+            starts[j] = aim.sample_emission(rays.scene(), order[group + j].first,
+                                            sampler.get_2d(dimension::emission_position),
+                                            sampler.get_2d(dimension::emission_direction));
+            packet[j] = starts[j].ray;
+        }
+        rays.trace(std::span(packet).first(count), found);
+        for (std::size_t j = 0; j < count; ++j)
+            visit(starts[j], TracedRay{packet[j], found[j]}, sampler_of(group + j));
     }
 }
 
@@ -233,11 +246,11 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     std::vector<PhotonWalkResult> blocks((count + per_block - 1) / per_block);
     parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         RayQueries rays(scene);
-        const auto trace = [&](const EmissionSample& start, const Sampler& sampler) {
-            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(start, share);
+        const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
+            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(start, first, share);
         };
-        if (aim) emit_aimed(scene, *aim, key, begin, end, trace);
-        else emit(scene, key, begin, end, trace);
+        if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
+        else emit(rays, key, begin, end, trace);
         blocks[block].rays = rays.count();
         if (progress) progress->add(end - begin);
     });

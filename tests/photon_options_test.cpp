@@ -56,11 +56,11 @@ TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
 
 // The image's mean is the path tracer's: no path class is lost or counted twice by any option.
 TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
-    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{32, 32}});
+    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
     const double truth = mean_of(render(glass, "path", 1024).total()).mean();
     for (const auto& label : combinations()) {
         const double mean =
-            mean_of(render(glass, label + " photons=50000 radius=0.03 caustic_radius=0.01", 6).total()).mean();
+            mean_of(render(glass, label + " photons=20000 radius=0.03 caustic_radius=0.02", 4).total()).mean();
         EXPECT_NEAR(mean / truth, 1, has(label, "area=surface") ? 0.03 : 0.06) << label;
     }
 }
