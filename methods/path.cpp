@@ -2,10 +2,12 @@
 //
 // Computes: every component, by random walks from the eye. Light is found in two ways, by sampling a point of a light
 // and by following the samples of the bsdf or phase function, combined by the power heuristic (Veach 1997, section
-// 9.2). In a medium both need the same free flights, so these cancel in the heuristic. Parameters: sampler = sobol
-// (default) | independent; spp and max_depth as for all methods. Bias: none, for paths that it can sample. It cannot
-// sample a point, spot or directional light seen through specular surfaces, and finds small lights behind them rarely
-// (heavy tails). A pass: one sample of every pixel. Fails: never; non-finite samples are counted and dropped.
+// 9.2). In a medium both need the same free flights, so these cancel in the heuristic.
+// Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
+// Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
+// surfaces, and finds small lights behind them rarely (heavy tails).
+// A pass: one sample of every pixel.
+// Fails: never; non-finite samples are counted and dropped.
 #include "methods/path.h"
 
 #include "methods/direct_light.h"

@@ -5,14 +5,16 @@
 // caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
 // way). Where a free flight through a medium ends: light that comes straight from its source by light sampling, all
 // other from the volume map. Light found at the end of specular paths counts only before that surface or event
-// (emission), so that every path is counted once. Parameters: photons, caustic_photons, volume_photons [emitted], k,
-// radius, caustic_radius and volume_radius [fractions of the scene's diagonal], kernel, area, compensation, projection;
-// spp and max_depth as for all methods. Defaults stand with the declarations at the end of this file. Bias: the
-// estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together with the
-// noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. A pass: one gather sample of every
-// pixel. The maps are filled at the start. Photons are aimed: each light emits only where its rays can reach geometry
-// (global map) or specular geometry (caustic map), see projection_map.h; their number stays, their power is that of the
-// emission that is kept. Fails: never; a map without photons near a point gives 0 there.
+// (emission), so that every path is counted once.
+// Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; spp and max_depth as for all methods.
+// Defaults stand with the declarations at the end of this file.
+// Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
+// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
+// A pass: one gather sample of every pixel. The maps are filled at the start. Photons are aimed: each light emits only
+// where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h; their number
+// stays, their power is that of the emission that is kept.
+// Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
 #include "methods/photon_gather.h"

@@ -3,10 +3,12 @@
 // Computes: no radiance. Each sample follows the eye path through specular surfaces to the first surface that stores
 // photons; where the nearest photon of the map lies within `size`, it shows that photon's power over the map's mean
 // power, in the component that the map serves. For the volume map the same is done all along the way. Surfaces
-// themselves are seen in dim grey, as `emission`, so that photons have a place. Parameters: map = global | caustic |
-// volume, photons [emitted], size [fraction of the scene's diagonal]; spp and max_depth as for all methods. A pass: one
-// sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the same seed and
-// projection=off. Fails: never; an empty map shows no photon.
+// themselves are seen in dim grey, as `emission`, so that photons have a place.
+// Parameters: map = global | caustic | volume, photons [emitted], size [fraction of the scene's diagonal]; spp and
+// max_depth as for all methods.
+// A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the
+// same seed and projection=off.
+// Fails: never; an empty map shows no photon.
 #include "methods/method.h"
 #include "methods/photon_map.h"
 #include "methods/photon_walk.h"
