@@ -29,8 +29,8 @@ TableRow row(const std::string& method, std::optional<Estimate> bias2 = {}) {
 
 TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     Analysis analysis;
-    analysis.cells = {run("path", 4e-4, 0.7, 90), run("slow start", 1e-4, 64, 128), run("photons", 1e-4, 1, 16)};
-    analysis.rows = {row("path"), row("slow start"), row("photons")};
+    analysis.cells = {run("path", 4e-4, 0.7, 90), run("slow_start", 1e-4, 64, 128), run("photons", 1e-4, 1, 16)};
+    analysis.rows = {row("path"), row("slow_start"), row("photons")};
     const auto rows = equal_time_rows(analysis);
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 16);
