@@ -110,8 +110,9 @@ Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
 }
 
 /// The rows whose labels differ in one parameter's value only: (label without it, name) -> (value, row).
-std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> sweeps(
-    const Analysis& analysis, const std::string& scene, const std::string& component) {
+std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> sweeps(const Analysis& analysis,
+                                                                                        const std::string& scene,
+                                                                                        const std::string& component) {
     std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> found;
     for (const TableRow& row : analysis.rows) {
         if (row.scene != scene || row.component != component) continue;
@@ -177,7 +178,8 @@ std::string comparison_text(const Analysis& analysis) {
     const auto rows = equal_time_rows(analysis);
     if (!rows.empty())
         text +=
-            "\n## At equal time\n\nAfter the whole time of the fastest method; the reference's own error is subtracted.\n\n"
+            "\n## At equal time\n\nAfter the whole time of the fastest method; the reference's own error is "
+            "subtracted.\n\n"
             "| scene | component | seconds | best | relative RMSE % | times as much |\n|---|---|---:|---|---:|---|\n";
     for (const auto& row : rows) {
         std::vector<std::string> others;
@@ -190,7 +192,8 @@ std::string comparison_text(const Analysis& analysis) {
     const auto laws = bias_laws(analysis);
     if (!laws.empty())
         text +=
-            "\n## How bias falls\n\nbias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose bias is below what "
+            "\n## How bias falls\n\nbias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose "
+            "bias is below what "
             "the reference resolves are left out.\n\n"
             "| scene | component | method | parameter | values fitted | p |\n|---|---|---|---|---:|---|\n";
     for (const auto& law : laws)

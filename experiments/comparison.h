@@ -15,8 +15,9 @@ struct EqualTimeRow {
         double relative_rmse;  ///< sqrt of the seeds' mean rel_mse, the reference's own variance subtracted
     };
     std::string scene, component;
-    double seconds;              ///< the shortest of the methods' whole times
-    std::vector<Entry> entries;  ///< best first; methods that have an image by then and an error above what the reference resolves
+    double seconds;  ///< the shortest of the methods' whole times
+    std::vector<Entry>
+        entries;  ///< best first; methods that have an image by then and an error above what the reference resolves
 };
 /// Of every scene with two methods or more. Errors between two checkpoints follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
@@ -27,8 +28,8 @@ struct BiasLaw {
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< its name
     std::vector<double> values;
-    Estimate exponent;    ///< weighted least squares of the logarithms
-    std::size_t resolved; ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
+    Estimate exponent;     ///< weighted least squares of the logarithms
+    std::size_t resolved;  ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
 };
 /// For every numeric parameter of which three values or more stand among labels that are otherwise equal; at least
 /// three resolved.

@@ -43,10 +43,10 @@ using PassObserver = std::function<void(std::uint32_t passes, double seconds)>;
 /// Work that goes on, in the preparation or in a pass.
 struct OngoingWork {
     bool preparing;
-    std::uint32_t passes;     ///< done before
+    std::uint32_t passes;  ///< done before
     std::string_view stage;
-    double fraction;          ///< of the stage
-    double seconds;           ///< since the preparation, or the first pass, began
+    double fraction;  ///< of the stage
+    double seconds;   ///< since the preparation, or the first pass, began
 };
 /// Told a few times a second, from any thread but never from two at once; charged, so it should be quick.
 using WorkObserver = std::function<void(const OngoingWork&)>;

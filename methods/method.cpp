@@ -132,9 +132,9 @@ const MethodDescription& find_method(std::string_view name, const SourceLocation
 const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where) {
     const MethodDescription& method = find_method(name, where);
     if (!method.estimates_radiance)
-        throw InputError(where,
-                         fmt::format("'{}' estimates no radiance, so its images cannot be compared; there are: {}", name,
-                                     fmt::join(names_of_comparable_methods(), ", ")));
+        throw InputError(
+            where, fmt::format("'{}' estimates no radiance, so its images cannot be compared; there are: {}", name,
+                               fmt::join(names_of_comparable_methods(), ", ")));
     return method;
 }
 

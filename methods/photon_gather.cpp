@@ -54,8 +54,7 @@ public:
             }
             if (vertex_ + 1 >= settings_.max_edges) break;
 
-            if (scene_.has_dispersion())
-                disperse(scene_, sampler_.get_1d(dimension::stratum), *hit, stratum_, beta_);
+            if (scene_.has_dispersion()) disperse(scene_, sampler_.get_1d(dimension::stratum), *hit, stratum_, beta_);
             const VertexNumbers u = sampler_.at_vertex(vertex_);
             if (hit->bsdf->traits_at(hit->shading.to_local(wo).z()).diffuse) add_diffuse(*hit, wo, u);
             const auto wi = scatter_specularly(*hit, wo, u);
@@ -174,10 +173,10 @@ private:
 
     PixelSample sample_;
     Color beta_ = Color::Ones();
-    float eta_scale_ = 1.f;        // product of eta^2 that beta was divided by at refractions
-    float pdf_w_ = infinity;       // density of the last direction; infinite: nothing else could have sampled it
-    const Medium* medium_;         // that the path is in
-    std::optional<int> stratum_;   // of wavelengths, once the path has met a surface that splits light
+    float eta_scale_ = 1.f;       // product of eta^2 that beta was divided by at refractions
+    float pdf_w_ = infinity;      // density of the last direction; infinite: nothing else could have sampled it
+    const Medium* medium_;        // that the path is in
+    std::optional<int> stratum_;  // of wavelengths, once the path has met a surface that splits light
     int vertex_ = 0;
 };
 

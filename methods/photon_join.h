@@ -8,8 +8,8 @@ namespace gib {
 
 /// The part of a path from the eye to where photons are looked up.
 struct EyePath {
-    int max_photon_edges;              ///< photons of longer paths would make a path that is too long
-    std::optional<int> stratum = {};   ///< of wavelengths, if the path was split
+    int max_photon_edges;             ///< photons of longer paths would make a path that is too long
+    std::optional<int> stratum = {};  ///< of wavelengths, if the path was split
 
     bool accepts(const Photon& photon) const {
         return photon.edges <= max_photon_edges && can_join(stratum, photon.stratum());

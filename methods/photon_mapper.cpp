@@ -118,8 +118,7 @@ public:
         gather_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
         if (plan.runs(pass_caustic))
             maps_.caustic = fill(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get());
-        if (plan.runs(pass_global))
-            maps_.global = fill(PhotonMapKind::global, settings.photons, aims.global.get());
+        if (plan.runs(pass_global)) maps_.global = fill(PhotonMapKind::global, settings.photons, aims.global.get());
         // What reaches no surface reaches no medium either: the global map's cells serve both.
         if (plan.runs(pass_volume))
             maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons, aims.global.get());
@@ -283,14 +282,7 @@ MethodDescription describe_photon_mapper() {
              1,
              {},
              "the same in the caustic map, whose light has sharp edges"},
-            {"volume_radius",
-             Kind::number,
-             "0.05",
-             "scene diagonals",
-             0,
-             1,
-             {},
-             "the same in the volume map"},
+            {"volume_radius", Kind::number, "0.05", "scene diagonals", 0, 1, {}, "the same in the volume map"},
             {"kernel", Kind::choice, "uniform", "", 0, 0, strings(kernel_names), "weight of a photon by its distance"},
             {"area", Kind::choice, "surface", "", 0, 0, strings(disc_area_names),
              "what a look-up divides: the photons on the surface by the part of the disc on it; or by the whole disc "

@@ -21,7 +21,7 @@ struct PhotonMapperSettings {
     DiscArea area;
     int max_edges;
     bool compensation;  ///< fewer photons where more would blur
-    bool projection;  ///< photons are emitted where they can reach surfaces that matter
+    bool projection;    ///< photons are emitted where they can reach surfaces that matter
 };
 
 /// k = auto: 50 at 1e5 photons and growing as photons^(2/3), at least 4. The bias of an estimate falls with r^2 ~ k / N

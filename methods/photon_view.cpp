@@ -142,7 +142,9 @@ private:
         if (map_.size() == 0) return false;
         // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
         for (float t = ray.t_min; t < end; t += size_)
-            if (light_up(ray.o + t * ray.d, [](const Photon&, float) { return true; }, found, sample)) return true;
+            if (light_up(
+                    ray.o + t * ray.d, [](const Photon&, float) { return true; }, found, sample))
+                return true;
         return false;
     }
 

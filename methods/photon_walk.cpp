@@ -172,8 +172,8 @@ private:
     PhotonWalkResult& result_;
     Color power_ = Color::Zero();  ///< [W]
     PathClass path_;
-    const Medium* medium_ = nullptr;  ///< that the photon is in
-    std::optional<int> stratum_;      ///< of wavelengths, once it has met a surface that splits light
+    const Medium* medium_ = nullptr;    ///< that the photon is in
+    std::optional<int> stratum_;        ///< of wavelengths, once it has met a surface that splits light
     Colord residual_ = Colord::Zero();  ///< what the balance has not accounted for
 };
 
@@ -210,9 +210,9 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
         const std::size_t count = std::min(packet.size(), order.size() - group);
         for (std::size_t j = 0; j < count; ++j) {
             const Sampler sampler = sampler_of(group + j);
-            starts[j] = aim.sample_emission(rays.scene(), order[group + j].first,
-                                            sampler.get_2d(dimension::emission_position),
-                                            sampler.get_2d(dimension::emission_direction));
+            starts[j] =
+                aim.sample_emission(rays.scene(), order[group + j].first, sampler.get_2d(dimension::emission_position),
+                                    sampler.get_2d(dimension::emission_direction));
             packet[j] = starts[j].ray;
         }
         rays.trace(std::span(packet).first(count), found);

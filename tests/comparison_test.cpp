@@ -39,7 +39,8 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     EXPECT_NEAR(rows[0].entries[0].relative_rmse, std::sqrt(1e-4 / 16), 1e-12);
     // Between the checkpoints at 11.2 and 22.4 s.
     EXPECT_NEAR(rows[0].entries[1].relative_rmse, std::sqrt(4e-4 / 16), 1e-12);
-    EXPECT_THAT(comparison_text(analysis), ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
+    EXPECT_THAT(comparison_text(analysis),
+                ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
 }
 
 TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {

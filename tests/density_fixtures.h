@@ -59,10 +59,9 @@ inline std::vector<std::vector<Moments>> relative_estimates(
                 for (std::size_t i = 0; i < groups[g].size(); ++i) {
                     const Sampler u(PointSet::independent, number, i, 0);
                     const auto hit = scene.intersect(groups[g][i]);
-                    const Color L =
-                        estimators[e]
-                            .reflected_radiance(map, rays, *hit, -groups[g][i].d, EyePath{100}, u, 0, found)
-                            .between_surfaces;
+                    const Color L = estimators[e]
+                                        .reflected_radiance(map, rays, *hit, -groups[g][i].d, EyePath{100}, u, 0, found)
+                                        .between_surfaces;
                     of_group.push_back(static_cast<double>(L[0]) * std::numbers::pi / E);
                 }
             }

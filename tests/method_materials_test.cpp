@@ -97,7 +97,8 @@ class MaskedLight : public testing::TestWithParam<std::string> {};
 class EveryMaterial : public testing::TestWithParam<std::tuple<std::string, NamedMaterial>> {};
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMaterial,
-                         testing::Combine(testing::ValuesIn(names_of_comparable_methods()), testing::ValuesIn(materials())),
+                         testing::Combine(testing::ValuesIn(names_of_comparable_methods()),
+                                          testing::ValuesIn(materials())),
                          [](const auto& test) { return std::get<0>(test.param) + "_" + std::get<1>(test.param).name; });
 
 TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {

@@ -87,10 +87,10 @@ TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
 
 // The camera stands outside of a ball of fog, the lamp in its middle: what the lamp lies in is found from the camera.
 TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
-    const auto scene = scene_of(
-        scene_xml(camera(4, 40) + "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
-                                  "name='intensity' value='1'/></emitter>" +
-                  ball(no_surface, "0.5, 0.5, 0.5")));
+    const auto scene = scene_of(scene_xml(camera(4, 40) +
+                                          "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
+                                          "name='intensity' value='1'/></emitter>" +
+                                          ball(no_surface, "0.5, 0.5, 0.5")));
     EXPECT_FALSE(trace_photons(*scene.scene, PhotonMapKind::volume, 1000, unlimited, 1).photons.empty());
     // Once scattered a photon of a path of three edges is stored at its second event only.
     for (const Photon& photon : trace_photons(*scene.scene, PhotonMapKind::volume, 1000, 3, 1).photons)
@@ -100,10 +100,8 @@ TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
 // A medium that absorbs nothing cannot be seen under a sky of radiance 1.
 TEST(PhotonMapperInMedia, WhiteMediaVanish) {
     const std::vector<std::pair<std::string, std::string>> bodies = {
-        {"thin", ball(no_surface, "0.3, 0.3, 0.3")},
-        {"dense", ball(no_surface, "8, 8, 8")},
-        {"forwards", ball(no_surface, "4, 4, 4", 0.7)},
-        {"coloured", ball(no_surface, "0.2, 1, 5")},
+        {"thin", ball(no_surface, "0.3, 0.3, 0.3")},    {"dense", ball(no_surface, "8, 8, 8")},
+        {"forwards", ball(no_surface, "4, 4, 4", 0.7)}, {"coloured", ball(no_surface, "0.2, 1, 5")},
         {"in glass", ball(glass, "2, 2, 2")},
     };
     for (const auto& [name, body] : bodies)
@@ -148,16 +146,19 @@ void expect_components(const LoadedScene& scene, std::uint32_t path_passes, cons
         }
 }
 
-const std::string grey_floor = "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' "
-                               "angle='-90'/><translate y='-1'/></transform><bsdf type='diffuse'/></shape>";
-const std::string grey_wall = "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
-                              "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
+const std::string grey_floor =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' "
+    "angle='-90'/><translate y='-1'/></transform><bsdf type='diffuse'/></shape>";
+const std::string grey_wall =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
+    "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
 
 // A cube of fog over a floor, with a ball of glass in it and a lamp outside: every class of paths once, also those that
 // a surface sends into the fog and the fog to a surface. Emission is left out: the lamp is not in view.
 TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
-    const std::string fog = "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
-                            "value='0.9, 0.8, 0.95'/><phase type='hg'><float name='g' value='0.4'/></phase></medium>";
+    const std::string fog =
+        "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
+        "value='0.9, 0.8, 0.95'/><phase type='hg'><float name='g' value='0.4'/></phase></medium>";
     const auto scene = scene_of(scene_xml(
         fog + camera(16, 40) + grey_floor + grey_wall +
         "<shape type='rectangle'><transform name='to_world'><scale value='1.5'/><rotate x='1' angle='90'/><translate "
@@ -172,8 +173,9 @@ TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
 
 // The floor is seen through the ball that split the light which falls on it: both paths have a stratum.
 TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
-    const std::string split = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
-                              "value='1'/><float name='cauchy_b' value='0.03'/></bsdf>";
+    const std::string split =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
+        "value='1'/><float name='cauchy_b' value='0.03'/></bsdf>";
     const auto scene = scene_of(scene_xml(
         camera(16, 40) + grey_floor + grey_wall +
         "<shape type='sphere'><point name='center' x='1' y='3' z='0'/><float name='radius' value='1.2'/><emitter "

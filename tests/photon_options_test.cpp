@@ -37,8 +37,7 @@ TEST(PhotonOptions, CoverWhatTheTableOffers) {
     const auto labels = combinations();
     EXPECT_GE(labels.size(), 16u);
     for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
-        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(),
-                                [&](const auto& label) { return has(label, option); }))
+        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [&](const auto& label) { return has(label, option); }))
             << option;
 }
 

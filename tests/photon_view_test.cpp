@@ -43,8 +43,8 @@ TEST(PhotonView, LightsUpADiscForEachPhoton) {
 
 // From above only the dark side of the ceiling is seen, though photons lie on its other side.
 TEST(PhotonView, ShowsTheSideThatAPhotonArrivedAt) {
-    const Image dark =
-        *render(floor_under_a_ceiling("0,0,5"), "photon_view map=global photons=3000 size=0.003", 4)[Component::indirect];
+    const Image dark = *render(floor_under_a_ceiling("0,0,5"), "photon_view map=global photons=3000 size=0.003",
+                               4)[Component::indirect];
     EXPECT_EQ(mean_of(dark).sum(), 0);
 }
 

@@ -11,8 +11,7 @@ namespace gib::test {
 
 /// Of an image, or of one component of it, by channel, over `seeds` renders of `passes` passes.
 inline std::array<Moments, 3> means_over_seeds(const LoadedScene& scene, std::uint32_t passes, int seeds,
-                                               std::optional<Component> only = {},
-                                               const std::string& method = "path") {
+                                               std::optional<Component> only = {}, const std::string& method = "path") {
     std::array<Moments, 3> moments;
     for (int seed = 1; seed <= seeds; ++seed) {
         const auto image = render(scene, method, passes, static_cast<std::uint64_t>(seed));

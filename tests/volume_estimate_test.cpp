@@ -22,7 +22,8 @@ TEST(BallKernel, IntegratesToOneOverTheBall) {
             constexpr int steps = 20000;
             for (int i = 0; i < steps; ++i) {
                 const double d = static_cast<double>(r) * (i + 0.5) / steps;
-                sum += 4 * pi_d * d * d * static_cast<double>(ball_kernel_weight(kernel, static_cast<float>(d * d), r)) *
+                sum += 4 * pi_d * d * d *
+                       static_cast<double>(ball_kernel_weight(kernel, static_cast<float>(d * d), r)) *
                        static_cast<double>(r) / steps;
             }
             EXPECT_NEAR(sum, 1, 1e-4) << static_cast<int>(kernel) << ' ' << r;
@@ -37,7 +38,8 @@ TEST(BallKernel, RadiusIsTheInverseOfItsShare) {
             constexpr int steps = 20000;
             for (int i = 0; i < steps; ++i) {
                 const double d = static_cast<double>(s) * (i + 0.5) / steps;
-                share += 4 * pi_d * d * d * static_cast<double>(ball_kernel_weight(kernel, static_cast<float>(d * d), 1)) *
+                share += 4 * pi_d * d * d *
+                         static_cast<double>(ball_kernel_weight(kernel, static_cast<float>(d * d), 1)) *
                          static_cast<double>(s) / steps;
             }
             EXPECT_NEAR(share, j / 8.0, 1e-4) << static_cast<int>(kernel);
@@ -58,7 +60,8 @@ PhotonMap uniform_photons(std::uint64_t seed, std::size_t count) {
         const Sampler u(PointSet::independent, seed, i, 0);
         const Vec2 a = u.get_2d(0);
         const Vec3 p(2 * a.x() - 1, 2 * a.y() - 1, 4 + 2 * u.get_1d(1));
-        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), Vec3::UnitZ(), Vec3::UnitZ(), 2, true);
+        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), Vec3::UnitZ(), Vec3::UnitZ(), 2,
+                             true);
     }
     return PhotonMap(std::move(photons));
 }
@@ -80,8 +83,8 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
                 const Sampler u(PointSet::independent, seed + 1000, static_cast<std::uint64_t>(i), 0);
                 const Vec2 a = u.get_2d(0);
                 const Vec3 p(a.x() - 0.5f, a.y() - 0.5f, 4.5f + u.get_1d(1));
-                sum += static_cast<double>(estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(),
-                                                                        EyePath{100}, u, 2, found)[0]);
+                sum += static_cast<double>(
+                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2, found)[0]);
             }
             means.add(sum / look_ups * 4 * pi_d * 8);
         }
@@ -93,8 +96,9 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
 TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     std::vector<Photon> photons;
     for (int i = 0; i < 8; ++i)
-        photons.emplace_back(Vec3(0.1f * static_cast<float>(i % 2), 0.1f * static_cast<float>(i / 2), 5), Color::Ones(), Vec3::UnitZ(),
-                             Vec3::UnitZ(), i + 1, true, i < 4 ? std::optional<int>() : std::optional<int>(i + 10));
+        photons.emplace_back(Vec3(0.1f * static_cast<float>(i % 2), 0.1f * static_cast<float>(i / 2), 5), Color::Ones(),
+                             Vec3::UnitZ(), Vec3::UnitZ(), i + 1, true,
+                             i < 4 ? std::optional<int>() : std::optional<int>(i + 10));
     const PhotonMap map(photons);
     RayQueries rays(*empty_space().scene);
     const Sampler u(PointSet::independent, 1, 1, 0);
@@ -122,8 +126,8 @@ TEST(VolumeEstimate, ShareInSightIsThatOfTheBallBeforeAWall) {
     for (const float d : {0.1f, 0.5f, 0.9f, 1.5f}) {
         Moments share;
         for (std::uint64_t i = 0; i < 20000; ++i)
-            share.add(static_cast<double>(estimator.share_in_sight(
-                rays, Vec3(0, 0, d), 1.f, Sampler(PointSet::independent, 7, i, 0), 0)));
+            share.add(static_cast<double>(
+                estimator.share_in_sight(rays, Vec3(0, 0, d), 1.f, Sampler(PointSet::independent, 7, i, 0), 0)));
         const double x = std::min(static_cast<double>(d), 1.0);
         EXPECT_NEAR(share.mean(), 1 - (1 - x) * (1 - x) * (2 + x) / 4, 5 * share.standard_error() + 1e-6) << d;
     }
