@@ -101,6 +101,7 @@ float VolumeEstimator::share_in_sight(RayQueries& rays, const Vec3& p, float r, 
         const Vec3 w = square_to_sphere({u.x(), u.y() - std::floor(u.y())});
         if (!rays.intersect({p, w, 0.f, r * ball_kernel_radius(kernel, shell)})) ++in_sight;
     }
+    // The centre is in sight, so the share cannot be zero; where less than one probe's share is, the estimate is too dark.
     return static_cast<float>(std::max(in_sight, 1)) / ball_probes;
 }
 
