@@ -36,6 +36,7 @@ struct PhotonViewSettings {
 Component component_of(PhotonMapKind kind) {
     switch (kind) {
         case PhotonMapKind::global:
+        case PhotonMapKind::full:
             return Component::indirect;
         case PhotonMapKind::caustic:
             return Component::caustic;
