@@ -12,10 +12,6 @@ constexpr float behind_tolerance = 0.01f;
 /// Deeper nodes hold no fewer records than these.
 constexpr int deepest = 24;
 
-Vec3 child_offset(int child) {
-    return {static_cast<float>(child & 1), static_cast<float>(child >> 1 & 1), static_cast<float>(child >> 2)};
-}
-
 int child_at(const Vec3& p, const Vec3& middle) {
     return static_cast<int>(p.x() >= middle.x()) | static_cast<int>(p.y() >= middle.y()) << 1 |
            static_cast<int>(p.z() >= middle.z()) << 2;
@@ -35,6 +31,16 @@ IrradianceCache::IrradianceCache(const Bounds& bounds, float accuracy) : accurac
     root_ = {bounds.lower - Vec3::Constant(0.01f * size), 1.02f * size};
 }
 
+IrradianceCache::Cell IrradianceCache::Cell::child(int i) const {
+    const Vec3 upper(static_cast<float>(i & 1), static_cast<float>(i >> 1 & 1), static_cast<float>(i >> 2));
+    return {lower + 0.5f * size * upper, 0.5f * size};
+}
+
+bool IrradianceCache::Cell::touches(const Vec3& p, float radius) const {
+    const Vec3 outside = (lower - p).cwiseMax(p - lower - Vec3::Constant(size)).cwiseMax(0.f);
+    return outside.squaredNorm() <= radius * radius;
+}
+
 template <typename Visit>
 void IrradianceCache::for_each_near(const Vec3& p, Visit&& visit) const {
     Cell cell = root_;
@@ -42,11 +48,22 @@ void IrradianceCache::for_each_near(const Vec3& p, Visit&& visit) const {
         for (const std::uint32_t record : nodes_[at].records)
             if (!visit(record)) return;
         if (nodes_[at].first_child == 0) return;
-        cell.size *= 0.5f;
-        const int child = child_at(p, cell.lower + Vec3::Constant(cell.size));
-        cell.lower += cell.size * child_offset(child);
+        const int child = child_at(p, cell.lower + Vec3::Constant(0.5f * cell.size));
+        cell = cell.child(child);
         at = nodes_[at].first_child + static_cast<std::uint32_t>(child);
     }
+}
+
+template <typename Visit>
+void IrradianceCache::for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cell& cell,
+                                      Visit& visit) const {
+    if (!cell.touches(p, radius)) return;
+    for (const std::uint32_t record : nodes_[node].records)
+        visit(record);
+    if (nodes_[node].first_child == 0) return;
+    for (int child = 0; child < 8; ++child)
+        for_each_within(p, radius, nodes_[node].first_child + static_cast<std::uint32_t>(child), cell.child(child),
+                        visit);
 }
 
 float IrradianceCache::error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const {
@@ -72,7 +89,8 @@ std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, 
         return true;
     });
     if (!(weights > 0.f)) return std::nullopt;
-    return Color(sum / weights);
+    // Only the mean is kept from being negative: each record's share cut off at 0 would make it too large.
+    return Color((sum / weights).max(0.f));
 }
 
 bool IrradianceCache::covers(const Vec3& p, const Vec3& n) const {
@@ -108,17 +126,20 @@ void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spaci
             slope *= factor;
         record.distance = least;
     }
-    for_each_near(record.p, [&](std::uint32_t i) {
-        IrradianceRecord& other = records_[i];
-        const float apart = (other.p - record.p).norm();
-        if (other.n.dot(record.n) > 0.f && apart < accuracy_ * other.distance) {
-            record.distance = std::max(std::min(record.distance, other.distance + apart), least);
-            other.distance = std::max(std::min(other.distance, record.distance + apart), least);
-        }
-        return true;
-    });
+    limit_by_neighbours(record, least);
     records_.push_back(record);
     place(static_cast<std::uint32_t>(records_.size() - 1), most_slack * accuracy_ * record.distance, 0, root_);
+}
+
+void IrradianceCache::limit_by_neighbours(IrradianceRecord& record, float least) {
+    const auto limit = [&](std::uint32_t i) {
+        IrradianceRecord& other = records_[i];
+        const float apart = (other.p - record.p).norm();
+        if (!(other.n.dot(record.n) > 0.f && apart < accuracy_ * std::max(record.distance, other.distance))) return;
+        record.distance = std::max(std::min(record.distance, other.distance + apart), least);
+        other.distance = std::max(std::min(other.distance, record.distance + apart), least);
+    };
+    for_each_within(record.p, accuracy_ * record.distance, 0, root_, limit);
 }
 
 std::uint32_t IrradianceCache::children_of(std::uint32_t node) {
@@ -135,15 +156,10 @@ void IrradianceCache::place(std::uint32_t record, float reach, std::uint32_t nod
         nodes_[node].records.push_back(record);
         return;
     }
-    const Vec3 p = records_[record].p;
     const std::uint32_t children = children_of(node);
-    const float half = 0.5f * cell.size;
-    for (int child = 0; child < 8; ++child) {
-        const Cell part{cell.lower + half * child_offset(child), half};
-        const Vec3 outside = (part.lower - p).cwiseMax(p - part.lower - Vec3::Constant(half)).cwiseMax(0.f);
-        if (outside.squaredNorm() <= reach * reach)
-            place(record, reach, children + static_cast<std::uint32_t>(child), part);
-    }
+    for (int child = 0; child < 8; ++child)
+        if (cell.child(child).touches(records_[record].p, reach))
+            place(record, reach, children + static_cast<std::uint32_t>(child), cell.child(child));
 }
 
 std::size_t IrradianceCache::memory() const {

@@ -60,13 +60,20 @@ private:
     struct Cell {
         Vec3 lower;
         float size;
+
+        Cell child(int i) const;
+        bool touches(const Vec3& p, float radius) const;
     };
 
     /// Calls visit(record number) for the records of all nodes around p, until it returns false.
     template <typename Visit>
     void for_each_near(const Vec3& p, Visit&& visit) const;
+    /// Calls visit(record number) for the records of all nodes that the ball touches; for some of them more than once.
+    template <typename Visit>
+    void for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cell& cell, Visit& visit) const;
     /// e_i; infinite where the point lies behind the record.
     float error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const;
+    void limit_by_neighbours(IrradianceRecord& record, float least);
     void place(std::uint32_t record, float reach, std::uint32_t node, const Cell& cell);
     std::uint32_t children_of(std::uint32_t node);
 

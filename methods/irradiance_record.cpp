@@ -103,7 +103,7 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
 }
 
 Color IrradianceRecord::at(const Vec3& position, const Vec3& normal) const {
-    return (irradiance + dot(rotation, n.cross(normal)) + dot(translation, position - p)).max(0.f);
+    return irradiance + dot(rotation, n.cross(normal)) + dot(translation, position - p);
 }
 
 }  // namespace gib

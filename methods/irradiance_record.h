@@ -46,7 +46,7 @@ struct IrradianceRecord {
     IrradianceGradient translation;  ///< E changes by translation . (p' - p) [W/m^2 per scene unit]
     float distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is
 
-    /// What the irradiance at p' with the normal n' is, to first order; not below 0.
+    /// What the irradiance at p' with the normal n' is, to first order, which may be less than 0.
     Color at(const Vec3& position, const Vec3& normal) const;
 };
 

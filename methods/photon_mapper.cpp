@@ -205,8 +205,10 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.cache = values.choice("cache") == "on";
     if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
     s.records = {static_cast<float>(values.number("accuracy")),
-                 chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), values.number("min_spacing"),
-                 values.number("max_spacing")};
+                 chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), 0, 0};
+    const bool in_pixels = s.records.unit == SpacingUnit::pixels;
+    s.records.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
+    s.records.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
     if (s.records.least > s.records.greatest) throw InputError("min_spacing is larger than max_spacing");
     return std::make_unique<PhotonMapper>(s);
 }
@@ -287,8 +289,10 @@ std::vector<Parameter> photon_mapper_parameters() {
          {},
          "of the irradiance cache: the largest error that a record may have where it serves, as a share"},
         choice_parameter("spacing", strings(spacing_unit_names), "what the spacing of records is given in"),
-        fraction_parameter("min_spacing", "1.5", "", 1e6, "least distance between records, in pixels or diagonals"),
-        fraction_parameter("max_spacing", "40", "", 1e6, "greatest distance between records, in pixels or diagonals"),
+        fraction_parameter("min_spacing", "", "", 1e6,
+                           "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
+        fraction_parameter("max_spacing", "", "", 1e6,
+                           "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
     };
 }
 
