@@ -27,6 +27,34 @@ Ray middle_ray(const Sensor& sensor, int dx) {
 
 }  // namespace
 
+std::vector<Parameter> cache_parameters() {
+    return {
+        {"accuracy",
+         Parameter::Kind::number,
+         "0.15",
+         "",
+         0.001,
+         1,
+         {},
+         "of the irradiance cache: the largest error that a record may have where it serves, as a share"},
+        choice_parameter("spacing", strings(spacing_unit_names), "what the spacing of records is given in"),
+        fraction_parameter("min_spacing", "", "", 1e6,
+                           "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
+        fraction_parameter("max_spacing", "", "", 1e6,
+                           "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
+    };
+}
+
+CacheSettings cache_settings_of(const ParameterValues& values) {
+    CacheSettings s{static_cast<float>(values.number("accuracy")),
+                    chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), 0, 0};
+    const bool in_pixels = s.unit == SpacingUnit::pixels;
+    s.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
+    s.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
+    if (s.least > s.greatest) throw InputError("min_spacing is larger than max_spacing");
+    return s;
+}
+
 /// Collects the places that the cache does not serve.
 class CachedGather::CandidateVisitor {
 public:

@@ -9,6 +9,7 @@
 // still no record they make one, which the others see after the pass.
 
 #include "methods/final_gather.h"
+#include "methods/parameters.h"
 
 #include <mutex>
 
@@ -24,6 +25,11 @@ struct CacheSettings {
     SpacingUnit unit;
     double least, greatest;  ///< spacing of records, in this unit
 };
+
+/// accuracy, spacing, min_spacing and max_spacing.
+std::vector<Parameter> cache_parameters();
+/// Throws InputError where the least spacing is larger than the greatest.
+CacheSettings cache_settings_of(const ParameterValues& values);
 
 class CachedGather {
 public:

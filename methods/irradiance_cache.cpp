@@ -105,14 +105,14 @@ bool IrradianceCache::covers(const Vec3& p, const Vec3& n) const {
 const IrradianceRecord* IrradianceCache::nearest(const Vec3& p, const Vec3& n, float radius) const {
     const IrradianceRecord* found = nullptr;
     float nearest2 = radius * radius;
-    for_each_near(p, [&](std::uint32_t i) {
+    const auto compare = [&](std::uint32_t i) {
         const float distance2 = (records_[i].p - p).squaredNorm();
         if (distance2 < nearest2 && records_[i].n.dot(n) > 0.f) {
             nearest2 = distance2;
             found = &records_[i];
         }
-        return true;
-    });
+    };
+    for_each_within(p, radius, 0, root_, compare);
     return found;
 }
 

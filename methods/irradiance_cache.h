@@ -47,6 +47,7 @@ public:
     const IrradianceRecord* nearest(const Vec3& p, const Vec3& n, float radius) const;
 
     std::size_t size() const { return records_.size(); }
+    const std::vector<IrradianceRecord>& records() const { return records_; }
     /// What the cache keeps [bytes].
     std::size_t memory() const;
     /// The most that `slack` may be.

@@ -168,16 +168,6 @@ private:
     PhotonMapperSettings settings_;
 };
 
-template <typename Choice, std::size_t n>
-Choice chosen(const std::array<std::string_view, n>& names, const std::string& name) {
-    return static_cast<Choice>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-template <std::size_t n>
-std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
-    return {names.begin(), names.end()};
-}
-
 std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
     PhotonMapperSettings s{};
     s.photons = static_cast<std::uint64_t>(values.integer("photons"));
@@ -204,12 +194,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
     s.cache = values.choice("cache") == "on";
     if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
-    s.records = {static_cast<float>(values.number("accuracy")),
-                 chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), 0, 0};
-    const bool in_pixels = s.records.unit == SpacingUnit::pixels;
-    s.records.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
-    s.records.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
-    if (s.records.least > s.records.greatest) throw InputError("min_spacing is larger than max_spacing");
+    s.records = cache_settings_of(values);
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -227,24 +212,9 @@ std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperS
 
 namespace {
 
-Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning) {
-    return {std::move(name),   Parameter::Kind::integer, std::move(initial), std::move(unit), 0, 4e9, {},
-            std::move(meaning)};
-}
-Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most,
-                             std::string meaning) {
-    return {std::move(name),   Parameter::Kind::number, std::move(initial), std::move(unit), 0, most, {},
-            std::move(meaning)};
-}
-Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning) {
-    std::string initial = choices.front();
-    return {std::move(name),    Parameter::Kind::choice, std::move(initial), "", 0, 0,
-            std::move(choices), std::move(meaning)};
-}
-
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
-    return {
+    std::vector<Parameter> parameters = {
         count_parameter("photons", "1000000", "photons", "emitted for the global map"),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: as many as photons"),
         count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: as many as photons"),
@@ -280,20 +250,10 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("source", strings(gather_source_names),
                          "what gather rays see: irradiance precomputed at photons, the photons, or paths traced on"),
         choice_parameter("cache", {"off", "on"}, "gather at few places of ideal diffuse surfaces, and interpolate"),
-        {"accuracy",
-         Parameter::Kind::number,
-         "0.15",
-         "",
-         0.001,
-         1,
-         {},
-         "of the irradiance cache: the largest error that a record may have where it serves, as a share"},
-        choice_parameter("spacing", strings(spacing_unit_names), "what the spacing of records is given in"),
-        fraction_parameter("min_spacing", "", "", 1e6,
-                           "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
-        fraction_parameter("max_spacing", "", "", 1e6,
-                           "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
     };
+    for (Parameter& parameter : cache_parameters())
+        parameters.push_back(std::move(parameter));
+    return parameters;
 }
 
 }  // namespace

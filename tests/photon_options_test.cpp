@@ -38,7 +38,7 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 /// Those of the density estimates without gathering, and those of gathering with each of the options that reach into it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) { return !is_one_of(name, gathering); });
-    auto gathered = combined("photon_mapper gather=8", [](const std::string& name) {
+    auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
     });
     // The same twice: there are no records to space.
