@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace gib {
@@ -72,6 +73,28 @@ std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const s
     std::stable_sort(row.entries.begin(), row.entries.end(),
                      [](const auto& a, const auto& b) { return a.relative_rmse < b.relative_rmse; });
     return row;
+}
+
+/// Of one method, its checkpoints that all seeds have.
+void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
+                std::vector<FrontierPoint>& points) {
+    std::size_t count = cells.front()->checkpoints.size();
+    for (const Cell* cell : cells)
+        count = std::min(count, cell->checkpoints.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        double seconds = 0, error = 0;
+        for (const Cell* cell : cells) {
+            const auto& [checkpoint, errors] = cell->checkpoints[i];
+            const auto total = errors.find("total");
+            if (total == errors.end()) return;
+            seconds += checkpoint.seconds;
+            error += total->second.rel_mse_corrected;
+        }
+        const auto n = static_cast<double>(cells.size());
+        if (error > 0)
+            points.push_back(
+                {scene, method, cells.front()->checkpoints[i].first.passes, seconds / n, std::sqrt(error / n)});
+    }
 }
 
 std::optional<double> number_of(const std::string& text) {
@@ -149,6 +172,29 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
     return rows;
 }
 
+std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
+    std::vector<FrontierPoint> frontier;
+    for (const auto& scene : scenes_of(analysis)) {
+        CellsByMethod methods;
+        for (const Cell& cell : analysis.cells)
+            if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
+        if (methods.size() < 2) continue;
+        std::vector<FrontierPoint> points;
+        for (const auto& [method, cells] : methods)
+            add_points(scene, method, cells, points);
+        std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+            return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
+        });
+        double best = std::numeric_limits<double>::infinity();
+        for (const auto& point : points) {
+            if (!(point.relative_rmse < best)) continue;
+            best = point.relative_rmse;
+            frontier.push_back(point);
+        }
+    }
+    return frontier;
+}
+
 std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
     std::vector<BiasLaw> laws;
     for (const auto& scene : scenes_of(analysis))
@@ -189,6 +235,15 @@ std::string comparison_text(const Analysis& analysis) {
         text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", row.scene, row.component, short_number(row.seconds),
                             row.entries[0].method, percent_text(row.entries[0].relative_rmse), fmt::join(others, "; "));
     }
+    const auto frontier = pareto_frontier(analysis);
+    if (!frontier.empty())
+        text +=
+            "\n## Pareto frontier\n\nThe checkpoints that no other beats in both time and error; the reference's own "
+            "error is subtracted.\n\n"
+            "| scene | seconds | relative RMSE % | passes | method |\n|---|---:|---:|---:|---|\n";
+    for (const auto& point : frontier)
+        text += fmt::format("| {} | {} | {} | {} | {} |\n", point.scene, short_number(point.seconds),
+                            percent_text(point.relative_rmse), point.passes, point.method);
     const auto laws = bias_laws(analysis);
     if (!laws.empty())
         text +=

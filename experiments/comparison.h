@@ -1,5 +1,6 @@
 #pragma once
-// Methods against each other: which is closest to the reference after the same time, and how bias falls along a sweep.
+// Methods against each other: which is closest to the reference after the same time, which are worth their time, and
+// how bias falls along a sweep.
 
 #include "experiments/analysis.h"
 
@@ -22,6 +23,16 @@ struct EqualTimeRow {
 /// Of every scene with two methods or more. Errors between two checkpoints follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
+/// A checkpoint that no other one of any method beats: none is as close to the reference in less time, nor closer in the same.
+struct FrontierPoint {
+    std::string scene, method;
+    std::uint32_t passes;
+    double seconds;        ///< mean over the seeds
+    double relative_rmse;  ///< of the whole image, as in EqualTimeRow
+};
+/// Pareto's frontier over the checkpoints of all methods, of every scene with two methods or more; by scene, then by time.
+std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
+
 /// bias^2 = c x^-exponent over the values x of a parameter, all else equal.
 struct BiasLaw {
     std::string scene, component;
@@ -35,7 +46,7 @@ struct BiasLaw {
 /// three resolved.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
 
-/// Both as sections of table.md; empty where there is nothing to say.
+/// All as sections of table.md; empty where there is nothing to say.
 std::string comparison_text(const Analysis& analysis);
 
 }  // namespace gib

@@ -10,7 +10,7 @@ namespace gib {
 namespace {
 
 /// Of the power, that a limit on the length of paths may cut off unseen.
-constexpr double most_cut_off = 0.01;
+constexpr double most_cut_off = 0.05;
 constexpr std::uint32_t gathered_disc = dimension::at_vertex(1 << 16, 3);
 
 /// Adds up what diffuse surfaces send along the ray.

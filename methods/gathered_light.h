@@ -24,7 +24,7 @@ public:
     explicit PhotonLengths(const std::vector<Photon>& photons);
 
     /// What is estimated from photons of at most `limit` edges, as a share of what is from those of at most `longest`: that of their
-    /// power everywhere. Empty where that share leaves more than 1 % to chance, and so too much to be taken as the same at every place.
+    /// power everywhere. Light of many bounces is nearly the same everywhere, and up to 5 % of it may be cut off so; empty: it would be more.
     std::optional<float> share(int limit, int longest) const;
 
 private:

@@ -43,6 +43,25 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
                 ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
 }
 
+// At 1, 2, 4 and 8 s the quick method has 4e-4 / t; the slow one starts at 4 s with 1e-4 / t.
+TEST(ParetoFrontier, IsOfTheCheckpointsThatNoOtherBeats) {
+    Analysis analysis;
+    analysis.cells = {run("quick", 4e-4, 1, 8), run("slow", 1e-4, 4, 16)};
+    const auto frontier = pareto_frontier(analysis);
+    std::vector<std::pair<std::string, double>> found;
+    for (const auto& point : frontier) {
+        found.emplace_back(point.method, point.seconds);
+        EXPECT_NEAR(point.relative_rmse, std::sqrt((point.method == "quick" ? 4e-4 : 1e-4) / point.seconds), 1e-12);
+    }
+    using Point = std::pair<std::string, double>;
+    EXPECT_THAT(found, ::testing::ElementsAre(Point("quick", 1), Point("quick", 2), Point("slow", 4), Point("slow", 8),
+                                              Point("slow", 16)));
+    EXPECT_EQ(frontier[3].passes, 2u);
+    EXPECT_THAT(comparison_text(analysis), ::testing::HasSubstr("| box | 8.00 | 0.35 | 2 | slow |"));
+    analysis.cells.resize(1);
+    EXPECT_TRUE(pareto_frontier(analysis).empty());
+}
+
 TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     Analysis analysis;
     analysis.cells = {run("photons k=50 photons=1e4", 1, 1, 2)};
