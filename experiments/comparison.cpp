@@ -93,7 +93,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
         const auto n = static_cast<double>(cells.size());
         if (error > 0)
             points.push_back(
-                {scene, method, cells.front()->checkpoints[i].first.passes, seconds / n, std::sqrt(error / n)});
+                {scene, method, cells.front()->checkpoints[i].checkpoint.passes, seconds / n, std::sqrt(error / n)});
     }
 }
 
