@@ -91,11 +91,13 @@ private:
         bool hidden = false;
         if (std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
             disc_.find_layers(rays_, max_elevation_slope * e_.max_radius);
+            near_obstacle_ = true;
             hidden =
                 std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
         }
         const float r = found_.size() == e_.k && !hidden ? std::sqrt(found_.back().distance2) : e_.max_radius;
         if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
+        near_obstacle_ = true;
         map_.nearest(
             hit_.p, e_.k, e_.max_radius,
             [this](const Photon& photon, float distance2) {
@@ -111,7 +113,7 @@ private:
         if (!(r > 0.f)) return {};
         if (on_surface) {
             disc_.find_layers(rays_, max_elevation_slope * r);
-            disc_.find_obstacles(rays_, r, r);
+            near_obstacle_ = disc_.find_obstacles(rays_, r, r);
         }
         PhotonSums sums;
         map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
@@ -131,7 +133,7 @@ private:
     }
 
     Reflected normalised(const PhotonSums& sums, float r) {
-        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>()};
+        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), near_obstacle_};
         if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
             const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
             L.between_surfaces /= share;
@@ -183,6 +185,7 @@ private:
     bool transmits_;                                     ///< light that arrives from behind is scattered here too
     mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< the code of the last one; at first none
     mutable bool agrees_ = false;
+    bool near_obstacle_ = false;
     SurfaceDisc disc_;
     DensityEstimator::Found& found_;
 };

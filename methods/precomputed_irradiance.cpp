@@ -29,6 +29,19 @@ std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) 
     return hit;
 }
 
+/// The mark of a place: a photon's place in a medium has no other use on a surface.
+bool is_near_obstacle(const Photon& place) { return place.in_medium(); }
+
+/// Whether a place lies in the tangent plane of the hit, with nothing standing between them: a ray close above the surface meets
+/// nothing.
+bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const Photon& place) {
+    constexpr float rise = 0.02f;
+    const Vec3 way = place.p - hit.p;
+    if (std::abs(way.dot(normal)) > 4.f * hit.offset) return false;
+    const float height = rise * way.norm();
+    return !rays.intersect({offset_origin(hit, normal), way + height * normal, 0.f, 1.f});
+}
+
 }  // namespace
 
 std::vector<Photon> take_places(std::vector<Photon>& photons) {
@@ -66,7 +79,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             const Reflected light =
                 estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
                                              Sampler(PointSet::independent, seed, i, 0), 0, neighbours);
-            estimated[i] = Photon(places[i].p, pi * (light.between_surfaces + light.through_media), normal, normal, 0);
+            estimated[i] = Photon(places[i].p, pi * (light.between_surfaces + light.through_media), normal, normal, 0,
+                                  light.near_obstacle);  // marked by what says `in a medium` for a photon
             found[i] = 1;
         }
         traced += queries.count();
@@ -80,15 +94,17 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     places_ = PhotonMap(std::move(estimated));
 }
 
-std::optional<Color> PrecomputedIrradiance::at(const SurfaceHit& hit, const Vec3& normal, float max_distance,
-                                               DensityEstimator::Found& found) const {
+std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal,
+                                               float max_distance, DensityEstimator::Found& found) const {
     const auto on_surface = [&](const Photon& place, float distance2) {
         return place.surface_normal().dot(normal) > min_normal_cosine &&
                sqr((place.p - hit.p).dot(normal)) <= sqr(max_elevation_slope) * distance2;
     };
     places_.nearest(hit.p, 1, max_distance, on_surface, found);
     if (found.empty()) return std::nullopt;
-    return places_[found.front().photon].power();
+    const Photon place = places_[found.front().photon];
+    if (is_near_obstacle(place) && !reaches(rays, hit, normal, place)) return std::nullopt;
+    return place.power();
 }
 
 }  // namespace gib

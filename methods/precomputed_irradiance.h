@@ -24,8 +24,9 @@ public:
                           std::uint64_t& rays, StageProgress* progress);
 
     /// Irradiance [W/m^2] at the nearest place on the surface of `hit` on the side of `normal`; empty: there is none within
-    /// `max_distance`.
-    std::optional<Color> at(const SurfaceHit& hit, const Vec3& normal, float max_distance,
+    /// `max_distance`, or that one may lie behind a wall or on another surface. That is asked, by a short ray, only where the
+    /// estimate at the place has met an obstacle.
+    std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float max_distance,
                             DensityEstimator::Found& found) const;
 
     std::size_t size() const { return places_.size(); }

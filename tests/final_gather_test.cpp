@@ -89,6 +89,17 @@ TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
     }
 }
 
+// Walls thinner than the spacing of photons, places and records: what is gathered must not be farther from the path tracer's image
+// than the estimate that ends where the surface does. A leak is ten times as much.
+TEST(FinalGather, LeaksNotThroughThinWalls) {
+    const auto wall = test::shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
+    const Image truth = *render(wall, "path", 1024, 99)[Component::indirect];
+    const std::string photons = "photon_mapper photons=5e5 caustic_photons=1000 ";
+    const double estimate = relative_error(*render(wall, photons, 4)[Component::indirect], truth);
+    for (const char* way : {"gather=32", "gather=256 cache=on"})
+        EXPECT_LT(relative_error(*render(wall, photons + way, 4)[Component::indirect], truth), estimate) << way;
+}
+
 // In a furnace of albedo 1/2 indirect light is 1/4 of its radiance, whatever is gathered: no gradient, no blur.
 TEST(FinalGather, FurnaceIsEven) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});

@@ -16,7 +16,8 @@ std::vector<Photon> even_photons(std::size_t count, std::uint64_t seed) {
     for (std::size_t i = 0; i < count; ++i) {
         const Vec2 u = Sampler(PointSet::independent, seed, i, 0).get_2d(0);
         const Vec3 p(2 * u.x() - 1, 2 * u.y() - 1, 0);
-        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), up, up, static_cast<int>(1 + i / 8 % 2));
+        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), up, up,
+                             static_cast<int>(1 + i / 8 % 2));
     }
     return photons;
 }
@@ -59,7 +60,7 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
             for (float y = -0.6f; y < 0.65f; y += 0.1f) {
                 const auto hit = rays.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)});
                 ASSERT_TRUE(hit);
-                const auto E = irradiance.at(*hit, Vec3(0, 0, 1), 1.f, found);
+                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), 1.f, found);
                 ASSERT_TRUE(E);
                 sum += static_cast<double>(E->x());
                 ++points;
@@ -82,8 +83,8 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     RayQueries rays(*loaded.scene);
     DensityEstimator::Found found;
     const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-    EXPECT_NEAR(irradiance.at(*hit, Vec3(0, 0, 1), 1.f, found)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
-    EXPECT_FALSE(irradiance.at(*hit, Vec3(0, 0, -1), 1.f, found)) << "the other side";
+    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), 1.f, found)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
+    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), 1.f, found)) << "the other side";
 }
 
 }  // namespace
