@@ -4,6 +4,7 @@
 
 #include "common/film.h"
 #include "methods/density_estimate.h"
+#include "methods/light_visibility.h"
 #include "methods/volume_estimate.h"
 
 namespace gib {
@@ -13,6 +14,7 @@ struct PhotonMaps {
     PhotonMap caustic, global, volume;
     DensityEstimator caustic_estimator, global_estimator;
     VolumeEstimator volume_estimator;
+    std::optional<LightVisibility> light_visibility;
 };
 
 struct GatherSettings {

@@ -97,6 +97,7 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
     add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
             aims.caustic);
     add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
+    add_shadow_map(plan, scene, settings.shadows);
     return plan;
 }
 
@@ -122,6 +123,7 @@ public:
         // What reaches no surface reaches no medium either: the global map's cells serve both.
         if (plan.runs(pass_volume))
             maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons, aims.global.get());
+        if (plan.runs(pass_shadow_map)) fill_shadow_map();
         const auto length = [&](double fraction) {
             return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
         };
@@ -159,6 +161,20 @@ private:
         photons_ += walk.emitted;
         const auto timer = stages_.time("tree build");
         return PhotonMap(std::move(walk.photons));
+    }
+
+    void fill_shadow_map() {
+        constexpr std::string_view tracing = "shadow photon tracing";
+        ShadowPhotonResult shadow;
+        {
+            const auto timer = stages_.time(tracing);
+            StageProgress progress(stages_, tracing, settings_.shadows.photons);
+            shadow = trace_shadow_photons(scene_, settings_.shadows.photons, seed_, &progress);
+        }
+        rays_ += shadow.rays;
+        photons_ += shadow.emitted;
+        const auto timer = stages_.time(pass_shadow_map);
+        maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
     const Scene& scene_;
@@ -220,6 +236,10 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
         throw InputError("compensation=on chooses among at most k photons; k=all keeps the radius");
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
+    const auto use = std::find(shadows_names.begin(), shadows_names.end(), values.choice("shadows"));
+    s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
+                 static_cast<Shadows>(use - shadows_names.begin()),
+                 static_cast<std::uint32_t>(values.integer("shadow_k"))};
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -303,6 +323,18 @@ MethodDescription describe_photon_mapper() {
              0,
              {"on", "off"},
              "photons are emitted only where they can reach surfaces that matter"},
+            {"shadow_photons",
+             Kind::integer,
+             "0",
+             "photons",
+             0,
+             4e9,
+             {},
+             "emitted to find out which lights are seen from where; 0: none"},
+            {"shadows", Kind::choice, "both", "", 0, 0, strings(shadows_names),
+             "what shadow photons are for: nothing (rays), to leave out shadow rays where they agree (skip), to choose "
+             "lights without bias (guide), or both"},
+            {"shadow_k", Kind::integer, "32", "photons", 1, 1e6, {}, "shadow photons of a light that must agree"},
         },
         Effects::all(),
         {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},

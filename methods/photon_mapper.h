@@ -4,6 +4,7 @@
 
 #include "methods/density_estimate.h"
 #include "methods/method.h"
+#include "methods/shadow_photons.h"
 
 namespace gib {
 
@@ -22,6 +23,7 @@ struct PhotonMapperSettings {
     int max_edges;
     bool compensation;  ///< fewer photons where more would blur
     bool projection;    ///< photons are emitted where they can reach surfaces that matter
+    ShadowPhotonSettings shadows = {};
 };
 
 /// k = auto: 50 at 1e5 photons and growing as photons^(2/3), at least 4. The bias of an estimate falls with r^2 ~ k / N
