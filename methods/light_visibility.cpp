@@ -99,28 +99,29 @@ void LightVisibility::append(const VisibilityCell& from, std::uint32_t to, doubl
 LightVisibility::Cell LightVisibility::append_lights(const VisibilityCell& from, double power_per_photon) {
     dark_.resize(dark_.size() + words_);
     std::uint64_t* const dark = dark_.data() + cells_.size() * words_;
-    double seen = 0, hidden = 0;
+    // Where dark lights are believed to be dark they are not chosen, and not listed.
+    const auto is_listed = [&](const LightEvidence& light) { return !skips_ || light.verdict != LightVerdict::dark; };
+    double expected = 0;
     for (const LightEvidence& light : from.lights) {
-        seen += light.weight();
-        if (light.verdict != LightVerdict::dark) continue;
-        dark[light.light / 64] |= std::uint64_t{1} << (light.light % 64);
-        hidden += light.unoccluded * light.visible;
+        if (light.verdict == LightVerdict::dark) dark[light.light / 64] |= std::uint64_t{1} << (light.light % 64);
+        if (is_listed(light)) expected += light.expected();
     }
-    // A light without a photon on this side of the whole scene is worth half a photon there.
-    const std::size_t unknown_lights = scene_.lights().size() - from.lights.size();
-    const double unknown = 0.5 * power_per_photon * static_cast<double>(unknown_lights) * from.share;
-
-    Cell cell{static_cast<std::uint32_t>(entries_.size()), 0, 1.f};
+    const auto is_chosen = [&](const LightEvidence& light) {
+        return light.expected() > 0 && light.expected() >= least_probability * expected;
+    };
     double chosen = 0;
     for (const LightEvidence& light : from.lights)
-        if (light.weight() >= least_probability * seen) chosen += light.weight();
+        if (is_listed(light) && is_chosen(light)) chosen += light.expected();
+
+    Cell cell{static_cast<std::uint32_t>(entries_.size()), 0, 1.f};
+    const std::size_t unknown_lights = scene_.lights().size() - from.lights.size();
     bool is_complete = unknown_lights == 0;
     double begin = 0;
     for (const LightEvidence& light : from.lights) {
-        if (light.verdict == LightVerdict::dark) continue;
+        if (!is_listed(light)) continue;
         Entry entry{light.light, light.verdict, static_cast<float>(begin), 0.f};
-        if (chosen > 0 && light.weight() >= least_probability * seen) {
-            begin = std::min(1.0, begin + light.weight() / chosen);
+        if (is_chosen(light)) {
+            begin = std::min(1.0, begin + light.expected() / chosen);
             entry.probability = static_cast<float>(begin) - entry.begin;
         } else {
             is_complete = false;
@@ -129,9 +130,10 @@ LightVisibility::Cell LightVisibility::append_lights(const VisibilityCell& from,
         ++cell.count;
     }
     if (!guides_) return cell;
-    const double others = unknown + (skips_ ? 0 : hidden);
+    // A light without a photon on the whole surface is worth half a photon there.
+    const double unknown = 0.5 * power_per_photon * static_cast<double>(unknown_lights) * from.share;
     const double least = skips_ ? (is_complete ? 0 : least_rest_of_both) : least_rest_of_guide;
-    if (chosen > 0) cell.rest = static_cast<float>(std::max(least, others / (seen + others)));
+    if (chosen > 0) cell.rest = static_cast<float>(std::max(least, unknown / (expected + unknown)));
     else if (skips_ && is_complete) cell.rest = 0.f;
     return cell;
 }

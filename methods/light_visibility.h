@@ -7,8 +7,8 @@
 //
 // The choice of a light is mixed with light_choice(), so that every light that shines has a chance:
 //     P(l) = (1 - rest) w_l / sum of w + rest P_scene(l),
-// w_l the power that the light brings to the cell (LightEvidence::weight; 0 if dark), `rest` the share that the others would
-// have by the same rule, at least 5 %.
+// w_l what the light is expected to add to the irradiance of the cell (LightEvidence::expected). `rest` is at least 5 %, and as
+// much as lights of which the surface has no photon would have if half a photon of each lay there.
 //
 // One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w.
 //  - guide: V is found by a ray. Unbiased whatever the photons say, as P(l) > 0 for every light that shines.
@@ -16,8 +16,10 @@
 //    photons all say `lit` with probability v^n and `dark` with (1 - v)^n, were they independent; then (1 - v) E is
 //    reflected too much, or v E too little. The mean of either is below E / (e n). More photons shrink the cells where that
 //    happens, to the edges of shadows; more `agreeing` ones make it rarer.
-//  - skip: P(l) = P_scene(l). both: lights that are dark do not count in `rest`, which is at least 1 % then, and 0 where every
-//    light has a verdict.
+//  - skip: P(l) = P_scene(l). both: w is 0 for a dark light, and `rest` at least 1 %, or 0 where every light has photons.
+//
+// Surfaces are told apart by shape and by the axis next to their normal; those with fewer than 8 photons for each light are
+// looked at together, and nothing is settled there.
 
 #include "common/sampler.h"
 #include "methods/ray_queries.h"
@@ -55,7 +57,7 @@ public:
     Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) const;
 
 private:
-    /// A light that is not dark.
+    /// A light that may be chosen.
     struct Entry {
         std::uint32_t light;
         LightVerdict verdict;

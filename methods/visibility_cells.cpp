@@ -12,8 +12,8 @@ namespace {
 
 /// As many photons the larger cell's shares of lights are worth in a part of it.
 constexpr double prior_photons = 8;
-/// The same for what is seen of a light.
-constexpr double prior_visible_photons = 2;
+/// Fewer photons of a light do not tell what is seen of it better than those of the larger cell.
+constexpr std::uint32_t telling_photons = 8;
 /// A cell with this many photons for each light that is not dark is split to tell better what each adds.
 constexpr std::size_t photons_per_light = 32;
 /// Smaller cells are built by one task.
@@ -33,9 +33,8 @@ LightEvidence evidence(std::uint32_t light, const Counts& counts, const LightEvi
     e.photons = counts.photons;
     e.unoccluded =
         larger ? (n * counts.power + prior_photons * part * larger->unoccluded) / (n + prior_photons) : counts.power;
-    const double visible = counts.power > 0 ? counts.seen / counts.power : 0;
-    const double expected = larger ? larger->visible : 0.5;
-    e.visible = (n * visible + prior_visible_photons * expected) / (n + prior_visible_photons);
+    if (larger && counts.photons < telling_photons) e.visible = larger->visible;
+    else if (counts.power > 0) e.visible = (n * counts.seen / counts.power + 1) / (n + 2);
     if (larger && larger->verdict != LightVerdict::open) {
         e.verdict = larger->verdict;
     } else if (counts.photons >= agreeing) {

@@ -26,14 +26,12 @@ struct LightEvidence {
     /// [W] that would arrive in the cell if nothing stood in the way: with n photons (n U + 8 U') / (n + 8), where U is their
     /// power and U' what the light's share in the larger cell lets expect.
     double unoccluded = 0;
-    /// The share of it that arrives: the mean (n v + 2 v') / (n + 2) of a posterior, where v is the photons' share and v' the
-    /// larger cell's, 1/2 at the root.
+    /// The share of it that arrives: the mean (n v + 1) / (n + 2) of a posterior, where v is the photons' share; with fewer than
+    /// 8 photons the larger cell's.
     double visible = 0.5;
 
-    /// What the light adds to the irradiance of the cell, on a scale that all lights share.
-    double weight() const {
-        return verdict == LightVerdict::lit ? unoccluded : verdict == LightVerdict::dark ? 0 : unoccluded * visible;
-    }
+    /// What the light is expected to add to the irradiance of the cell, on a scale that all lights share.
+    double expected() const { return verdict == LightVerdict::lit ? unoccluded : unoccluded * visible; }
 };
 
 struct VisibilityCell {
