@@ -113,6 +113,12 @@ public:
     bool two_sided() const;
     const std::vector<Layer>& layers() const { return layers_; }
 
+    /// The reflectance of a side with nothing but an ideal diffuse layer, which irradiance alone decides about; else empty.
+    std::optional<Color> ideal_diffuse_reflectance(float cos_o) const {
+        const DiffuseSide& side = diffuse_side(cos_o);
+        return side.alone ? std::optional(side.model.reflectance) : std::nullopt;
+    }
+
     /// The lobes that light meets which leaves on the side of this cosine.
     const LobeTraits& traits_at(float cos_o) const { return traits_of_side_[below(cos_o)]; }
 

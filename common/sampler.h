@@ -169,6 +169,18 @@ public:
         pass_key_ = Key(combine_keys(sequence, pass));
     }
 
+    /// The numbers of path i of n that split off this one; `tag` tells the places apart where paths do. Those of all passes are one
+    /// sequence, in which this pass has n places, so they are stratified over all passes.
+    Sampler split(std::uint32_t i, std::uint32_t n, std::uint64_t tag) const {
+        Sampler path = *this;
+        const std::uint64_t sequence = combine_keys(sequence_key_.whole(), tag);
+        const std::uint32_t place = reverse_bits(reversed_pass_) * n + i;
+        path.reversed_pass_ = reverse_bits(place);
+        path.sequence_key_ = Key(sequence);
+        path.pass_key_ = Key(combine_keys(sequence, place));
+        return path;
+    }
+
     /// A number in [0, 1).
     float get_1d(std::uint32_t dimension) const { return get_2d(dimension).x(); }
 
@@ -196,6 +208,7 @@ private:
         Key() = default;
         explicit Key(std::uint64_t key)
             : low(static_cast<std::uint32_t>(key)), high(static_cast<std::uint32_t>(key >> 32)) {}
+        std::uint64_t whole() const { return std::uint64_t{high} << 32 | low; }
     };
     /// Weyl's sequence: one step per number, so that no two of a path enter a hash alike.
     static constexpr std::uint32_t step = 0x9e3779b9u;

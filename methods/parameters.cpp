@@ -111,4 +111,19 @@ std::optional<double> ParameterValues::number_unless_word(std::string_view name)
     return parse_number(text(name));
 }
 
+Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning) {
+    return {std::move(name),   Parameter::Kind::integer, std::move(initial), std::move(unit), 0, 4e9, {},
+            std::move(meaning)};
+}
+Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most,
+                             std::string meaning) {
+    return {std::move(name),   Parameter::Kind::number, std::move(initial), std::move(unit), 0, most, {},
+            std::move(meaning)};
+}
+Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning) {
+    std::string initial = choices.front();
+    return {std::move(name),    Parameter::Kind::choice, std::move(initial), "", 0, 0,
+            std::move(choices), std::move(meaning)};
+}
+
 }  // namespace gib

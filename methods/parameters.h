@@ -3,6 +3,8 @@
 
 #include "common/error.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -55,5 +57,25 @@ private:
     std::vector<Parameter> declared_;
     std::vector<std::pair<std::string, std::string>> values_;
 };
+
+// Declarations of the common kinds.
+
+/// A whole number from 0.
+Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning);
+/// A number from 0 to `most`.
+Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most, std::string meaning);
+/// The first of the choices is the default.
+Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning);
+
+/// The choices of an enumeration, by its names in order.
+template <std::size_t n>
+std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
+    return {names.begin(), names.end()};
+}
+/// The one that was chosen among them.
+template <typename Choice, std::size_t n>
+Choice chosen(const std::array<std::string_view, n>& names, const std::string& name) {
+    return static_cast<Choice>(std::find(names.begin(), names.end(), name) - names.begin());
+}
 
 }  // namespace gib

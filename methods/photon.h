@@ -32,6 +32,8 @@ public:
     std::optional<int> stratum() const { return tag_ < 2 ? std::nullopt : std::optional<int>((tag_ >> 1) - 1); }
     Vec3 direction() const;
     Vec3 surface_normal() const;
+    /// The same for photons of equal normals.
+    std::uint16_t normal_code() const { return normal_; }
 
 private:
     std::array<std::uint16_t, 3> mantissa_;

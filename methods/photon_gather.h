@@ -3,7 +3,7 @@
 // Source: Jensen 2001, chapters 9 and 10.
 
 #include "common/film.h"
-#include "methods/density_estimate.h"
+#include "methods/cached_gather.h"
 #include "methods/light_visibility.h"
 #include "methods/volume_estimate.h"
 
@@ -14,28 +14,24 @@ struct PhotonMaps {
     PhotonMap caustic, global, volume;
     DensityEstimator caustic_estimator, global_estimator;
     VolumeEstimator volume_estimator;
+    const FinalGather* final_gather = nullptr;  ///< null: indirect light comes from the global map
+    CachedGather* cache = nullptr;              ///< null: nothing is cached
     std::optional<LightVisibility> light_visibility;
-};
-
-struct GatherSettings {
-    int max_edges;          ///< edges of the longest path, the photon's included
-    bool samples_lights;    ///< off where no light can be sampled from anywhere
-    bool follows_specular;  ///< off where no surface is specular
 };
 
 class PhotonGather {
 public:
     /// Both must outlive this.
-    PhotonGather(const PhotonMaps& maps, const GatherSettings& settings) : maps_(maps), settings_(settings) {}
+    PhotonGather(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
 
     /// One sample of a pixel by component [W/(sr m^2)].
     PixelSample sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
 
 private:
-    class Path;
+    class EyePathVisitor;
 
     const PhotonMaps& maps_;
-    const GatherSettings& settings_;
+    const WalkSettings& settings_;
     std::vector<PhotonMap::Neighbour> found_;  ///< kept for its memory
 };
 

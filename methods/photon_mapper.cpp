@@ -7,10 +7,12 @@
 // other from the volume map. Light found at the end of specular paths counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection; spp and max_depth as for all methods.
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; shadow_photons, shadows and shadow_k, which
+// say what light_visibility.h is for; spp and max_depth as for all methods.
 // Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
-// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
+// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Shadow photons that skip
+// shadow rays (shadows=skip, both) add a bias at the edges of shadows.
 // A pass: one gather sample of every pixel. The maps are filled at the start. Photons are aimed: each light emits only
 // where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h; their number
 // stays, their power is that of the emission that is kept.
@@ -18,9 +20,9 @@
 #include "methods/photon_mapper.h"
 
 #include "methods/photon_gather.h"
+#include "methods/photon_mapper_plan.h"
 #include "methods/photon_walk.h"
 #include "methods/pixel_samples.h"
-#include "methods/projection_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,77 +31,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::string_view pass_specular = "specular paths";
-constexpr std::string_view pass_caustic = "caustic map";
-constexpr std::string_view pass_global = "global map";
-constexpr std::string_view pass_volume = "volume map";
-constexpr std::string_view pass_caustic_aim = "projection map of the caustic map";
-constexpr std::string_view pass_global_aim = "projection map of the global map";
-
-/// Fewer photons are worth a coarser projection map, which is built faster.
-constexpr std::uint64_t photons_per_cell = 16;
-constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
-
 const MethodDescription& description() { return find_method("photon_mapper"); }
-
-/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event,
-/// eye) is allowed.
-void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
-             const std::string& why_not_called_for) {
-    std::string reason;
-    if (!called_for) reason = why_not_called_for;
-    else if (photons == 0) reason = "no photons are asked for";
-    else if (max_edges < 3) reason = "its light has three edges or more, more than the longest path";
-    plan.add(std::string(pass), reason.empty(), reason);
-}
-
-/// Where the photons of each map are aimed; null: everywhere.
-struct Aims {
-    std::unique_ptr<ProjectionMap> caustic, global;
-};
-
-/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no
-/// caustic photon; for the other maps it may be of use even if it meets no surface.
-void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
-             std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
-    std::string reason;
-    if (!plan.runs(map)) {
-        reason = "its map is not run";
-    } else if (!settings.projection) {
-        reason = "projection=off";
-    } else if (surfaces == TargetSurfaces::all && scene.has_unbounded_medium()) {
-        reason = "light may be scattered in a medium without an end";
-    } else {
-        const std::uint64_t cells = std::clamp(photons / photons_per_cell, fewest_cells, most_cells);
-        aim = std::make_unique<ProjectionMap>(scene, surfaces, cells);
-        if (!aim->aims()) {
-            aim.reset();
-            reason = surfaces == TargetSurfaces::all ? "(nearly) every cell of every light reaches geometry"
-                                                     : "(nearly) every cell of every light reaches specular geometry";
-        }
-    }
-    plan.add(std::string(pass), reason.empty(), reason);
-}
-
-Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims) {
-    Plan plan = described_plan(scene, description());
-    plan.called_for = effects;
-    add_eye_paths(plan, scene, settings.max_edges);
-    add_light_sampling(plan, settings.max_edges);
-    plan.add(std::string(pass_specular), effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
-             "no surface is specular");
-    add_map(plan, pass_caustic, effects.has(Effect::caustics), settings.caustic_photons, settings.max_edges,
-            "no light reaches a diffuse surface by way of a specular one");
-    add_map(plan, pass_global, effects.has(Effect::diffuse_interreflection), settings.photons, settings.max_edges,
-            "no light is passed between diffuse surfaces");
-    add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
-            settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
-    add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
-            aims.caustic);
-    add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
-    add_shadow_map(plan, scene, settings.shadows);
-    return plan;
-}
 
 class PhotonMapperRun final : public Run {
 public:
@@ -116,33 +48,33 @@ public:
             return photon_mapper_plan(scene, effects, settings, aims);
         }();
         traces_ = plan.runs(pass_eye_paths);
-        gather_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
+        walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
         if (plan.runs(pass_caustic))
-            maps_.caustic = fill(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get());
-        if (plan.runs(pass_global)) maps_.global = fill(PhotonMapKind::global, settings.photons, aims.global.get());
-        // What reaches no surface reaches no medium either: the global map's cells serve both.
-        if (plan.runs(pass_volume))
-            maps_.volume = fill(PhotonMapKind::volume, settings.volume_photons, aims.global.get());
-        if (plan.runs(pass_shadow_map)) fill_shadow_map();
-        const auto length = [&](double fraction) {
-            return static_cast<float>(fraction * static_cast<double>(scene.diagonal()));
-        };
+            maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
         maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area,
                                   settings.compensation};
         maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area,
                                    settings.compensation};
         maps_.volume_estimator = {settings.kernel, settings.volume_k, length(settings.volume_radius), settings.area};
+        if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
+        else if (plan.runs(pass_global))
+            maps_.global = build(trace(PhotonMapKind::global, settings.photons, aims.global.get()));
+        // What reaches no surface reaches no medium either: the global map's cells serve both.
+        if (plan.runs(pass_volume))
+            maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
+        if (plan.runs(pass_shadow_map)) fill_shadow_map();
     }
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return [gather = PhotonGather(maps_, gather_)](RayQueries& rays, const TracedRay& eye,
-                                                           const Sampler& sampler) mutable {
+            return [gather = PhotonGather(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
+                                                         const Sampler& sampler) mutable {
                 return gather.sample(rays, eye, sampler);
             };
         });
+        if (cache_) cache_->end_pass();
         return Progress::more;
     }
 
@@ -150,17 +82,22 @@ public:
     RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
 
 private:
-    PhotonMap fill(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
-        PhotonWalkResult walk;
-        {
-            const auto timer = stages_.time("photon tracing");
-            StageProgress progress(stages_, "photon tracing", count);
-            walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
-        }
+    float length(double fraction) const {
+        return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
+    }
+
+    std::vector<Photon> trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
+        const auto timer = stages_.time("photon tracing");
+        StageProgress progress(stages_, "photon tracing", count);
+        PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
         rays_ += walk.rays;
         photons_ += walk.emitted;
+        return std::move(walk.photons);
+    }
+
+    PhotonMap build(std::vector<Photon> photons) {
         const auto timer = stages_.time("tree build");
-        return PhotonMap(std::move(walk.photons));
+        return PhotonMap(std::move(photons));
     }
 
     void fill_shadow_map() {
@@ -177,6 +114,44 @@ private:
         maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
+    void prepare_gathering(const Plan& plan, const ProjectionMap* aim) {
+        light_ = {settings_.source,
+                  settings_.max_edges,
+                  walk_.samples_lights,
+                  walk_.follows_specular,
+                  features_of(scene_),
+                  {},
+                  maps_.global_estimator,
+                  {},
+                  {}};
+        if (plan.runs(pass_global)) {
+            std::vector<Photon> photons = trace(PhotonMapKind::full, settings_.photons, aim);
+            light_.lengths = PhotonLengths(photons);
+            std::vector<Photon> places;
+            if (plan.runs(pass_irradiance)) places = take_places(photons);
+            light_.map = build(std::move(photons));
+            if (plan.runs(pass_irradiance)) {
+                const auto timer = stages_.time(pass_irradiance);
+                StageProgress progress(stages_, pass_irradiance, places.size());
+                light_.irradiance =
+                    PrecomputedIrradiance(scene_, places, light_.map, light_.estimator, light_.longest_photon_path(),
+                                          combine_keys(seed_, places_key), rays_, &progress);
+            }
+        }
+        final_gather_.emplace(light_, settings_.gather);
+        maps_.final_gather = &*final_gather_;
+        if (!plan.runs(pass_cache) || !traces_) return;
+        cache_.emplace(scene_, *final_gather_, settings_.records);
+        maps_.cache = &*cache_;
+        const auto timer = stages_.time(pass_cache);
+        StageProgress progress(stages_, pass_cache,
+                               static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
+        rays_ += cache_->overture(walk_, seed_, &progress);
+    }
+
+    /// Tells the numbers that place discs around precomputed irradiance from those of photons.
+    static constexpr std::uint64_t places_key = 0x504c;
+
     const Scene& scene_;
     PhotonMapperSettings settings_;
     std::uint64_t seed_;
@@ -184,7 +159,10 @@ private:
     Film film_;
     bool traces_;
     PhotonMaps maps_;
-    GatherSettings gather_;
+    WalkSettings walk_;
+    GatheredLight light_;
+    std::optional<FinalGather> final_gather_;
+    std::optional<CachedGather> cache_;
     std::uint64_t photons_ = 0;
     std::uint32_t passes_ = 0;
     std::uint64_t rays_ = 0;
@@ -207,11 +185,6 @@ private:
     PhotonMapperSettings settings_;
 };
 
-template <std::size_t n>
-std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
-    return {names.begin(), names.end()};
-}
-
 std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
     PhotonMapperSettings s{};
     s.photons = static_cast<std::uint64_t>(values.integer("photons"));
@@ -227,18 +200,20 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.radius = values.number("radius");
     s.caustic_radius = values.number("caustic_radius");
     s.volume_radius = values.number("volume_radius");
-    const auto kernel = std::find(kernel_names.begin(), kernel_names.end(), values.choice("kernel"));
-    s.kernel = static_cast<Kernel>(kernel - kernel_names.begin());
-    const auto area = std::find(disc_area_names.begin(), disc_area_names.end(), values.choice("area"));
-    s.area = static_cast<DiscArea>(area - disc_area_names.begin());
+    s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
+    s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.compensation = values.choice("compensation") == "on";
     if (s.compensation && all)
         throw InputError("compensation=on chooses among at most k photons; k=all keeps the radius");
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
-    const auto use = std::find(shadows_names.begin(), shadows_names.end(), values.choice("shadows"));
+    s.gather = static_cast<int>(values.integer("gather"));
+    s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
+    s.cache = values.choice("cache") == "on";
+    if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
+    s.records = cache_settings_of(values);
     s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
-                 static_cast<Shadows>(use - shadows_names.begin()),
+                 chosen<Shadows>(shadows_names, values.choice("shadows")),
                  static_cast<std::uint32_t>(values.integer("shadow_k"))};
     return std::make_unique<PhotonMapper>(s);
 }
@@ -255,87 +230,61 @@ std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperS
     return std::make_unique<PhotonMapperRun>(scene, settings, effects, seed, stages);
 }
 
+namespace {
+
+std::vector<Parameter> photon_mapper_parameters() {
+    const std::string diagonals = "scene diagonals";
+    std::vector<Parameter> parameters = {
+        count_parameter("photons", "1000000", "photons", "emitted for the global map"),
+        count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: as many as photons"),
+        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: as many as photons"),
+        {"k",
+         Parameter::Kind::integer,
+         "50",
+         "photons",
+         2,
+         1e6,
+         {"auto", "all"},
+         "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: those within the radius"},
+        fraction_parameter("radius", "0.1", diagonals, 1, "largest radius of a look-up in the global map"),
+        fraction_parameter("caustic_radius", "0.025", diagonals, 1,
+                           "the same in the caustic map, whose light has sharp edges"),
+        fraction_parameter("volume_radius", "0.05", diagonals, 1, "the same in the volume map"),
+        choice_parameter("kernel", strings(kernel_names), "weight of a photon by its distance"),
+        choice_parameter("area", strings(disc_area_names),
+                         "what a look-up divides: the photons on the surface by the part of the disc on it; or by the "
+                         "whole disc (rejected); or every photon near by the whole disc (plain)"),
+        choice_parameter("compensation", {"off", "on"},
+                         "use fewer than k photons where more would blur: as many as agree within their noise"),
+        choice_parameter("projection", {"on", "off"},
+                         "photons are emitted only where they can reach surfaces that matter"),
+        {"gather",
+         Parameter::Kind::integer,
+         "0",
+         "rays",
+         0,
+         1e6,
+         {},
+         "final gather rays from each diffuse surface that the eye sees, or for each record of the cache; 0: indirect "
+         "light comes from the global map"},
+        choice_parameter("source", strings(gather_source_names),
+                         "what gather rays see: irradiance precomputed at photons, the photons, or paths traced on"),
+        choice_parameter("cache", {"off", "on"}, "gather at few places of ideal diffuse surfaces, and interpolate"),
+    };
+    for (Parameter& parameter : cache_parameters())
+        parameters.push_back(std::move(parameter));
+    for (Parameter& parameter : shadow_photon_parameters())
+        parameters.push_back(std::move(parameter));
+    return parameters;
+}
+
+}  // namespace
+
 MethodDescription describe_photon_mapper() {
-    using Kind = Parameter::Kind;
     return {
         "photon_mapper",
         "photon mapping with a global and a caustic map: biased, low-frequency noise, good at caustics",
-        {
-            {"photons", Kind::integer, "1000000", "photons", 0, 4e9, {}, "emitted for the global map"},
-            {"caustic_photons",
-             Kind::integer,
-             "",
-             "photons",
-             0,
-             4e9,
-             {},
-             "emitted for the caustic map; default: as many as photons"},
-            {"volume_photons",
-             Kind::integer,
-             "",
-             "photons",
-             0,
-             4e9,
-             {},
-             "emitted for the volume map; default: as many as photons"},
-            {"k",
-             Kind::integer,
-             "50",
-             "photons",
-             2,
-             1e6,
-             {"auto", "all"},
-             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: those within the radius"},
-            {"radius",
-             Kind::number,
-             "0.1",
-             "scene diagonals",
-             0,
-             1,
-             {},
-             "largest radius of a look-up in the global map"},
-            {"caustic_radius",
-             Kind::number,
-             "0.025",
-             "scene diagonals",
-             0,
-             1,
-             {},
-             "the same in the caustic map, whose light has sharp edges"},
-            {"volume_radius", Kind::number, "0.05", "scene diagonals", 0, 1, {}, "the same in the volume map"},
-            {"kernel", Kind::choice, "uniform", "", 0, 0, strings(kernel_names), "weight of a photon by its distance"},
-            {"area", Kind::choice, "surface", "", 0, 0, strings(disc_area_names),
-             "what a look-up divides: the photons on the surface by the part of the disc on it; or by the whole disc "
-             "(rejected); or every photon near by the whole disc (plain)"},
-            {"compensation",
-             Kind::choice,
-             "off",
-             "",
-             0,
-             0,
-             {"off", "on"},
-             "use fewer than k photons where more would blur: as many as agree within their noise"},
-            {"projection",
-             Kind::choice,
-             "on",
-             "",
-             0,
-             0,
-             {"on", "off"},
-             "photons are emitted only where they can reach surfaces that matter"},
-            {"shadow_photons",
-             Kind::integer,
-             "0",
-             "photons",
-             0,
-             4e9,
-             {},
-             "emitted to find out which lights are seen from where; 0: none"},
-            {"shadows", Kind::choice, "both", "", 0, 0, strings(shadows_names),
-             "what shadow photons are for: nothing (rays), to leave out shadow rays where they agree (skip), to choose "
-             "lights without bias (guide), or both"},
-            {"shadow_k", Kind::integer, "32", "photons", 1, 1e6, {}, "shadow photons of a light that must agree"},
-        },
+        photon_mapper_parameters(),
         Effects::all(),
         {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
         false,

@@ -2,7 +2,7 @@
 // The photon mapper's settings and start, apart from its entry in the registry, so that tests can force every pass to
 // run.
 
-#include "methods/density_estimate.h"
+#include "methods/cached_gather.h"
 #include "methods/method.h"
 #include "methods/shadow_photons.h"
 
@@ -23,6 +23,10 @@ struct PhotonMapperSettings {
     int max_edges;
     bool compensation;  ///< fewer photons where more would blur
     bool projection;    ///< photons are emitted where they can reach surfaces that matter
+    int gather = 0;     ///< rays of a final gather; 0: indirect light comes from the global map
+    GatherSource source = GatherSource::irradiance;
+    bool cache = false;  ///< what is gathered is interpolated
+    CacheSettings records = {};
     ShadowPhotonSettings shadows = {};
 };
 

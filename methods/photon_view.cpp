@@ -1,14 +1,17 @@
-// Photons made visible: a point lights up where a stored photon is near.
+// Photons and irradiance records made visible: a point lights up where a stored photon, or a record, is near.
 //
 // Computes: no radiance. Each sample follows the eye path through specular surfaces to the first surface that stores
 // photons; where the nearest photon of the map lies within `size`, it shows that photon's power over the map's mean
 // power, in the component that the map serves. For the volume map the same is done all along the way. Surfaces
-// themselves are seen in dim grey, as `emission`, so that photons have a place.
-// Parameters: map = global | caustic | volume, photons [emitted], size [fraction of the scene's diagonal]; spp and
-// max_depth as for all methods.
+// themselves are seen in dim grey, as `emission`, so that photons have a place. Records show their irradiance over the
+// mean of all of them; they are those of an irradiance cache that gathers by path tracing, before the first pass.
+// Parameters: map = global | caustic | volume | records, photons [emitted], size [fraction of the scene's diagonal]; of
+// records gather, accuracy, spacing, min_spacing and max_spacing as for photon_mapper; spp and max_depth as for all
+// methods.
 // A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the
 // same seed and projection=off.
 // Fails: never; an empty map shows no photon.
+#include "methods/cached_gather.h"
 #include "methods/method.h"
 #include "methods/photon_map.h"
 #include "methods/photon_walk.h"
@@ -16,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace gib {
 
@@ -31,11 +35,27 @@ struct PhotonViewSettings {
     std::uint64_t photons;  ///< emitted
     double size;            ///< of the scene's diagonal
     int max_edges;
+    bool records;  ///< of an irradiance cache, instead of photons
+    int gather;    ///< rays of a record
+    CacheSettings spacing;
+};
+
+/// An irradiance cache as it is before the first pass.
+struct Records {
+    GatheredLight light;
+    FinalGather gather;
+    CachedGather cache;
+
+    Records(const Scene& scene, const PhotonViewSettings& settings)
+        : light{GatherSource::paths, settings.max_edges, true, true, features_of(scene), {}, {}, {}, {}},
+          gather(light, settings.gather),
+          cache(scene, gather, settings.spacing) {}
 };
 
 Component component_of(PhotonMapKind kind) {
     switch (kind) {
         case PhotonMapKind::global:
+        case PhotonMapKind::full:
             return Component::indirect;
         case PhotonMapKind::caustic:
             return Component::caustic;
@@ -50,6 +70,13 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     plan.called_for = effects_of(scene);
     plan.unresolved.assign(all_components.begin(), all_components.end());
     const bool has_scattering = settings.kind != PhotonMapKind::volume || scene.has_scattering_media();
+    if (settings.records) {
+        const bool split = scene.has_media() || scene.has_dispersion();
+        plan.add("irradiance cache", scene.has_light() && !split,
+                 split ? "in media and dispersed light nothing is gathered" : "nothing emits light");
+        plan.add(std::string(pass_eye_paths), true, "");
+        return plan;
+    }
     plan.add("photon map", scene.has_light() && has_scattering,
              scene.has_light() ? "no medium scatters light" : "nothing emits light");
     plan.add(std::string(pass_eye_paths), true, "");
@@ -66,6 +93,7 @@ public:
           size_(static_cast<float>(settings.size) * scene.diagonal()),
           film_(scene.sensor().width(), scene.sensor().height(), {Component::emission, component_of(settings.kind)},
                 {}) {
+        if (photon_view_plan(scene, settings).runs("irradiance cache")) make_records(settings);
         if (!photon_view_plan(scene, settings).runs("photon map")) return;
         const auto timer = stages_.time("photon tracing");
         StageProgress progress(stages, "photon tracing", settings.photons);
@@ -94,6 +122,18 @@ public:
     RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
 
 private:
+    void make_records(const PhotonViewSettings& settings) {
+        const auto timer = stages_.time("irradiance cache");
+        StageProgress progress(stages_, "irradiance cache",
+                               static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
+        records_ = std::make_unique<Records>(scene_, settings);
+        rays_ = records_->cache.overture({settings.max_edges, true, true}, seed_, &progress);
+        double sum = 0;
+        for (const IrradianceRecord& record : records_->cache.cache().records())
+            sum += static_cast<double>(record.irradiance.mean());
+        if (sum > 0) per_mean_power_ = static_cast<float>(static_cast<double>(records_->cache.cache().size()) / sum);
+    }
+
     PixelSample look(RayQueries& rays, TracedRay traced, const Sampler& sampler,
                      std::vector<PhotonMap::Neighbour>& found) const {
         PixelSample sample;
@@ -110,7 +150,8 @@ private:
                 const auto on_side = [&](const Photon& photon, float) {
                     return photon.surface_normal().dot(side) > 0.f;
                 };
-                const bool lit = kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, found, sample);
+                const bool lit = records_ ? light_up_record(*hit, side, sample)
+                                          : kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, found, sample);
                 if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
             }
@@ -137,6 +178,12 @@ private:
         return true;
     }
 
+    bool light_up_record(const SurfaceHit& hit, const Vec3& side, PixelSample& sample) const {
+        const IrradianceRecord* record = records_->cache.cache().nearest(hit.p, side, size_);
+        if (record) sample[Component::indirect] = record->irradiance * per_mean_power_;
+        return record != nullptr;
+    }
+
     bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found,
                         PixelSample& sample) const {
         if (map_.size() == 0) return false;
@@ -155,7 +202,8 @@ private:
     float size_;  ///< [scene units]
     Film film_;
     PhotonMap map_;
-    float per_mean_power_ = 0.f;  ///< 1 / the mean over photons and channels [1/W]
+    std::unique_ptr<Records> records_;  ///< null: photons are shown
+    float per_mean_power_ = 0.f;        ///< 1 / the mean over photons (records) and channels [1/W (m^2/W)]
     std::uint64_t photons_ = 0;
     std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;
@@ -180,22 +228,36 @@ std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const 
     const PhotonMapKind kind = map == "global"    ? PhotonMapKind::global
                                : map == "caustic" ? PhotonMapKind::caustic
                                                   : PhotonMapKind::volume;
-    return std::make_unique<PhotonView>(PhotonViewSettings{kind, static_cast<std::uint64_t>(values.integer("photons")),
-                                                           values.number("size"), max_edges_of(values, defaults)});
+    const bool records = map == "records";
+    return std::make_unique<PhotonView>(PhotonViewSettings{
+        records ? PhotonMapKind::global : kind, static_cast<std::uint64_t>(values.integer("photons")),
+        values.number("size"), max_edges_of(values, defaults), records, static_cast<int>(values.integer("gather")),
+        cache_settings_of(values)});
 }
 
 }  // namespace
 
 MethodDescription describe_photon_view() {
-    using Kind = Parameter::Kind;
+    std::vector<Parameter> parameters = {
+        choice_parameter("map", {"global", "caustic", "volume", "records"},
+                         "which photons are shown; or the records of an irradiance cache"),
+        count_parameter("photons", "1e4", "photons", "emitted for the map"),
+        {"size",
+         Parameter::Kind::number,
+         "0.003",
+         "scene diagonals",
+         1e-6,
+         1,
+         {},
+         "radius of the point that shows a photon or a record"},
+        {"gather", Parameter::Kind::integer, "256", "rays", 1, 1e6, {}, "of a record"},
+    };
+    for (Parameter& parameter : cache_parameters())
+        parameters.push_back(std::move(parameter));
     return {
         "photon_view",
         "the photons that photon_mapper stores, as points of light: no image of the scene's radiance",
-        {
-            {"map", Kind::choice, "global", "", 0, 0, {"global", "caustic", "volume"}, "which photons are shown"},
-            {"photons", Kind::integer, "1e4", "photons", 0, 4e9, {}, "emitted for the map"},
-            {"size", Kind::number, "0.003", "scene diagonals", 1e-6, 1, {}, "radius of the point that shows a photon"},
-        },
+        std::move(parameters),
         Effects::all(),
         {},
         false,

@@ -102,6 +102,8 @@ private:
         switch (kind_) {
             case PhotonMapKind::global:
                 return scattered;
+            case PhotonMapKind::full:
+                return true;
             case PhotonMapKind::caustic:
                 return !scattered && path_.specular_since_diffuse;
             case PhotonMapKind::volume:

@@ -50,6 +50,24 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
 
 }  // namespace
 
+std::vector<Parameter> shadow_photon_parameters() {
+    return {
+        count_parameter("shadow_photons", "0", "photons",
+                        "emitted to find out which lights are seen from where; 0: none"),
+        choice_parameter("shadows", strings(shadows_names),
+                         "what shadow photons are for: to choose lights without bias (guide), to leave out shadow rays "
+                         "where they agree (skip), both, or nothing (rays)"),
+        {"shadow_k",
+         Parameter::Kind::integer,
+         "32",
+         "photons",
+         1,
+         1e6,
+         {},
+         "shadow photons of a light that must agree"},
+    };
+}
+
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings) {
     std::string reason;
     if (settings.photons == 0) reason = "no photons are asked for";

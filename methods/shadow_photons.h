@@ -2,13 +2,14 @@
 // Shadow photons: which of the lights shine straight at which surfaces.
 // Source: Jensen and Christensen 1995, "Efficiently Rendering Shadows using the Photon Map"; Jensen 2001, section 7.6.
 //
-// A photon leaves a light and goes straight on through everything. Each diffuse surface on its way keeps it, with the share
-// that comes this far: 1 on the first surface (a direct photon), 0 behind a surface (a shadow photon), between the two
-// behind holes that let a part through. So on every surface the photons of a light lie as if nothing stood in its way, and
-// those around a point say how much of the light is seen from there. The paper gives shadow photons negative flux, so that
-// all photons of a light sum to what arrives; kept apart, they also say what would arrive.
+// A photon leaves a light and goes straight on through everything. Each diffuse surface on its way keeps it, with the
+// share that comes this far: 1 on the first surface (a direct photon), 0 behind a surface (a shadow photon), between
+// the two behind holes that let a part through. So on every surface the photons of a light lie as if nothing stood in
+// its way, and those around a point say how much of the light is seen from there. The paper gives shadow photons
+// negative flux, so that all photons of a light sum to what arrives; kept apart, they also say what would arrive.
 
 #include "common/math.h"
+#include "methods/parameters.h"
 
 #include <array>
 #include <cstdint>
@@ -24,21 +25,24 @@ struct Plan;
 
 /// What shadow photons are used for.
 enum class Shadows {
-    rays,   ///< nothing
-    skip,   ///< lights are chosen by their power; no shadow ray where all photons near by agree
     guide,  ///< lights are chosen by what they add near by; every choice is tested by a ray
-    both    ///< chosen so, and tested only where photons near by do not agree
+    skip,   ///< lights are chosen by their power; no shadow ray where all photons near by agree
+    both,   ///< chosen as by `guide`, and tested only where photons near by do not agree
+    rays    ///< nothing
 };
-inline constexpr std::array<std::string_view, 4> shadows_names = {"rays", "skip", "guide", "both"};
+inline constexpr std::array<std::string_view, 4> shadows_names = {"guide", "skip", "both", "rays"};
 
 struct ShadowPhotonSettings {
     std::uint64_t photons = 0;  ///< emitted
-    Shadows use = Shadows::rays;
+    Shadows use = Shadows::guide;
     std::uint32_t agreeing = 32;  ///< photons of a light that must agree before they are believed
 
     bool skips() const { return use == Shadows::skip || use == Shadows::both; }
     bool guides() const { return use == Shadows::guide || use == Shadows::both; }
 };
+
+/// shadow_photons, shadows and shadow_k.
+std::vector<Parameter> shadow_photon_parameters();
 
 inline constexpr std::string_view pass_shadow_map = "shadow photon map";
 /// Adds its step; skipped where shadow photons are not asked for or cannot say what a shadow ray would.

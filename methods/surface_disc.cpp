@@ -49,13 +49,21 @@ bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
     directions_ = directions;
     const float narrow = std::cos(pi / static_cast<float>(directions));
     const float reach = r / narrow;  // a straight wall within r is met by the direction nearest to its foot
+    std::array<Ray, many> tested;
+    std::array<std::optional<Intersection>, many> met;
+    for (int i = 0; i < directions; ++i) {
+        const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
+        tested[static_cast<std::size_t>(i)] = {origin_, reach * (w + rising_slope * frame_.n), 0.f, 1.f};
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(directions); i += Accelerator::packet_size)
+        rays.trace(std::span(tested).subspan(i, Accelerator::packet_size), std::span(met).subspan(i));
     bool any = false;
     for (int i = 0; i < directions; ++i) {
         const auto at = static_cast<std::size_t>(i);
         free_[at] = rise_[at] = infinity;
-        const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
-        const auto found = rays.intersect({origin_, reach * (w + rising_slope * frame_.n), 0.f, 1.f});
+        const auto found = rays.surface_hit({tested[at], met[at]});
         if (!found) continue;
+        const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
         const float distance = (found->p - hit_.p).dot(w);
         const float cosine = normal_towards(*found, -w).dot(frame_.n);
         if (cosine > min_normal_cosine) {  // the surface curves up, or a ramp starts
@@ -93,12 +101,15 @@ float SurfaceDisc::share(Kernel kernel, float r) const {
     return sum / static_cast<float>(directions_);
 }
 
-bool SurfaceDisc::is_covered(RayQueries& rays, const Vec3& w, float distance, float rise) const {
-    if (distance >= rise) return true;  // seen already: the surface is above the disc there
+Ray SurfaceDisc::probe(const Vec3& w, float distance) const {
     const float height = rising_slope * distance;
     const float depth = std::min(max_elevation_slope * distance, below_) + rounding_;
-    const auto found =
-        rays.intersect({origin_ + distance * w + height * frame_.n, -frame_.n, 0.f, height + depth + hit_.offset});
+    return {origin_ + distance * w + height * frame_.n, -frame_.n, 0.f, height + depth + hit_.offset};
+}
+
+bool SurfaceDisc::is_covered(RayQueries& rays, const Vec3& w, float distance, float rise) const {
+    if (distance >= rise) return true;  // seen already: the surface is above the disc there
+    const auto found = rays.intersect(probe(w, distance));
     return found && is_surface(*found, frame_.n);
 }
 
@@ -107,11 +118,20 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
     const int step = directions_ == many ? many / few : 1;
     const auto end_of = [&](std::size_t i) { return directions_ == 0 ? whole : sector_[i]; };
     const auto rise_of = [&](std::size_t i) { return directions_ == 0 ? infinity : rise_[i]; };
+    std::array<Ray, few> tested;
+    std::array<std::optional<Intersection>, few> met;
+    for (int i = 0; i < few; ++i) {
+        const auto at = static_cast<std::size_t>(i * step);
+        const Vec3 w = direction((static_cast<float>(i * step) + u_.x()) / static_cast<float>(few * step));
+        tested[static_cast<std::size_t>(i)] = probe(w, rim * std::min(end_of(at), r));
+    }
+    rays.trace(tested, met);
     bool ends = false;
     for (int i = 0; i < few && !ends; ++i) {
         const auto at = static_cast<std::size_t>(i * step);
-        const Vec3 w = direction((static_cast<float>(i * step) + u_.x()) / static_cast<float>(few * step));
-        ends = !is_covered(rays, w, rim * std::min(end_of(at), r), rise_of(at));
+        const auto found = rays.surface_hit({tested[static_cast<std::size_t>(i)], met[static_cast<std::size_t>(i)]});
+        const bool risen = rim * std::min(end_of(at), r) >= rise_of(at);  // seen already
+        ends = !risen && !(found && is_surface(*found, frame_.n));
     }
     if (!ends) return 1.f;
 

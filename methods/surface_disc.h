@@ -61,13 +61,15 @@ public:
     float covered(RayQueries& rays, Kernel kernel, float r) const;
 
 private:
-    static constexpr int few = 8, many = 32;
+    static constexpr int few = Accelerator::packet_size, many = 32;
     /// Radii at which the disc is probed along each of the many directions where its surface may end.
     static constexpr int strata = 2;
 
     bool inside(const Vec3& offset) const;
     /// False if nothing stands within r in any direction.
     bool look_around(RayQueries& rays, float r, int directions);
+    /// Down to where the surface may be, so far from the centre.
+    Ray probe(const Vec3& direction, float distance) const;
     bool is_covered(RayQueries& rays, const Vec3& direction, float distance, float rise) const;
     Vec3 direction(float turns) const;
 

@@ -1,8 +1,9 @@
 #pragma once
 // Cells of surfaces by which lights are seen from them: a tree over the shadow photons of a surface.
 //
-// A cell with too much to tell is split at the median of the longest axis of its photons. What one cell has settled about a
-// light stays settled in its parts, so that a light's verdict comes from the largest cell in which its photons agree.
+// A cell with too much to tell is split at the median of the longest axis of its photons. What one cell has settled
+// about a light stays settled in its parts, so that a light's verdict comes from the largest cell in which its
+// photons agree.
 
 #include "methods/shadow_photons.h"
 
@@ -23,11 +24,11 @@ struct LightEvidence {
     std::uint32_t light;
     LightVerdict verdict = LightVerdict::open;
     std::uint32_t photons = 0;
-    /// [W] that would arrive in the cell if nothing stood in the way: with n photons (n U + 8 U') / (n + 8), where U is their
-    /// power and U' what the light's share in the larger cell lets expect.
+    /// [W] that would arrive in the cell if nothing stood in the way: with n photons (n U + 8 U') / (n + 8), where U
+    /// is their power and U' what the light's share in the larger cell lets expect.
     double unoccluded = 0;
-    /// The share of it that arrives: the mean (n v + 1) / (n + 2) of a posterior, where v is the photons' share; with fewer than
-    /// 8 photons the larger cell's.
+    /// The share of it that arrives: the mean (n v + 1) / (n + 2) of a posterior, where v is the photons' share; with
+    /// fewer than 8 photons the larger cell's.
     double visible = 0.5;
 
     /// What the light is expected to add to the irradiance of the cell, on a scale that all lights share.

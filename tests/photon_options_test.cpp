@@ -11,13 +11,20 @@ namespace {
 using test::mean_of;
 using test::render;
 
-/// Labels of every combination of choices, and of the words that stand beside a number with that number's default.
-std::vector<std::string> combinations() {
-    std::vector<std::string> labels = {"photon_mapper"};
+const std::vector<std::string> gathering = {"source", "cache", "spacing"};
+
+bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// `start` with every combination of the choices of those parameters that `counts`, and of the words that stand beside a number
+/// with that number's default.
+template <typename Counts>
+std::vector<std::string> combined(const std::string& start, Counts&& counts) {
+    std::vector<std::string> labels = {start};
     for (const Parameter& p : find_method("photon_mapper").parameters) {
         std::vector<std::string> values = p.choices;
-        // Without shadow photons, which have tests of their own, they are all alike.
-        if (values.empty() || p.name == "shadows") continue;
+        if (values.empty() || !counts(p.name)) continue;
         if (p.kind != Parameter::Kind::choice) values.push_back(p.default_value);
         std::vector<std::string> extended;
         for (const auto& label : labels)
@@ -25,6 +32,23 @@ std::vector<std::string> combinations() {
                 extended.push_back(label + " " + p.name + "=" + value);
         labels = std::move(extended);
     }
+    return labels;
+}
+
+/// Those of the density estimates without gathering, and those of gathering with each of the options that reach into it.
+std::vector<std::string> combinations() {
+    auto labels = combined("photon_mapper", [](const std::string& name) {
+        // Without shadow photons, which have tests of their own, what they are for makes no difference.
+        return !is_one_of(name, gathering) && name != "shadows";
+    });
+    auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
+        return is_one_of(name, gathering) || name == "area" || name == "projection";
+    });
+    // The same twice: there are no records to space.
+    std::erase_if(gathered, [](const std::string& label) {
+        return label.find("cache=off") != std::string::npos && label.find("spacing=diagonals") != std::string::npos;
+    });
+    labels.insert(labels.end(), gathered.begin(), gathered.end());
     // Refused: there is nothing to choose where all photons within the radius count.
     std::erase_if(labels, [](const std::string& label) {
         return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;

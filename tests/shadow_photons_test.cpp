@@ -1,5 +1,5 @@
-// Shadow photons: what they say of the lights against exact visibility, and direct light sampled by it against plain direct
-// light.
+// Shadow photons: what they say of the lights against exact visibility, and direct light sampled by it against plain
+// direct light.
 #include "methods/shadow_photons.h"
 
 #include "methods/light_visibility.h"
@@ -103,8 +103,8 @@ std::array<test::Moments, 3> means_of(const LoadedScene& scene, const std::strin
     return moments;
 }
 
-/// Equal within 5 standard errors of the difference (16 seeds each: once in 5e4 comparisons by chance; there are about 40)
-/// and a part `bias` of the value; the errors must be small enough to show 2 %.
+/// Equal within 5 standard errors of the difference (16 seeds each: once in 5e4 comparisons by chance; there are
+/// about 40) and a part `bias` of the value; the errors must be small enough to show 2 %.
 void expect_equal_means(const std::array<test::Moments, 3>& found, const std::array<test::Moments, 3>& expected,
                         double bias = 0) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -117,8 +117,8 @@ void expect_equal_means(const std::array<test::Moments, 3>& found, const std::ar
 /// Solid angle of a square of half the width a, from the distance h above its middle.
 double square_solid_angle(double a, double h) { return 4 * std::atan(a * a / (h * std::sqrt(2 * a * a + h * h))); }
 
-// Under a point light the floor receives I times its solid angle, all of it kept, though the blocker hides its own part. The
-// photons are a net, so their error is far below 1 / sqrt(n).
+// Under a point light the floor receives I times its solid angle, all of it kept, though the blocker hides its own
+// part. The photons are a net, so their error is far below 1 / sqrt(n).
 TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     const auto scene = floor_scene(blocker_xml(0.5, test::diffuse(0.5)) +
                                    "<emitter type='point'><point name='position' x='0' y='0' z='4'/><rgb "
@@ -171,10 +171,10 @@ Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) 
     return {static_cast<double>(wrong) / all, static_cast<double>(open) / all};
 }
 
-// Shadows have edges of a length that stays, so what is open lies in cells along them: a share that falls with their width,
-// about as photons^(-1/2); by a factor of 16 in photons it must fall to less than half. Where an edge crosses a cell, a share v
-// of it lit, v^n (1 - v) + (1 - v)^n v of it has a wrong verdict on average: 2 / ((n + 1) (n + 2)) if v is uniform, 1.8e-3 at
-// n = 32. Larger cells around it that decided before add less than as much again.
+// Shadows have edges of a length that stays, so what is open lies in cells along them: a share that falls with their
+// width, about as photons^(-1/2); by a factor of 16 in photons it must fall to less than half. Where an edge crosses
+// a cell, a share v of it lit, v^n (1 - v) + (1 - v)^n v of it has a wrong verdict on average: 2 / ((n + 1) (n + 2))
+// if v is uniform, 1.8e-3 at n = 32. Larger cells around it that decided before add less than as much again.
 TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
     const auto scene = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + points_xml());
     std::optional<Agreement> before;
@@ -248,7 +248,8 @@ TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
     EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
 }
 
-/// Mean over pixels and channels of the square of the mean error over seeds, less its variance, as a share of the light.
+/// Mean over pixels and channels of the square of the mean error over seeds, less its variance, as a share of the
+/// light.
 double relative_bias(const LoadedScene& scene, const std::string& text, const Image& truth) {
     constexpr int seeds = 16;
     Image sum(truth.width, truth.height), squares(truth.width, truth.height);
