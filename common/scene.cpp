@@ -1,6 +1,7 @@
 #include "common/scene.h"
 
 #include "common/error.h"
+#include "common/light_choice.h"
 
 #include <algorithm>
 
@@ -11,23 +12,6 @@ namespace {
 Sensor required_sensor(std::optional<Sensor>& sensor) {
     if (!sensor) throw InputError("the scene has no sensor");
     return *std::move(sensor);
-}
-
-/// Proportional to power, but a tenth of the choices goes to all lights alike: what a dim light adds where the bright ones do
-/// not reach would otherwise be found too rarely, and never at all below the resolution of the random numbers.
-std::vector<double> light_weights(const std::vector<Light>& lights) {
-    constexpr double uniform_share = 0.1;
-    std::vector<double> weights;
-    double total = 0;
-    std::size_t shining = 0;
-    for (const auto& light : lights) {
-        weights.push_back(power_of(light).mean());
-        total += weights.back();
-        if (weights.back() > 0) ++shining;
-    }
-    for (double& w : weights)
-        if (w > 0) w = (1 - uniform_share) * w / total + uniform_share / static_cast<double>(shining);
-    return weights;
 }
 
 }  // namespace
@@ -60,7 +44,7 @@ Scene::Scene(SceneParts parts)
     for (auto& light : parts.lights)
         add_light(std::move(light), sphere);
 
-    light_choice_ = DiscreteDistribution(light_weights(lights_));
+    light_choice_ = light_choice(lights_);
     accelerator_ = std::make_unique<Accelerator>(shapes_, groups_);
 }
 

@@ -10,24 +10,30 @@ bool is_blocked(const Color& visible) { return is_black(visible); }
 /// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a call at every
 /// vertex would be what scenes without media pay for them.
 template <typename Visibility>
+[[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
+                                                        const Vec3& wo_local, LightTechniques techniques, Lobes which,
+                                                        Visibility&& visibility) {
+    const Vec3 wi_local = hit.shading.to_local(light.wi);
+    const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
+    if (is_black(f.of(which) * light.Le)) return {};
+    const auto visible = visibility(light);
+    if (is_blocked(visible)) return {};
+    const bool combine =
+        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
+    const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
+    const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
+    return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
+            includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+}
+
+template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues sample_light_seen_by(const Scene& scene, const SurfaceHit& hit,
                                                               const Vec3& wo_local, const VertexNumbers& u,
                                                               LightTechniques techniques, Lobes which,
                                                               Visibility&& visibility) {
     const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
     if (!light) return {};
-    const Vec3 wi_local = hit.shading.to_local(light->wi);
-    const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
-    if (is_black(f.of(which) * light->Le)) return {};
-    const auto visible = visibility(*light);
-    if (is_blocked(visible)) return {};
-    const bool combine =
-        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
-    const float weight =
-        combine ? power_heuristic(light->pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
-    const Color incident = light->Le * (visible * (std::abs(wi_local.z()) * weight / light->pdf_w));
-    return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
-            includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+    return scattered_from(*light, hit, wo_local, techniques, which, visibility);
 }
 
 }  // namespace
@@ -56,6 +62,13 @@ Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const
     const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
     const float weight = combine ? power_heuristic(light->pdf_w, phase) : 1.f;
     return light->Le * visibility * (phase * weight / light->pdf_w);
+}
+
+LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
+                           ShadowRay shadow_ray, Lobes which) {
+    return scattered_from(
+        light, hit, wo_local, LightTechniques::light_sampling_only, which,
+        [&](const LightSample& to) { return shadow_ray == ShadowRay::skipped ? 1.f : rays.visibility(hit, to); });
 }
 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,

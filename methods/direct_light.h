@@ -33,6 +33,15 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
                           const Surroundings& surroundings, LightTechniques techniques);
 
+enum class ShadowRay {
+    traced,
+    skipped  ///< the light is known to be seen
+};
+
+/// The same for a light sample whose pdf_w has the choice of the light in it, by light sampling only. For a scene without media.
+LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
+                           ShadowRay shadow_ray, Lobes which = Lobes::all);
+
 /// The same radiance, found by following a sample of the bsdf; with sample_direct_light's it makes up the whole. For methods whose
 /// paths do not go on in that direction anyway.
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,

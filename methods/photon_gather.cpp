@@ -67,8 +67,11 @@ private:
             return sample_direct_light(rays_, hit, wo_local, u, {walk_.medium(), walk_.flights()},
                                        LightTechniques::light_sampling_only, Lobes::diffuse)
                 .diffuse;
+        const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
+        if (maps_.light_visibility && !lobes.rough && !hit.bsdf->traits().transmission)
+            return maps_.light_visibility->sample_direct_light(rays_, hit, wo, u);
         // A lobe with a preferred direction is better followed than hit by chance.
-        if (!hit.bsdf->traits_at(wo_local.z()).rough)
+        if (!lobes.rough)
             return sample_direct_light(rays_, hit, wo_local, u, LightTechniques::light_sampling_only, Lobes::diffuse)
                 .diffuse;
         return sample_direct_light(rays_, hit, wo_local, u, LightTechniques::light_and_bsdf_sampling, Lobes::diffuse)

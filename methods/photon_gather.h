@@ -4,6 +4,7 @@
 
 #include "common/film.h"
 #include "methods/cached_gather.h"
+#include "methods/light_visibility.h"
 #include "methods/volume_estimate.h"
 
 namespace gib {
@@ -15,6 +16,7 @@ struct PhotonMaps {
     VolumeEstimator volume_estimator;
     const FinalGather* final_gather = nullptr;  ///< null: indirect light comes from the global map
     CachedGather* cache = nullptr;              ///< null: nothing is cached
+    std::optional<LightVisibility> light_visibility;
 };
 
 class PhotonGather {

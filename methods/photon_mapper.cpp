@@ -7,10 +7,12 @@
 // other from the volume map. Light found at the end of specular paths counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection; spp and max_depth as for all methods.
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; shadow_photons, shadows and shadow_k, which
+// say what light_visibility.h is for; spp and max_depth as for all methods.
 // Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
-// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps.
+// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Shadow photons that skip
+// shadow rays (shadows=skip, both) add a bias at the edges of shadows.
 // A pass: one gather sample of every pixel. The maps are filled at the start. Photons are aimed: each light emits only
 // where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h; their number
 // stays, their power is that of the emission that is kept.
@@ -60,6 +62,7 @@ public:
         // What reaches no surface reaches no medium either: the global map's cells serve both.
         if (plan.runs(pass_volume))
             maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
+        if (plan.runs(pass_shadow_map)) fill_shadow_map();
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -95,6 +98,20 @@ private:
     PhotonMap build(std::vector<Photon> photons) {
         const auto timer = stages_.time("tree build");
         return PhotonMap(std::move(photons));
+    }
+
+    void fill_shadow_map() {
+        constexpr std::string_view tracing = "shadow photon tracing";
+        ShadowPhotonResult shadow;
+        {
+            const auto timer = stages_.time(tracing);
+            StageProgress progress(stages_, tracing, settings_.shadows.photons);
+            shadow = trace_shadow_photons(scene_, settings_.shadows.photons, seed_, &progress);
+        }
+        rays_ += shadow.rays;
+        photons_ += shadow.emitted;
+        const auto timer = stages_.time(pass_shadow_map);
+        maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
     void prepare_gathering(const Plan& plan, const ProjectionMap* aim) {
@@ -195,6 +212,9 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.cache = values.choice("cache") == "on";
     if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
     s.records = cache_settings_of(values);
+    s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
+                 chosen<Shadows>(shadows_names, values.choice("shadows")),
+                 static_cast<std::uint32_t>(values.integer("shadow_k"))};
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -252,6 +272,8 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("cache", {"off", "on"}, "gather at few places of ideal diffuse surfaces, and interpolate"),
     };
     for (Parameter& parameter : cache_parameters())
+        parameters.push_back(std::move(parameter));
+    for (Parameter& parameter : shadow_photon_parameters())
         parameters.push_back(std::move(parameter));
     return parameters;
 }

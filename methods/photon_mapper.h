@@ -4,6 +4,7 @@
 
 #include "methods/cached_gather.h"
 #include "methods/method.h"
+#include "methods/shadow_photons.h"
 
 namespace gib {
 
@@ -26,6 +27,7 @@ struct PhotonMapperSettings {
     GatherSource source = GatherSource::irradiance;
     bool cache = false;  ///< what is gathered is interpolated
     CacheSettings records = {};
+    ShadowPhotonSettings shadows = {};
 };
 
 /// k = auto: 50 at 1e5 photons and growing as photons^(2/3), at least 4. The bias of an estimate falls with r^2 ~ k / N

@@ -88,6 +88,7 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
     add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
             aims.caustic);
     add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
+    add_shadow_map(plan, scene, settings.shadows);
     return plan;
 }
 

@@ -37,7 +37,10 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 
 /// Those of the density estimates without gathering, and those of gathering with each of the options that reach into it.
 std::vector<std::string> combinations() {
-    auto labels = combined("photon_mapper", [](const std::string& name) { return !is_one_of(name, gathering); });
+    auto labels = combined("photon_mapper", [](const std::string& name) {
+        // Without shadow photons, which have tests of their own, what they are for makes no difference.
+        return !is_one_of(name, gathering) && name != "shadows";
+    });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
     });

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -153,6 +154,36 @@ TEST(SceneLibrary, UncoveredFloorFollowsLambertsFormula) {
     expect_floor_by_lambert("smits-jensen-forms", 88,
                             {rectangle(Vec3d(-0.4, 3.2, -0.4), Vec3d(0.6, 0, 0), Vec3d(0, 0, 0.6))},
                             Vec3d(-2.2, 0, -1.5));
+}
+
+/// The part of a coffer's lamp that p on the floor sees through the coffer's mouth, which as seen from there is a square 1 wide
+/// at 2.5, 3.98 / 2.5 times as large in the lamp's plane.
+std::optional<std::vector<Vec3d>> lamp_through_coffer(const Vec3d& p, double x, double z) {
+    constexpr double height = 3.98, scale = height / 2.5;
+    const auto seen = [&](double from, double middle) {
+        const double lower = std::max(middle - 0.2, from + scale * (middle - 0.5 - from));
+        const double upper = std::min(middle + 0.2, from + scale * (middle + 0.5 - from));
+        return std::pair{(lower + upper) / 2, (upper - lower) / 2};
+    };
+    const auto [mx, sx] = seen(p.x(), x);
+    const auto [mz, sz] = seen(p.z(), z);
+    if (sx <= 0 || sz <= 0) return std::nullopt;
+    return rectangle(Vec3d(mx, height, mz), Vec3d(sx, 0, 0), Vec3d(0, 0, sz));
+}
+
+// By guided light sampling: one in ten lamps is seen, so the path tracer would need a hundred times as many samples.
+TEST(SceneLibrary, TheFloorUnderManyLampsSeesThemThroughTheirCoffers) {
+    for (const Vec3d& p : {Vec3d(-4.1, 0, 2.7), Vec3d(-3.5, 0, 3.5), Vec3d(4, 0, -4.3)}) {
+        SCOPED_TRACE(std::to_string(p.x()) + ", " + std::to_string(p.z()));
+        double E = 0;
+        for (int i = 0; i < 12; ++i)
+            for (int j = 0; j < 12; ++j)
+                if (const auto lamp = lamp_through_coffer(p, i - 5.5, j - 5.5))
+                    E += lambert_irradiance(p, Vec3d::UnitY(), *lamp) * ((i + j) % 2 == 0 ? 68 : 65);
+        const LoadedScene scene = scene_seen_at("many-lights", p + Vec3d(0, 0.2, -0.2), p);
+        const char* const label = "photon_mapper photons=0 max_depth=2 shadow_photons=2e4 shadows=guide";
+        expect_radiance(radiance_at(scene, Component::direct, label, 512), 0.58 / pi * E);
+    }
 }
 
 TEST(SceneLibrary, SecondaryLightIsTheIntegralOverTheCard) {
