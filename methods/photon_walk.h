@@ -20,9 +20,9 @@ class StageProgress;
 enum class PhotonMapKind {
     global,   ///< on diffuse surfaces: those that a diffuse surface or a medium (V) has scattered,
               ///< L (S|D|V)* (D|V) S* D; direct light and caustics are found otherwise
-    full,     ///< on diffuse surfaces, all: L (S|D|V)* D; for gather rays, which see all light that leaves a surface
     caustic,  ///< L S+ D; the walk ends at the first diffuse surface or event in a medium
-    volume    ///< in media: L (S|D|V)+ V; light that comes straight from its source is found otherwise
+    volume,   ///< in media: L (S|D|V)+ V; light that comes straight from its source is found otherwise
+    full      ///< on diffuse surfaces, all: L (S|D|V)* D; for gather rays, which see all light that leaves a surface
 };
 
 /// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
