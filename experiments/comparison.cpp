@@ -82,6 +82,10 @@ void add_points(const std::string& scene, const std::string& method, const std::
     for (const Cell* cell : cells)
         count = std::min(count, cell->checkpoints.size());
     for (std::size_t i = 0; i < count; ++i) {
+        const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
+        if (!std::all_of(cells.begin(), cells.end(),
+                         [&](const Cell* cell) { return cell->checkpoints[i].checkpoint.passes == passes; }))
+            break;  // a budget of time ended the runs after different passes
         double seconds = 0, error = 0;
         for (const Cell* cell : cells) {
             const auto& [checkpoint, errors] = cell->checkpoints[i];
@@ -91,9 +95,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
             error += total->second.rel_mse_corrected;
         }
         const auto n = static_cast<double>(cells.size());
-        if (error > 0)
-            points.push_back(
-                {scene, method, cells.front()->checkpoints[i].checkpoint.passes, seconds / n, std::sqrt(error / n)});
+        points.push_back({scene, method, passes, seconds / n, std::sqrt(std::max(error / n, 0.0))});
     }
 }
 
@@ -243,7 +245,8 @@ std::string comparison_text(const Analysis& analysis) {
             "| scene | seconds | relative RMSE % | passes | method |\n|---|---:|---:|---:|---|\n";
     for (const auto& point : frontier)
         text += fmt::format("| {} | {} | {} | {} | {} |\n", point.scene, short_number(point.seconds),
-                            percent_text(point.relative_rmse), point.passes, point.method);
+                            point.relative_rmse > 0 ? percent_text(point.relative_rmse) : "below the reference's",
+                            point.passes, point.method);
     const auto laws = bias_laws(analysis);
     if (!laws.empty())
         text +=

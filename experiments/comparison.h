@@ -28,7 +28,7 @@ struct FrontierPoint {
     std::string scene, method;
     std::uint32_t passes;
     double seconds;        ///< mean over the seeds
-    double relative_rmse;  ///< of the whole image, as in EqualTimeRow
+    double relative_rmse;  ///< of the whole image, as in EqualTimeRow; 0: below what the reference resolves
 };
 /// Pareto's frontier over the checkpoints of all methods, of every scene with two methods or more; by scene, then by time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);

@@ -69,6 +69,7 @@ public:
             candidates_.push_back(
                 {hit, surface->normal, gather_.spacing_at(walk_.length()), walk_.sampler(), walk_.vertex()});
     }
+    void emitted(const Color&) {}  // not finite: no record can be made there
     void scattered(const Vec3&, const Vec3&) {}
 
 private:
@@ -113,8 +114,10 @@ std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, 
         const RecordPlace place{hit, surface->normal, spacing_at(walk.length()), walk.sampler(), walk.vertex()};
         const IrradianceRecord record = gather_.record_at(walk.rays(), place, found);
         irradiance = record.irradiance;
-        const std::scoped_lock lock(missing_mutex_);
-        missing_.push_back({record, place.spacing});
+        if (record.is_finite()) {  // else the film counts this sample, and no other one suffers
+            const std::scoped_lock lock(missing_mutex_);
+            missing_.push_back({record, place.spacing});
+        }
     }
     return Color(surface->radiance_per_irradiance * *irradiance);
 }
@@ -122,7 +125,8 @@ std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, 
 void CachedGather::end_pass() {
     // In an order that does not depend on which thread came first.
     const auto key = [](const Missing& m) {
-        return std::tuple(m.record.p.x(), m.record.p.y(), m.record.p.z(), m.record.n.x(), m.record.n.y());
+        return std::tuple(m.record.p.x(), m.record.p.y(), m.record.p.z(), m.record.n.x(), m.record.n.y(),
+                          m.record.n.z(), m.record.irradiance.sum());
     };
     std::sort(missing_.begin(), missing_.end(), [&](const Missing& a, const Missing& b) { return key(a) < key(b); });
     for (const Missing& m : missing_)
@@ -151,7 +155,8 @@ std::uint64_t CachedGather::add_records(std::vector<RecordPlace>& candidates) {
             traced += rays.count();
         });
         for (std::size_t i = 0; i < records.size(); ++i)
-            if (!cache_.covers(records[i].p, records[i].n)) cache_.insert(records[i], chosen[i]->spacing);
+            if (records[i].is_finite() && !cache_.covers(records[i].p, records[i].n))
+                cache_.insert(records[i], chosen[i]->spacing);
     }
     return traced;
 }

@@ -5,7 +5,7 @@
 // An overture fills the cache before the first pass: pixels on a coarse grid first, then on ever finer ones, each where the records so
 // far do not serve what it sees. Candidates of a grid are taken in a scattered order, a few at a time, which are tested against all
 // records before them, computed at once and added in order: no result depends on the number of threads. The last grid is that of the
-// pixels, with the paths of the first pass. Later passes interpolate with more slack than the overture asked for, and where there is
+// pixels, with the paths of the first pass. Passes interpolate with more slack than the overture asked for, and where there is
 // still no record they make one, which the others see after the pass.
 
 #include "methods/final_gather.h"

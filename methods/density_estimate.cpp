@@ -43,7 +43,13 @@ public:
           found_(found) {}
 
     Reflected radiance() {
-        if (e_.k == all_photons) return radiance_of_all();
+        Reflected light = e_.k == all_photons ? radiance_of_all() : radiance_of_nearest();
+        light.near_obstacle = near_obstacle_;
+        return light;
+    }
+
+private:
+    Reflected radiance_of_nearest() {
         find_nearest();
         std::size_t inside = found_.size();
         float r = e_.max_radius;
@@ -52,7 +58,7 @@ public:
             --inside;
         }
         if (e_.compensation) compensate(inside, r);
-        if (inside == 0 || !(r > 0.f)) return {};
+        if (inside == 0 || !(r > 0.f)) return {.radius = r};
         PhotonSums sums;
         for (std::size_t i = 0; i < inside; ++i) {
             const Photon photon = map_[found_[i].photon];
@@ -61,7 +67,6 @@ public:
         return normalised(sums, r);
     }
 
-private:
     bool counts(const Photon& photon, const Vec3& offset, float distance2) const {
         if (!eye_.accepts(photon)) return false;
         if (e_.area == DiscArea::plain) return true;
@@ -133,7 +138,7 @@ private:
     }
 
     Reflected normalised(const PhotonSums& sums, float r) {
-        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), near_obstacle_};
+        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), r};
         if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
             const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
             L.between_surfaces /= share;

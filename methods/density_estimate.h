@@ -44,6 +44,7 @@ inline constexpr std::size_t all_photons = std::numeric_limits<std::size_t>::max
 /// Radiance [W/(sr m^2)] by the photons' paths: those between surfaces alone, and those that a medium scattered.
 struct Reflected {
     Color between_surfaces = Color::Zero(), through_media = Color::Zero();
+    float radius = 0.f;  ///< of the disc that was looked at [scene units]
     bool near_obstacle =
         false;  ///< with DiscArea::surface: something stands on the disc, or another surface lies close to it
 };

@@ -26,6 +26,7 @@ public:
     void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
         radiance_ += walk_.throughput() * reflected(hit, wo);
     }
+    void emitted(const Color& not_finite) { radiance_ += not_finite; }
     void scattered(const Vec3&, const Vec3&) {}  // scenes with media are not gathered in
 
 private:

@@ -24,7 +24,8 @@ public:
     explicit PhotonLengths(const std::vector<Photon>& photons);
 
     /// What is estimated from photons of at most `limit` edges, as a share of what is from those of at most `longest`: that of their
-    /// power everywhere. Light of many bounces is nearly the same everywhere, and up to 5 % of it may be cut off so; empty: it would be more.
+    /// power everywhere. Light of many bounces is nearly the same everywhere, and a rescaling by up to 5 % is taken as right everywhere, once at the surface that the eye sees
+    /// and once where a gather ray ends; empty: it would be more.
     std::optional<float> share(int limit, int longest) const;
 
 private:

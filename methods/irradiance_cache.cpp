@@ -137,7 +137,8 @@ void IrradianceCache::limit_by_neighbours(IrradianceRecord& record, float least)
         const float apart = (other.p - record.p).norm();
         if (!(other.n.dot(record.n) > 0.f && apart < accuracy_ * std::max(record.distance, other.distance))) return;
         record.distance = std::max(std::min(record.distance, other.distance + apart), least);
-        other.distance = std::max(std::min(other.distance, record.distance + apart), least);
+        // Its own least spacing may be smaller than this one's: it is never raised.
+        other.distance = std::min(other.distance, std::max(record.distance + apart, least));
     };
     for_each_within(record.p, accuracy_ * record.distance, 0, root_, limit);
 }

@@ -39,7 +39,7 @@ IrradianceGradient to_world(const Weights& local, const Frame& frame, double fac
 /// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit.
 Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
     const float nearer = std::min(from.distance, to.distance);
-    if (nearer == infinity) return Color::Zero();
+    if (nearer == infinity || (to.radiance == from.radiance).all()) return Color::Zero();
     return (to.radiance - from.radiance) / nearer;
 }
 
@@ -100,6 +100,13 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
     record.translation = to_world(translation, frame, 1);
     record.distance = inverse_distances > 0 ? static_cast<float>(strata.count() / inverse_distances) : infinity;
     return record;
+}
+
+bool IrradianceRecord::is_finite() const {
+    const auto finite = [](const IrradianceGradient& g) {
+        return std::all_of(g.begin(), g.end(), [](const Vec3& v) { return v.allFinite(); });
+    };
+    return irradiance.isFinite().all() && finite(rotation) && finite(translation);
 }
 
 Color IrradianceRecord::at(const Vec3& position, const Vec3& normal) const {

@@ -46,6 +46,8 @@ struct IrradianceRecord {
     IrradianceGradient translation;  ///< E changes by translation . (p' - p) [W/m^2 per scene unit]
     float distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is
 
+    /// False: a ray has found what is no radiance, and the record must not be used elsewhere.
+    bool is_finite() const;
     /// What the irradiance at p' with the normal n' is, to first order, which may be less than 0.
     Color at(const Vec3& position, const Vec3& normal) const;
 };

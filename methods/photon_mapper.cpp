@@ -3,19 +3,21 @@
 //
 // Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the
 // caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
-// way). Where a free flight through a medium ends: light that comes straight from its source by light sampling, all
-// other from the volume map. Light found at the end of specular paths counts only before that surface or event
-// (emission), so that every path is counted once.
+// way), or by final gathering (gather > 0), through an irradiance cache if cache=on. Where a free flight through a medium
+// ends: light that comes straight from its source by light sampling, all other from the volume map. Light found at the
+// end of specular paths counts only before that surface or event (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection; shadow_photons, shadows and shadow_k, which
-// say what light_visibility.h is for; spp and max_depth as for all methods.
-// Defaults stand with the declarations at the end of this file.
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache, accuracy,
+// spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows (methods/light_visibility.h); spp and
+// max_depth as for all methods. Defaults stand with the declarations at the end of this file.
 // Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
-// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Shadow photons that skip
-// shadow rays (shadows=skip, both) add a bias at the edges of shadows.
-// A pass: one gather sample of every pixel. The maps are filled at the start. Photons are aimed: each light emits only
-// where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h; their number
-// stays, their power is that of the emission that is kept.
+// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Gathered light is blurred
+// where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records; near things
+// closer than min_spacing to each other records may miss what one of them sees. Where paths are limited, what is stored
+// is rescaled for longer ways from the eye (PhotonLengths). In scenes with media or dispersion nothing is gathered.
+// A pass: one gather sample of every pixel. The maps and the cache are filled at the start. Photons are aimed: each
+// light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
+// projection_map.h; their number stays, their power is that of the emission that is kept.
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper.h"
 
@@ -212,6 +214,12 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.cache = values.choice("cache") == "on";
     if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
     s.records = cache_settings_of(values);
+    if (s.gather == 0 && values.given("source"))
+        throw InputError("source says what gather rays see; gather=0 has none");
+    if (!s.cache)
+        for (const Parameter& parameter : cache_parameters())
+            if (values.given(parameter.name))
+                throw InputError(parameter.name + " is one of the irradiance cache's; cache=off has none");
     s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
                  chosen<Shadows>(shadows_names, values.choice("shadows")),
                  static_cast<std::uint32_t>(values.integer("shadow_k"))};

@@ -29,6 +29,15 @@ std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) 
     return hit;
 }
 
+/// How far a place's estimate reaches, in the bits that hold a photon's edges: as a part of the largest radius, rounded down.
+constexpr float radius_steps = 65535.f;
+int coded_radius(float radius, float largest) {
+    return largest > 0.f ? static_cast<int>(radius_steps * std::min(radius / largest, 1.f)) : 0;
+}
+float radius_of(const Photon& place, float largest) {
+    return largest * (static_cast<float>(place.edges) / radius_steps);
+}
+
 /// The mark of a place: a photon's place in a medium has no other use on a surface.
 bool is_near_obstacle(const Photon& place) { return place.in_medium(); }
 
@@ -50,7 +59,8 @@ std::vector<Photon> take_places(std::vector<Photon>& photons) {
     places.reserve(photons.size() / photons_per_place + 1);
     std::size_t left = 0;
     for (std::size_t i = 0; i < photons.size(); ++i) {
-        if (i % photons_per_place == 0) {
+        // Not by counting: where each path stores as many photons, the places would all be of the same vertices.
+        if (mix64(i) % photons_per_place == 0) {
             places.push_back(photons[i]);
             continue;
         }
@@ -79,7 +89,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             const Reflected light =
                 estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
                                              Sampler(PointSet::independent, seed, i, 0), 0, neighbours);
-            estimated[i] = Photon(places[i].p, pi * (light.between_surfaces + light.through_media), normal, normal, 0,
+            estimated[i] = Photon(places[i].p, pi * (light.between_surfaces + light.through_media), normal, normal,
+                                  coded_radius(light.radius, estimator.max_radius),
                                   light.near_obstacle);  // marked by what says `in a medium` for a photon
             found[i] = 1;
         }
@@ -103,6 +114,7 @@ std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHi
     places_.nearest(hit.p, 1, max_distance, on_surface, found);
     if (found.empty()) return std::nullopt;
     const Photon place = places_[found.front().photon];
+    if (found.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
     if (is_near_obstacle(place) && !reaches(rays, hit, normal, place)) return std::nullopt;
     return place.power();
 }

@@ -2,7 +2,7 @@
 // Irradiance estimated ahead at some of the photons, for gather rays: one nearest photon is found where otherwise many would be, and
 // weighed. Source: Christensen 1999, "Faster Photon Map Global Illumination", journal of graphics tools 4(3).
 //
-// Every eighth photon gives its place, the others their power, times 8 / 7: the places are then independent of the photons that are
+// One photon in eight gives its place, the others their power, times 8 / 7: the places are then independent of the photons that are
 // counted, as the thinned parts of a Poisson process are, so that the estimate at a place is as unbiased as anywhere else. (Were all
 // photons counted, each place would have a photon for certain, and the region in which it is the nearest would have too few others.)
 
@@ -24,7 +24,7 @@ public:
                           std::uint64_t& rays, StageProgress* progress);
 
     /// Irradiance [W/m^2] at the nearest place on the surface of `hit` on the side of `normal`; empty: there is none within
-    /// `max_distance`, or that one may lie behind a wall or on another surface. That is asked, by a short ray, only where the
+    /// `max_distance`, which is the estimator's largest radius, or within the disc of its own estimate; or that one may lie behind a wall or on another surface. That is asked, by a short ray, only where the
     /// estimate at the place has met an obstacle.
     std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float max_distance,
                             DensityEstimator::Found& found) const;

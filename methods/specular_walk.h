@@ -19,7 +19,8 @@ struct WalkSettings {
 ///  - emitted(radiance): light at the end of the specular path [W/(sr m^2)], times its throughput;
 ///  - diffuse(hit, wo, u): a surface with diffuse lobes; the path goes on by the specular ones, if there are any;
 ///  - scattered(p, wo): an event in a medium, where the path ends.
-/// At the last two at least one more edge is allowed. A visitor whose `wants_emission` is false pays nothing for it.
+/// At the last two at least one more edge is allowed. A visitor whose `wants_emission` is false pays nothing for it,
+/// and is told a throughput that is not finite only.
 class SpecularWalk {
 public:
     /// Starts in `medium` (null: nothing); all must outlive this.
@@ -142,7 +143,7 @@ private:
     bool survives(float u, Visitor& visitor) {
         if (!beta_.isFinite().all()) {
             // Roulette would end the path in silence; the film counts it.
-            if constexpr (Visitor::wants_emission) visitor.emitted(beta_);
+            visitor.emitted(beta_);
             return false;
         }
         const float survival = std::min(beta_.maxCoeff() * eta_scale_, 0.95f);

@@ -16,8 +16,7 @@ std::vector<Photon> even_photons(std::size_t count, std::uint64_t seed) {
     for (std::size_t i = 0; i < count; ++i) {
         const Vec2 u = Sampler(PointSet::independent, seed, i, 0).get_2d(0);
         const Vec3 p(2 * u.x() - 1, 2 * u.y() - 1, 0);
-        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), up, up,
-                             static_cast<int>(1 + i / 8 % 2));
+        photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), up, up, static_cast<int>(1 + i % 2));
     }
     return photons;
 }
@@ -29,12 +28,13 @@ LoadedScene floor_scene() {
 TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     auto photons = even_photons(8000, 1);
     const auto places = take_places(photons);
-    EXPECT_EQ(places.size(), 1000u);
-    EXPECT_EQ(photons.size(), 7000u);
+    // 5 standard deviations of a binomial count.
+    EXPECT_NEAR(static_cast<double>(places.size()), 1000, 5 * std::sqrt(8000 * 7 / 64.0));
+    EXPECT_EQ(photons.size() + places.size(), 8000u);
     double power = 0;
     for (const Photon& photon : photons)
         power += static_cast<double>(photon.power().x());
-    EXPECT_NEAR(power, 1, 2 * 0x1p-16) << "rounded twice";
+    EXPECT_NEAR(power, static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
 // At points that have nothing to do with the photons, irradiance is right in the mean over 200 maps within 5 standard errors of less
@@ -45,11 +45,12 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
     const Scene& scene = *loaded.scene;
     RayQueries rays(scene);
     test::Moments mean;
+    int asked = 0, answered = 0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         auto photons = even_photons(4000, seed);
         const auto places = take_places(photons);
         const PhotonMap map(std::move(photons));
-        const DensityEstimator estimator{Kernel::uniform, 20, 1.f, DiscArea::surface};
+        const DensityEstimator estimator{Kernel::uniform, 50, 1.f, DiscArea::surface};
         std::uint64_t traced = 0;
         const PrecomputedIrradiance irradiance(scene, places, map, estimator, 100, seed, traced, nullptr);
         EXPECT_EQ(irradiance.size(), places.size());
@@ -61,12 +62,15 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
                 const auto hit = rays.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)});
                 ASSERT_TRUE(hit);
                 const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), 1.f, found);
-                ASSERT_TRUE(E);
+                ++asked;
+                if (!E) continue;  // no place as near as its disc is wide: of 7 places in a disc, e^-7
                 sum += static_cast<double>(E->x());
                 ++points;
             }
         mean.add(4 * sum / points);
+        answered += points;
     }
+    EXPECT_GT(answered, 0.99 * asked);
     EXPECT_LT(mean.standard_error(), 0.002);
     EXPECT_NEAR(mean.mean(), 1, 5 * mean.standard_error());
 }
