@@ -1,0 +1,113 @@
+#include "methods/polygon_contour.h"
+
+#include "methods/quadrature_rules.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace gib {
+
+namespace {
+
+/// The inner contour.
+class LogarithmicContour {
+public:
+    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and logarithms near
+    /// zero lose fewer digits.
+    LogarithmicContour(const ConvexRegion& region, double scale) : region_(region), scale_(scale) {
+        for (std::size_t i = 0; i < region.size(); ++i) {
+            const Vec3d edge = region.after(i) - region[i];
+            lengths_[i] = edge.norm();
+            directions_[i] = lengths_[i] > 0 ? Vec3d(edge / lengths_[i]) : Vec3d::Zero();
+            perimeter_ += lengths_[i];
+        }
+    }
+
+    double perimeter() const { return perimeter_; }
+
+    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the distance from its line,
+    /// the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the second term adds up to that constant, and
+    /// the third to p times the angle that the edge subtends.
+    double integral(const Vec3d& x, const Vec3d& along) const {
+        std::array<Vec3d, ConvexRegion::max_vertices> rays;
+        std::array<double, ConvexRegion::max_vertices> logarithms;
+        for (std::size_t i = 0; i < region_.size(); ++i) {
+            rays[i] = region_[i] - x;
+            const double squared = rays[i].squaredNorm() / sqr(scale_);
+            logarithms[i] = squared > 0 ? 0.5 * std::log(squared) : 0;  // it is multiplied by 0
+        }
+        double sum = 0;
+        for (std::size_t i = 0; i < region_.size(); ++i) {
+            const double cosine = along.dot(directions_[i]);
+            if (cosine == 0) continue;
+            const std::size_t next = i + 1 == region_.size() ? 0 : i + 1;
+            const double p = rays[i].cross(directions_[i]).norm();
+            const double angle = std::atan2(p * lengths_[i], rays[i].dot(rays[next]));
+            sum += cosine * (rays[next].dot(directions_[i]) * logarithms[next] -
+                             rays[i].dot(directions_[i]) * logarithms[i] + p * angle);
+        }
+        return sum;
+    }
+
+private:
+    const ConvexRegion& region_;
+    double scale_, perimeter_ = 0;
+    std::array<double, ConvexRegion::max_vertices> lengths_;
+    std::array<Vec3d, ConvexRegion::max_vertices> directions_;
+};
+
+/// A part of an edge of the outer contour.
+struct Piece {
+    Vec3d from, to;
+    double value = 0, error = 0;
+
+    bool operator<(const Piece& other) const { return error < other.error; }
+};
+
+/// The error is that of Gauss's 7 points, far above that of the 15 that give the value.
+Piece integrated(const Vec3d& from, const Vec3d& to, const LogarithmicContour& inner) {
+    const Vec3d middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    double kronrod = 0, gauss = 0;
+    for (const KronrodNode& node : kronrod_15) {
+        double value = inner.integral(middle + node.x * half, half);
+        if (node.x > 0) value += inner.integral(middle - node.x * half, half);
+        kronrod += node.weight * value;
+        gauss += node.gauss_weight * value;
+    }
+    return {from, to, kronrod, std::abs(kronrod - gauss)};
+}
+
+}  // namespace
+
+double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, double error_share, double negligible) {
+    const LogarithmicContour contour(inner, inner.radius(inner.mean()));
+    std::vector<Piece> pieces;  // a heap: the piece of the largest error first
+    const auto add = [&](const Vec3d& from, const Vec3d& to) {
+        pieces.push_back(integrated(from, to, contour));
+        std::push_heap(pieces.begin(), pieces.end());
+    };
+    double perimeter = 0;
+    for (std::size_t i = 0; i < outer.size(); ++i) {
+        add(outer[i], outer.after(i));
+        perimeter += (outer.after(i) - outer[i]).norm();
+    }
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
+    for (;;) {
+        double value = 0, error = 0;
+        for (const Piece& piece : pieces) {
+            value += piece.value;
+            error += piece.error;
+        }
+        const double accepted = error_share * std::max(std::abs(value), 2 * std::numbers::pi * negligible);
+        if (error <= std::max(accepted, rounding)) return value / (2 * std::numbers::pi);
+        std::pop_heap(pieces.begin(), pieces.end());
+        const Piece worst = pieces.back();
+        pieces.pop_back();
+        const Vec3d middle = 0.5 * (worst.from + worst.to);
+        add(worst.from, middle);
+        add(middle, worst.to);
+    }
+}
+
+}  // namespace gib
