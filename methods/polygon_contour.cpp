@@ -1,5 +1,6 @@
 #include "methods/polygon_contour.h"
 
+#include "methods/closest_approach.h"
 #include "methods/quadrature_rules.h"
 
 #include <cmath>
@@ -78,6 +79,27 @@ Piece integrated(const Vec3d& from, const Vec3d& to, const LogarithmicContour& i
     return {from, to, kronrod, std::abs(kronrod - gauss)};
 }
 
+/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends as sharply as
+/// |x|, and a rule for smooth functions may not notice.
+std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRegion& inner) {
+    // Of the length: what is farther away shows in the difference between the two rules.
+    constexpr double near = 0.125;
+    const double length = (to - from).norm();
+    std::vector<double> places = {0, 1};
+    const auto add = [&](const ClosestApproach& place) {
+        if (place.distance < near * length) places.push_back(place.s);
+    };
+    for (std::size_t i = 0; i < inner.size(); ++i) {
+        add(closest_approach(from, to, inner[i], inner[i]));
+        add(closest_approach(from, to, inner[i], inner.after(i)));
+    }
+    std::ranges::sort(places);
+    const auto same = [](double a, double b) { return b - a < 1e-9; };
+    places.erase(std::unique(places.begin(), places.end(), same), places.end());
+    places.back() = 1;
+    return places;
+}
+
 }  // namespace
 
 double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, double error_share, double negligible) {
@@ -89,8 +111,11 @@ double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, do
     };
     double perimeter = 0;
     for (std::size_t i = 0; i < outer.size(); ++i) {
-        add(outer[i], outer.after(i));
-        perimeter += (outer.after(i) - outer[i]).norm();
+        const Vec3d &from = outer[i], edge = outer.after(i) - from;
+        const std::vector<double> places = divisions(from, outer.after(i), inner);
+        for (std::size_t k = 1; k < places.size(); ++k)
+            add(from + places[k - 1] * edge, from + places[k] * edge);
+        perimeter += edge.norm();
     }
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
     for (;;) {

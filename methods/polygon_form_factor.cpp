@@ -1,6 +1,7 @@
 #include "methods/polygon_form_factor.h"
 
 #include "common/error.h"
+#include "methods/closest_approach.h"
 #include "methods/convex_region.h"
 #include "methods/polygon_contour.h"
 #include "methods/quadrature_rules.h"
@@ -100,17 +101,6 @@ struct Side {
     }
 };
 
-/// Between the segments a b and c d. Source: Ericson 2005, "Real-Time Collision Detection", section 5.1.9.
-double segment_distance(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-    const Vec3d u = b - a, v = d - c, w = a - c;
-    const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-    const auto ratio = [](double x, double y) { return y > 0 ? std::clamp(x / y, 0.0, 1.0) : 0.0; };
-    double s = ratio(uv * vw - vv * uw, uu * vv - uv * uv);
-    const double t = ratio(s * uv + vw, vv);
-    s = ratio(t * uv - uw, uu);
-    return (w + s * u - t * v).norm();
-}
-
 /// How far the edges of `large` are from `small`.
 double distance_to_edges(const Side& small, const Side& large) {
     double nearest = std::numeric_limits<double>::infinity();
@@ -119,7 +109,7 @@ double distance_to_edges(const Side& small, const Side& large) {
         bool above = true;  // the inside of `small`
         for (std::size_t k = 0; k < small.region.size(); ++k) {
             const Vec3d &a = small.region[k], &b = small.region.after(k);
-            nearest = std::min(nearest, segment_distance(vertex, large.region.after(i), a, b));
+            nearest = std::min(nearest, closest_approach(vertex, large.region.after(i), a, b).distance);
             above = above && small.normal.dot((b - a).cross(vertex - a)) >= 0;
         }
         if (above) nearest = std::min(nearest, std::abs(small.normal.dot(vertex - small.origin)));
