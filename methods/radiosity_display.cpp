@@ -16,6 +16,9 @@ constexpr std::size_t vertices_per_block = 64;
 constexpr std::uint32_t rays_to_patch = 4;
 /// A patch is halved where irradiance changes over it by this share of the mean.
 constexpr double allowed_change = 0.1;
+/// How far over a leaf, in its radii, and how far inside it rays to its corners run.
+constexpr float lift = 0.02f;
+constexpr double corner_inset = 0.02;
 /// As often as this at most.
 constexpr int extra_halvings = 4;
 
@@ -38,33 +41,87 @@ std::uint32_t RadiosityDisplay::solved_patch(std::uint32_t leaf) const {
     return leaf;
 }
 
+double RadiosityDisplay::factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const {
+    const PatchNode& patch = mesh_.nodes()[node];
+    const double factor = point_form_factor(from.p, from.n, patch.polygon) * area_correction(patch);
+    if (!(factor > 0) || clear) return factor;
+    return factor * visibility_from(rays, mesh_, from.hit, patch, rays_to_patch, combine_keys(from.key, node));
+}
+
+void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
+                                 std::vector<Term>& row) const {
+    const PatchNode& patch = mesh_.nodes()[node];
+    const double factor = factor_to(rays, from, node, clear);
+    if (!(factor > 0)) return;
+    const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
+    const double stray = stray_weight * factor * nearness * light_.spread[node];
+    if (patch.child < solved_nodes_ && stray > settings_.links * light_.mean_irradiance) {
+        for (const std::uint32_t half : {patch.child, patch.child + 1})
+            add_terms(rays, from, half, clear, row);
+    } else {
+        row.push_back({node, static_cast<float>(factor)});
+    }
+}
+
 void RadiosityDisplay::gather_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
     const PatchSide& side = mesh_.sides()[mesh_.nodes()[vertex.leaf].side];
     const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
-    const Vec3d p = mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv), n = point.ns.cast<double>();
-    const std::uint64_t key =
-        combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at));
-    double sum = 0;
+    const Viewpoint from{
+        point, mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv), point.ns.cast<double>(),
+        combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at))};
     row.clear();
     for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = mesh_.nodes()[node].parent)
         for (const LinkTable::Entry& link : system_.links().of(node)) {
-            const PatchNode& other = mesh_.nodes()[link.other];
-            double factor = 0;
-            if (link.other == node) factor = static_cast<double>(link.exchange) / other.area;
-            else factor = point_form_factor(p, n, other.polygon) * area_correction(other);
-            if (factor > 0 && !link.clear)
-                factor *= visibility_from(rays, mesh_, point, other, rays_to_patch, combine_keys(key, link.other));
-            if (!(factor > 0)) continue;
-            sum += factor;
-            row.push_back({link.other, static_cast<float>(factor)});
+            if (link.other != node) add_terms(rays, from, link.other, link.clear, row);
+            else
+                row.push_back(
+                    {node, static_cast<float>(static_cast<double>(link.exchange) / mesh_.nodes()[node].area)});
         }
-    if (settings_.normalise && sum > 0)
-        for (Term& term : row)
-            term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
+    if (!settings_.normalise) return;
+    double sum = 0;
+    for (const Term& term : row)
+        sum += static_cast<double>(term.factor);
+    if (!(sum > 0)) return;
+    for (Term& term : row)
+        term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
+}
+
+/// A corner that something separates from its leaf's middle, a wall that stands on the surface, has the light of the other side.
+void RadiosityDisplay::look_at_corners() {
+    const auto& nodes = mesh_.nodes();
+    const std::size_t first = seen_corners_.size();
+    seen_corners_.resize(nodes.size(), 0);
+    std::atomic<std::uint64_t> traced = 0;
+    parallel_blocks(nodes.size() - first, vertices_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries rays(mesh_.charts().scene());
+        for (std::size_t i = first + begin; i < first + end; ++i) {
+            if (!nodes[i].is_leaf()) continue;
+            const PatchSide& side = mesh_.sides()[nodes[i].side];
+            seen_corners_[i] = 15;
+            if (!mesh_.charts()[side.chart].is_flat()) continue;  // it may bend between the two
+            seen_corners_[i] = 0;
+            const Vec2d middle = mesh_.middle_of(nodes[i]);
+            const auto lifted = [&](const Vec2d& uv) {
+                const SurfaceHit hit = mesh_.point_of_side(side, uv);
+                return Vec3(hit.p + (hit.offset + lift * static_cast<float>(nodes[i].radius)) * hit.ng);
+            };
+            const Vec3 origin = lifted(middle);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
+                const Vec2d corner = uv_of(nodes[i].corners[k]);
+                const Vec3 end_point = lifted(corner + corner_inset * (middle - corner));
+                if (!rays.intersect({origin, end_point - origin, 0.f, 1.f}))
+                    seen_corners_[i] = static_cast<std::uint8_t>(seen_corners_[i] | (1u << k));
+            }
+            if (seen_corners_[i] == 0) seen_corners_[i] = 15;
+        }
+        traced += rays.count();
+    });
+    rays_ += traced;
 }
 
 void RadiosityDisplay::add_rows() {
     vertices_.emplace(mesh_);
+    look_at_corners();
     const auto& vertices = vertices_->vertices();
     rows_.assign(vertices.size(), {});
     std::vector<std::uint32_t> unknown;
@@ -125,6 +182,7 @@ void RadiosityDisplay::show(const PatchColors& X) {
 bool RadiosityDisplay::changes_over(std::uint32_t leaf, double allowed) const {
     const auto& corners = vertices_->of_leaf(leaf);
     const auto count = static_cast<std::size_t>(mesh_.nodes()[leaf].corner_count());
+    if (seen_corners_[leaf] + 1u < 1u << count) return true;
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto E = static_cast<double>(irradiance_[corners[i]].mean());
@@ -164,9 +222,14 @@ Color RadiosityDisplay::irradiance(const SurfaceHit& hit, const Vec3& wo) const 
     const auto weights = mesh_.weights(leaf, place->uv);
     const auto& corners = vertices_->of_leaf(place->leaf);
     Color E = Color::Zero();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(leaf.corner_count()); ++i)
-        E += static_cast<float>(weights[i]) * irradiance_[corners[i]];
-    return E;
+    float total = 0.f;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(leaf.corner_count()); ++i) {
+        if ((seen_corners_[place->leaf] >> i & 1) == 0) continue;
+        const float weight = static_cast<float>(weights[i]) + 1e-6f;
+        E += weight * irradiance_[corners[i]];
+        total += weight;
+    }
+    return E / total;
 }
 
 Color RadiosityDisplay::whole_irradiance(const SurfaceHit& hit, const Vec3& wo) const {

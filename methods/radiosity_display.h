@@ -11,6 +11,7 @@ namespace gib {
 struct DisplaySettings {
     bool adapt;      ///< halve patches further where irradiance changes over them
     bool normalise;  ///< the scene is closed: rows sum up to 1
+    double links;    ///< allowed error of a link, a share of the mean irradiance
     std::uint64_t seed;
     double most_bytes;  ///< of rows; beyond: InputError
 };
@@ -44,11 +45,21 @@ private:
         std::uint32_t node;
         float factor;
     };
+    struct Viewpoint {
+        const SurfaceHit& hit;
+        Vec3d p, n;
+        std::uint64_t key;
+    };
     struct Row {
         std::size_t begin;
         std::uint32_t count;
     };
     void add_rows();
+    void look_at_corners();
+    double factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const;
+    /// Adds terms for a node, or for its halves where its light strays too far over it.
+    void add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
+                   std::vector<Term>& row) const;
     void gather_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
     bool changes_over(std::uint32_t leaf, double allowed) const;
 
@@ -60,6 +71,8 @@ private:
     std::optional<PatchVertices> vertices_;
     std::vector<Row> rows_;  ///< by vertex
     std::vector<Term> terms_;
+    /// By node: bits of a leaf's corners that nothing separates from its middle.
+    std::vector<std::uint8_t> seen_corners_;
     std::vector<Color> irradiance_;                              ///< by vertex
     std::vector<std::unordered_map<std::uint64_t, Row>> known_;  ///< by side: rows of corners of earlier meshes
     std::uint64_t rays_ = 0;

@@ -45,14 +45,18 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
-/// Fills the values of inner nodes with the means of their halves.
-void pull_expected(const PatchMesh& mesh, std::vector<double>& values) {
+/// Fills the expected radiosity of inner nodes, the mean of their halves, and its spread.
+void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     for (std::size_t i = nodes.size(); i-- > 0;) {
         if (nodes[i].is_leaf()) continue;
         const std::uint32_t a = nodes[i].child, b = a + 1;
         const double area = nodes[a].area + nodes[b].area;
-        values[i] = area > 0 ? (nodes[a].area * values[a] + nodes[b].area * values[b]) / area : 0;
+        if (!(area > 0)) continue;
+        const double share = nodes[a].area / area;
+        light.expected[i] = share * light.expected[a] + (1 - share) * light.expected[b];
+        light.spread[i] = std::sqrt(share * sqr(light.spread[a]) + (1 - share) * sqr(light.spread[b]) +
+                                    share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
     }
 }
 
@@ -73,7 +77,7 @@ void expect(const PatchMesh& mesh, PatchLight& light) {
     light.mean_irradiance = (received / area + ambient).mean();
     for (std::size_t i = 0; i < nodes.size(); ++i)
         if (nodes[i].is_leaf()) light.expected[i] = (light.reflectance[i] * (light.irradiance[i] + ambient)).mean();
-    pull_expected(mesh, light.expected);
+    pull_expected(mesh, light);
 }
 
 }  // namespace
@@ -91,6 +95,7 @@ PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64
     light.irradiance.assign(nodes.size(), Colord::Zero());
     light.reflectance.assign(nodes.size(), Colord::Zero());
     light.expected.assign(nodes.size(), 0.0);
+    light.spread.assign(nodes.size(), 0.0);
     std::atomic<std::uint64_t> traced = 0;
     std::optional<StageProgress> progress;
     if (stages) progress.emplace(*stages, "direct light", nodes.size());

@@ -88,35 +88,42 @@ private:
 
     static bool must_split(const PatchNode& node) { return !node.is_leaf() && node.spread > max_link_spread; }
 
-    /// A bound of the form factor from p to q, and the light that it brings to p over the mean.
-    double carried(const PatchNode& p, const PatchNode& q, std::uint32_t q_index, double& nearness) const {
+    /// What q sends to p over the mean irradiance, by a bound of the form factor: its light, and how far that strays over q.
+    struct Carried {
+        double light = 0, stray = 0, nearness = 1;
+    };
+    Carried carried(std::uint32_t p_index, std::uint32_t q_index) const {
+        const PatchNode& p = nodes_[p_index];
+        const PatchNode& q = nodes_[q_index];
         const Vec3d way = q.center - p.center;
         const double distance = way.norm(), reach = p.radius + q.radius;
-        nearness = distance > 0 ? std::min(1.0, reach / distance) : 1.0;
-        if (!(distance > 0)) return light_.expected[q_index] / light_.mean_irradiance;
-        const double cosines = largest_cosine(p.polygon.normal, way, distance, reach) *
-                               largest_cosine(q.polygon.normal, -way, distance, reach);
-        const double factor = cosines * q.polygon.area / (std::numbers::pi * sqr(distance) + q.polygon.area);
-        return factor * light_.expected[q_index] / light_.mean_irradiance;
+        Carried result;
+        double factor = 1;
+        if (distance > 0) {
+            result.nearness = std::min(1.0, reach / distance);
+            const double cosines = largest_cosine(p.polygon.normal, way, distance, reach) *
+                                   largest_cosine(q.polygon.normal, -way, distance, reach);
+            factor = cosines * q.polygon.area / (std::numbers::pi * sqr(distance) + q.polygon.area);
+        }
+        result.light = factor * light_.expected[q_index] / light_.mean_irradiance;
+        result.stray = factor * light_.spread[q_index] / light_.mean_irradiance;
+        return result;
     }
 
-    /// How far the exchange changes over the pair as light sees it, over what is allowed.
+    /// How far the exchange changes over the pair as light sees it, over what is allowed. What strays over the source errs alike for
+    /// many receivers and links, so less of it is allowed.
     double error_of(const Pair& pair) const {
-        const PatchNode& p = nodes_[pair.p];
-        const PatchNode& q = nodes_[pair.q];
-        if (settings_.refine_all || must_split(p) || must_split(q)) return 2;
+        const bool bent = must_split(nodes_[pair.p]) || must_split(nodes_[pair.q]);
+        if (settings_.refine_all || bent) return 2;
         if (!(light_.mean_irradiance > 0)) return 0;
-        double nearness = 1;
-        const double light = std::max(carried(p, q, pair.q, nearness), carried(q, p, pair.p, nearness));
-        return light * nearness / settings_.error;
+        const Carried to_p = carried(pair.p, pair.q), to_q = carried(pair.q, pair.p);
+        const double error = std::max({to_p.light, to_q.light, stray_weight * to_p.stray, stray_weight * to_q.stray});
+        return error * to_p.nearness / settings_.error;
     }
     /// The same where something stands between, which no distance smooths.
     double shadow_error_of(const Pair& pair) const {
         if (!(light_.mean_irradiance > 0)) return 0;
-        double nearness = 1;
-        const double light = std::max(carried(nodes_[pair.p], nodes_[pair.q], pair.q, nearness),
-                                      carried(nodes_[pair.q], nodes_[pair.p], pair.p, nearness));
-        return 0.5 * light / settings_.error;
+        return 0.5 * std::max(carried(pair.p, pair.q).light, carried(pair.q, pair.p).light) / settings_.error;
     }
 
     double unoccluded(const PatchNode& p, const PatchNode& q) const {

@@ -17,6 +17,7 @@ struct PatchLight {
     std::vector<Colord> reflectance;  ///< of leaves: mean
     std::vector<double>
         expected;  ///< of all nodes: radiosity with an estimate of what others add, mean of the channels [W/m^2]
+    std::vector<double> spread;  ///< standard deviation of `expected` over the leaves of a node [W/m^2]
     double mean_irradiance = 0;  ///< over all patches, that estimate included [W/m^2]
 };
 
@@ -41,6 +42,9 @@ struct PatchLinks {
 PatchLinks link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
                         const StageTimes* stages = nullptr);
 
+/// How much less a group's light may stray over it than links may err.
+inline constexpr double stray_weight = 8;
+
 /// The links of each node.
 class LinkTable {
 public:
@@ -61,7 +65,7 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// The share of n rays between points of both nodes that pass.
+/// The share of the light between two nodes that passes, by n rays.
 double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
                           std::uint32_t n, std::uint64_t key);
 /// The same from one point.

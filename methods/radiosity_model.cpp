@@ -38,8 +38,12 @@ std::string refusal(double needed, const RadiositySettings& settings, const std:
 std::size_t most_nodes(const Charts& charts, const RadiositySettings& settings) {
     const double nodes =
         PatchMesh::estimated_nodes(charts, settings.patch * static_cast<double>(charts.scene().diagonal()));
-    const double needed = nodes * bytes_per_node;
-    if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", nodes / 2)));
+    const double patches = std::ceil(nodes / 2);
+    double needed = nodes * bytes_per_node;
+    if (settings.solver != RadiositySolver::hierarchical)
+        needed += 0.5 * patches * (patches + 1) * LinkTable::bytes_per_link;
+    if (settings.solver == RadiositySolver::direct) needed += direct_solver_bytes(patches);
+    if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", patches)));
     // The estimate does not know how curved surfaces are and what shape triangles have.
     return static_cast<std::size_t>(settings.memory / bytes_per_node);
 }
@@ -53,7 +57,6 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
           return PatchMesh(charts_, settings.patch * static_cast<double>(scene.diagonal()),
                            most_nodes(charts_, settings));
       }()) {
-    check_memory();
     {
         const auto timer = stages.time("direct light");
         light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);
@@ -73,16 +76,7 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
     const auto timer = stages.time("vertices");
     display_ = std::make_unique<RadiosityDisplay>(
         mesh_, *system_, light_,
-        DisplaySettings{settings.adapt, closed_, combine_keys(seed, display_key), settings.memory});
-}
-
-void RadiosityModel::check_memory() const {
-    if (settings_.solver == RadiositySolver::hierarchical) return;
-    const auto n = static_cast<double>(mesh_.leaf_count());
-    double needed = 0.5 * n * (n + 1) * LinkTable::bytes_per_link + 2 * n * bytes_per_node;
-    if (settings_.solver == RadiositySolver::direct) needed += direct_solver_bytes(mesh_.leaf_count());
-    if (needed > settings_.memory)
-        throw InputError(refusal(needed, settings_, fmt::format("the full system of {} patches", mesh_.leaf_count())));
+        DisplaySettings{settings.adapt, closed_, settings.links, combine_keys(seed, display_key), settings.memory});
 }
 
 /// Rays from all patches end on the fronts of patches, so what a patch sends is received.

@@ -35,7 +35,6 @@ public:
 
 private:
     PatchColors shown() const;
-    void check_memory() const;
     bool is_closed();
 
     const RadiositySettings settings_;

@@ -181,9 +181,7 @@ private:
 
 }  // namespace
 
-double direct_solver_bytes(std::size_t patches) {
-    return static_cast<double>(patches) * static_cast<double>(patches) * sizeof(double);
-}
+double direct_solver_bytes(double patches) { return patches * patches * sizeof(double); }
 
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver) {
     switch (solver) {

@@ -97,6 +97,6 @@ protected:
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver);
 
 /// [bytes] that the direct solver's matrix takes.
-double direct_solver_bytes(std::size_t patches);
+double direct_solver_bytes(double patches);
 
 }  // namespace gib
