@@ -117,14 +117,14 @@ MethodDescription describe_radiosity() {
         "radiosity",
         "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
         {
-            {"patch", Parameter::Kind::number, "0.03", "scene diagonals", 1e-5, 1, {}, "longest edge of a patch"},
+            {"patch", Parameter::Kind::number, "0.04", "scene diagonals", 1e-5, 1, {}, "longest edge of a patch"},
             choice_parameter(
                 "solver", strings(radiosity_solver_names),
                 "hierarchical: links between groups of patches, by conjugate gradients; the others solve the "
                 "full system, direct by Cholesky's factors"),
             {"links",
              Parameter::Kind::number,
-             "0.01",
+             "0.02",
              "mean irradiances",
              1e-6,
              10,

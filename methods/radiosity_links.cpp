@@ -12,7 +12,7 @@ namespace gib {
 
 namespace {
 
-/// Rays of a link's first look, and of the second if these disagree.
+/// Rays between two patches, and between groups, or two patches of which the first rays disagree.
 constexpr std::uint32_t few_rays = 4, more_rays = 16;
 /// Of the closed-form factors, relative.
 constexpr double leaf_tolerance = 1e-4, link_tolerance = 1e-3;
@@ -52,8 +52,8 @@ public:
         const double error = can_split ? error_of(pair) : 0;
         if (error > 1) return split(pair, pairs);
         const std::uint64_t key = combine_keys(combine_keys(settings_.seed, pair.p), pair.q);
-        double visible = visibility_between(rays, mesh_, p, q, few_rays, key);
-        if (can_split || (visible > 0 && visible < 1))
+        double visible = visibility_between(rays, mesh_, p, q, can_split ? more_rays : few_rays, key);
+        if (!can_split && visible > 0 && visible < 1)
             visible = visibility_between(rays, mesh_, p, q, more_rays, mix64(key));
         if (visible == 0) return;
         const bool clear = visible == 1;
