@@ -79,7 +79,6 @@ TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
-        EXPECT_LT(scene.system.closure().mean, 0.01);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
         PatchColors X = solution->radiosity();
         const PatchColors E = scene.system.gather(X);
@@ -87,9 +86,15 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     }
 }
 
+// Between flat patches that nothing hides, form factors are those of the closed form: what scaling has to mend is small.
+TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
+    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0 0 0", 1), 0.51);
+    EXPECT_LT(scene.system.closure().largest, 1e-3);
+}
+
 TEST(RadiositySystem, AnIntegratingSphereIsLitEvenly) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
-        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.3, 0.02);
+        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
         PatchColors X = solution->radiosity();
         const PatchColors E = scene.system.gather(X);
