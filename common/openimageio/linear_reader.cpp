@@ -1,4 +1,4 @@
-#include "common/linear_file.h"
+#include "common/openimageio/linear_reader.h"
 
 #include "common/error.h"
 #include "common/srgb.h"
@@ -53,94 +53,67 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
 
 }  // namespace
 
-struct LinearFile::Input {
-    std::unique_ptr<OIIO::ImageInput> file;
-    std::vector<int> channels;
-    std::vector<float> decoded;  ///< the linear value of each byte, if the file holds bytes in sRGB
-    bool srgb = false;
-
-    float linear(float v) const {
-        if (!srgb) return v;
-        return decoded.empty() ? linear_from_srgb(v) : decoded[static_cast<std::size_t>(v * 255 + 0.5f)];
-    }
-};
-
-LinearFile::LinearFile(const std::string& path, bool raw) : path_(path), input_(std::make_unique<Input>()) {
+std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO::ImageSpec* config) {
     const SourceLocation where{path, 0, 0};
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) throw InputError(where, "no such file");
     if (std::filesystem::is_directory(path, ignored)) throw InputError(where, "this is a folder, not an image");
-    OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are stored, not multiplied by alpha
-    input_->file = OIIO::ImageInput::open(path, &config);
-    if (!input_->file) throw InputError(where, "not an image that can be read: " + OIIO::geterror());
-    if (input_->file->seek_subimage(1, 0)) throw InputError(where, "the file has several parts; one is supported");
-    OIIO::geterror();  // what the search for a second part left behind
-    input_->file->geterror();
-    const OIIO::ImageSpec& spec = input_->file->spec();
+    auto file = OIIO::ImageInput::open(path, config);
+    if (!file) throw InputError(where, "not an image that can be read: " + OIIO::geterror());
+    const OIIO::ImageSpec& spec = file->spec();
     if (spec.deep) throw InputError(where, "a deep image; only flat ones are supported");
     if (spec.depth > 1) throw InputError(where, "a volume, not an image");
     if (spec.width < 1 || spec.height < 1) throw InputError(where, "the image has no pixels");
-    input_->channels = choose_channels(spec, where);
-    require_srgb_primaries(spec, where);
-    const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
-    input_->srgb = !raw && (bytes || spec.format == OIIO::TypeDesc::UINT16);
-    if (input_->srgb && bytes)
-        for (int i = 0; i < 256; ++i)
-            input_->decoded.push_back(linear_from_srgb(static_cast<float>(i) / 255));
-    width_ = spec.width;
-    height_ = spec.height;
-    channels_ = static_cast<int>(input_->channels.size());
+    return file;
 }
 
-LinearFile::~LinearFile() = default;
-LinearFile::LinearFile(LinearFile&&) noexcept = default;
+void require_one_part(OIIO::ImageInput& file, const SourceLocation& where) {
+    if (file.seek_subimage(1, 0)) throw InputError(where, "the file has several parts; one is supported");
+    OIIO::geterror();  // what the search for a second part left behind
+    file.geterror();
+}
 
-void LinearFile::read_rows(int begin, int end, float* values) const {
-    OIIO::ImageInput& file = *input_->file;
-    const OIIO::ImageSpec& spec = file.spec();
-    const auto [first, last] = std::minmax_element(input_->channels.begin(), input_->channels.end());
+LinearReader::LinearReader(const std::string& path, bool raw) : path_(path) {
+    const SourceLocation where{path, 0, 0};
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are stored, not multiplied by alpha
+    file_ = open_file(path, &config);
+    require_one_part(*file_, where);
+    const OIIO::ImageSpec& spec = file_->spec();
+    channels_ = choose_channels(spec, where);
+    require_srgb_primaries(spec, where);
+    const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
+    srgb_ = !raw && (bytes || spec.format == OIIO::TypeDesc::UINT16);
+    if (srgb_ && bytes)
+        for (int i = 0; i < 256; ++i)
+            decoded_.push_back(linear_from_srgb(static_cast<float>(i) / 255));
+}
+
+float LinearReader::linear(float v) const {
+    if (!srgb_) return v;
+    return decoded_.empty() ? linear_from_srgb(v) : decoded_[static_cast<std::size_t>(v * 255 + 0.5f)];
+}
+
+void LinearReader::read_rows(int begin, int end, float* values) const {
+    const OIIO::ImageSpec& spec = file_->spec();
+    const auto [first, last] = std::minmax_element(channels_.begin(), channels_.end());
     const int stride = *last - *first + 1;
     // Tiles can only be read as a whole.
     const int tile = std::max(spec.tile_height, 1);
-    const int from = begin / tile * tile, to = std::min((end + tile - 1) / tile * tile, height_);
-    const auto row = static_cast<std::size_t>(width_) * static_cast<std::size_t>(stride);
+    const int from = begin / tile * tile, to = std::min((end + tile - 1) / tile * tile, spec.height);
+    const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stride);
     std::vector<float> stored(row * static_cast<std::size_t>(to - from));
     const bool read = spec.tile_width > 0
-                          ? file.read_tiles(0, 0, spec.x, spec.x + width_, spec.y + from, spec.y + to, spec.z,
-                                            spec.z + 1, *first, *last + 1, OIIO::TypeDesc::FLOAT, stored.data())
-                          : file.read_scanlines(0, 0, spec.y + from, spec.y + to, spec.z, *first, *last + 1,
-                                                OIIO::TypeDesc::FLOAT, stored.data());
-    if (!read) throw InputError({path_, 0, 0}, "the image is damaged: " + file.geterror());
+                          ? file_->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + from, spec.y + to, spec.z,
+                                              spec.z + 1, *first, *last + 1, OIIO::TypeDesc::FLOAT, stored.data())
+                          : file_->read_scanlines(0, 0, spec.y + from, spec.y + to, spec.z, *first, *last + 1,
+                                                  OIIO::TypeDesc::FLOAT, stored.data());
+    if (!read) throw InputError({path_, 0, 0}, "the image is damaged: " + file_->geterror());
     const float* pixel = stored.data() + row * static_cast<std::size_t>(begin - from);
-    const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(end - begin);
+    const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin);
     for (std::size_t i = 0; i < count; ++i, pixel += stride)
-        for (const int channel : input_->channels)
-            *values++ = input_->linear(pixel[channel - *first]);
-}
-
-LinearImage load_linear_image(const std::string& path) {
-    const LinearFile file(path, false);
-    LinearImage image(file.width(), file.height());
-    constexpr int rows = 64;
-    const auto channels = static_cast<std::size_t>(file.channels());
-    std::vector<float> values(static_cast<std::size_t>(image.width) * rows * channels);
-    for (int y = 0; y < image.height; y += rows) {
-        const int end = std::min(y + rows, image.height);
-        file.read_rows(y, end, values.data());
-        const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
-        const std::size_t count = static_cast<std::size_t>(end - y) * static_cast<std::size_t>(image.width);
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const float v = values[i * channels + (channels == 3 ? k : 0)];
-                if (!std::isfinite(v))
-                    throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is not finite: {}",
-                                                               (first + i) % static_cast<std::size_t>(image.width),
-                                                               (first + i) / static_cast<std::size_t>(image.width), v));
-                image.rgb[3 * (first + i) + k] = v;
-            }
-    }
-    return image;
+        for (const int channel : channels_)
+            *values++ = linear(pixel[channel - *first]);
 }
 
 }  // namespace gib
