@@ -13,7 +13,7 @@ namespace gib {
 
 namespace {
 
-/// Later passes average over this many times the reach of the overture's records.
+/// Passes average over this many times the reach of the records that the overture was content with.
 constexpr float slack = 1.4f;
 /// The overture's first grid has a pixel in so many, along and across.
 constexpr std::size_t coarsest_grid = 32;
@@ -59,6 +59,7 @@ CacheSettings cache_settings_of(const ParameterValues& values) {
 class CachedGather::CandidateVisitor {
 public:
     static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
 
     CandidateVisitor(const CachedGather& gather, const SpecularWalk& walk, std::vector<RecordPlace>& candidates)
         : gather_(gather), walk_(walk), candidates_(candidates) {}
