@@ -9,10 +9,11 @@
 
 namespace gib {
 
-/// The vertices of a convex polygon; 5 is what a cut of 4 leaves at most.
+/// The vertices of a convex polygon: 5 at most after a cut of 4, and 6 if those lie so far off a plane that it cuts all
+/// four edges.
 class ConvexRegion {
 public:
-    static constexpr std::size_t max_vertices = 5;
+    static constexpr std::size_t max_vertices = 6;
 
     void add(const Vec3d& vertex) { vertices_[count_++] = vertex; }
     std::span<const Vec3d> vertices() const { return {vertices_.data(), count_}; }
@@ -61,8 +62,8 @@ struct RoundedPlane {
     }
 };
 
-/// The part of a polygon of at most 4 vertices on the side of the plane that its normal points to. Vertices of height 0 are kept; a
-/// polygon that lies in the plane has no such part. Source: Sutherland and Hodgman 1974.
+/// The part of a polygon of at most 4 vertices on the side of the plane that its normal points to. Vertices of height 0
+/// are kept; a polygon that lies in the plane has no such part. Source: Sutherland and Hodgman 1974.
 inline ConvexRegion front_part(std::span<const Vec3d> vertices, const RoundedPlane& plane) {
     std::array<double, ConvexRegion::max_vertices> heights;
     double highest = 0;

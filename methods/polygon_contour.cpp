@@ -14,8 +14,8 @@ namespace {
 /// The inner contour.
 class LogarithmicContour {
 public:
-    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and logarithms near
-    /// zero lose fewer digits.
+    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and
+    /// logarithms near zero lose fewer digits.
     LogarithmicContour(const ConvexRegion& region, double scale) : region_(region), scale_(scale) {
         for (std::size_t i = 0; i < region.size(); ++i) {
             const Vec3d edge = region.after(i) - region[i];
@@ -27,9 +27,9 @@ public:
 
     double perimeter() const { return perimeter_; }
 
-    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the distance from its line,
-    /// the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the second term adds up to that constant, and
-    /// the third to p times the angle that the edge subtends.
+    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the
+    /// distance from its line, the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the
+    /// second term adds up to that constant, and the third to p times the angle that the edge subtends.
     double integral(const Vec3d& x, const Vec3d& along) const {
         std::array<Vec3d, ConvexRegion::max_vertices> rays;
         std::array<double, ConvexRegion::max_vertices> logarithms;
@@ -58,8 +58,8 @@ private:
     std::array<Vec3d, ConvexRegion::max_vertices> directions_;
 };
 
-/// A section of an edge of the outer contour, with the coordinate t in [0, 1] that gathers nodes at its ends: with u = t^2 (3 - 2 t) of
-/// the way, u ln u du, as where contours meet, becomes about t^3 ln t dt.
+/// A section of an edge of the outer contour, with the coordinate t in [0, 1] that gathers nodes at its ends: with u =
+/// t^2 (3 - 2 t) of the way, u ln u du, as where contours meet, becomes about t^3 ln t dt.
 struct Section {
     Vec3d from, along;
 
@@ -90,8 +90,8 @@ Piece integrated(const Section& section, double lower, double upper, const Logar
     return {section, lower, upper, half * kronrod, half * std::abs(kronrod - gauss)};
 }
 
-/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends as sharply as
-/// |x|, and a rule for smooth functions may not notice.
+/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends
+/// as sharply as |x|, and a rule for smooth functions may not notice.
 std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRegion& inner) {
     // Of the length: what is farther away shows in the difference between the two rules.
     constexpr double near = 0.125;
@@ -128,7 +128,7 @@ double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, do
             add({from + places[k - 1] * edge, (places[k] - places[k - 1]) * edge}, 0, 1);
         perimeter += edge.norm();
     }
-    const double rounding = 8 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
+    const double rounding = 32 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
     for (;;) {
         double value = 0, error = 0;
         for (const Piece& piece : pieces) {
@@ -136,7 +136,7 @@ double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, do
             error += piece.error;
         }
         const double accepted = error_share * std::max(std::abs(value), 2 * std::numbers::pi * negligible);
-        if (error <= std::max(accepted, rounding)) return value / (2 * std::numbers::pi);
+        if (!(error > std::max(accepted, rounding))) return value / (2 * std::numbers::pi);
         std::pop_heap(pieces.begin(), pieces.end());
         const Piece worst = pieces.back();
         pieces.pop_back();

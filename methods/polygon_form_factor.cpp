@@ -23,12 +23,12 @@ PatchPolygon polygon_of(std::array<Vec3d, 4> vertices, int count, const Vec3d& d
     return {std::move(vertices), count, doubled_area / length, 0.5 * length};
 }
 
-/// A bound of |d^2(n . r |r|^-4)| in any direction, times |r|^5: 2 * 4 from the product of the first derivatives, 20 from the second
-/// of |r|^-4.
+/// A bound of |d^2(n . r |r|^-4)| in any direction, times |r|^5: 2 * 4 from the product of the first derivatives, 20
+/// from the second of |r|^-4.
 constexpr double curvature_bound = 28;
 
-/// The kernel at the centroid times the area, which is exact for a kernel that is linear in y, with a bound of its error. The height
-/// over the polygon's plane is the same everywhere on it, so what bends is (n . r) / |r|^4.
+/// The kernel at the centroid times the area, which is exact for a kernel that is linear in y, with a bound of its
+/// error. The height over the polygon's plane is the same everywhere on it, so what bends is (n . r) / |r|^4.
 struct CentroidEstimate {
     double value = 0, error = 0;
 
@@ -53,8 +53,8 @@ struct CentroidEstimate {
     }
 };
 
-/// point_form_factor of a polygon wholly above the horizon; `rays` lead from the point to its vertices, `height` is that of the point
-/// over its plane.
+/// point_form_factor of a polygon wholly above the horizon; `rays` lead from the point to its vertices, `height` is
+/// that of the point over its plane.
 double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, double height) {
     double sum = 0, magnitude = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -69,7 +69,8 @@ double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, dou
         magnitude += std::abs(term);
     }
     const double share = sum / (2 * std::numbers::pi);
-    // The sum of what is far or seen from the side is much smaller than its terms, but only then the other formula can be better.
+    // The sum of what is far or seen from the side is much smaller than its terms, but only then the other formula can
+    // be better.
     constexpr double cancelled = 1e-4;
     if (std::abs(sum) < cancelled * magnitude) {
         const double error = 4 * epsilon * magnitude / std::numbers::pi;
@@ -88,8 +89,8 @@ RoundedPlane plane_of(const PatchPolygon& polygon, double rounding) {
     return {corners[0], polygon.normal, rounding, rounding / width};
 }
 
-/// The part of a polygon in front of the other one. All of it is seen by all of the other's, so between these parts the kernel is
-/// smooth where they do not touch.
+/// The part of a polygon in front of the other one. All of it is seen by all of the other's, so between these parts the
+/// kernel is smooth where they do not touch.
 struct Side {
     ConvexRegion region;
     RoundedPlane plane;
@@ -111,8 +112,8 @@ struct Side {
     }
 };
 
-/// How far the places are from `small` where the point form factor of `large` is not smooth: its edges; of an edge in the plane of
-/// `small`, the ends alone, because it adds nothing but its angle.
+/// How far the places are from `small` where the point form factor of `large` is not smooth: its edges; of an edge in
+/// the plane of `small`, the ends alone, because it adds nothing but its angle.
 double distance_to_edges(const Side& small, const Side& large) {
     double nearest = std::numeric_limits<double>::infinity();
     std::array<double, ConvexRegion::max_vertices> heights;
@@ -137,13 +138,15 @@ double distance_to_edges(const Side& small, const Side& large) {
 /// A quadrilateral, or a triangle whose last vertex is its first.
 using Corners = std::array<Vec3d, 4>;
 
-/// The nodes that Gauss's rule needs along a segment so that the error of point_form_factor's mean is below the share `tolerance`.
+/// The nodes that Gauss's rule needs along a segment so that the error of point_form_factor's mean is below the share
+/// `tolerance`.
 ///
-/// Each edge's angle over its sine is the integral of |r|^-2 along the edge, so it is analytic in the complex coordinate x along the
-/// segment as long as |r|^2 != 0, that is while |Im x| is below the distance of Re x from the edge. With d = distance / half_length
-/// and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds for B <= d and sqrt(1 + 2 B^2) <= 1 + d. The rule of n
-/// nodes then errs by about M rho^(-2 n), rho = B + sqrt(1 + B^2) (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height
-/// over the other plane and the Jacobian are linear, so one node is added.
+/// Each edge's angle over its sine is the integral of |r|^-2 along the edge, so it is analytic in the complex
+/// coordinate x along the segment as long as |r|^2 != 0, that is while |Im x| is below the distance of Re x from the
+/// edge. With d = distance / half_length and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds
+/// for B <= d and sqrt(1 + 2 B^2) <= 1 + d. The rule of n nodes then errs by about M rho^(-2 n), rho = B + sqrt(1 +
+/// B^2) (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height over the other plane and the Jacobian are
+/// linear, so one node is added.
 std::size_t nodes_along(double half_length, double distance, double tolerance) {
     constexpr double within = 0.9;  // |r|^-2 is infinite on the largest ellipse
     constexpr double relative_bound = 20;
@@ -198,7 +201,7 @@ double pair_integral(const Side& small, const Side& large, double tolerance) {
     const AreaRule first(whole, distance, tolerance);
     std::optional<AreaRule> rest;
     if (r.size() == 5) rest.emplace(Corners{r[0], r[3], r[4], r[0]}, distance, tolerance);
-    if (first.suffices() && (!rest || rest->suffices()))
+    if (r.size() <= 5 && first.suffices() && (!rest || rest->suffices()))
         return first.integral(small.plane.normal, large) + (rest ? rest->integral(small.plane.normal, large) : 0.0);
     // Neighbours in one plane but for rounding have a factor that means nothing.
     constexpr double negligible = 1e-6;
