@@ -135,7 +135,7 @@ void CachedGather::end_pass() {
     missing_.clear();
 }
 
-std::uint64_t CachedGather::add_records(std::vector<RecordPlace>& candidates) {
+std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidates) {
     std::atomic<std::uint64_t> traced = 0;
     // Scattered, so that those made at once are rarely close to each other.
     std::vector<std::size_t> order(candidates.size());
