@@ -89,10 +89,14 @@ int render(const RenderOptions& options, std::ostream& out) {
                       {"passes", std::to_string(last.passes)},
                       {"seconds", fmt::format("{:.6f}", last.seconds)},
                       {"program", program_version()}};
+    for (const auto& [name, value] : measured.facts)
+        image.metadata[name] = value;
     write_exr(options.out, image);
     progress.message(fmt::format("{}: {} passes", options.out, last.passes));
     out << fmt::format("seconds: {:.4f}\nrays: {}\nrays per second: {:.4g}\n", last.seconds, last.counts.rays,
                        static_cast<double>(last.counts.rays) / last.seconds);
+    for (const auto& [name, value] : measured.facts)
+        out << fmt::format("{}: {}\n", name, value);
     warn_of_non_finite(last.counts.non_finite, options.seed);
     return 0;
 }

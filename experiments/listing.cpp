@@ -19,6 +19,7 @@ namespace gib {
 namespace {
 
 std::string range_of(const Parameter& p) {
+    if (p.kind == Parameter::Kind::text) return "text";
     if (p.kind == Parameter::Kind::choice) return fmt::format("{}", fmt::join(p.choices, "|"));
     std::string range =
         std::isinf(p.upper) ? fmt::format("at least {:g}", p.lower) : fmt::format("{:g} to {:g}", p.lower, p.upper);

@@ -73,6 +73,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         if (observer) observer(passes, charged);
         if (ends) break;
     }
+    result.facts = run->facts();
     result.stages = with_other(stages.stages(), charged);
     return result;
 }

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace gib {
@@ -33,6 +35,7 @@ struct Measurement {
     std::vector<Checkpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;  ///< the last is `other`: charged and not staged
     bool converged = false;
+    std::vector<std::pair<std::string, std::string>> facts;  ///< what the run says of itself at the end
 };
 
 /// Sees each checkpoint with its image; not charged.

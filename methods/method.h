@@ -110,6 +110,8 @@ public:
     /// Linear radiance after the passes so far; copies and normalises only, so that it need not be charged.
     virtual ComponentImages image() const = 0;
     virtual RunCounts counts() const = 0;
+    /// What else a user should know of the result so far, by name: `residual`, `5.1e-05`. Names are single words.
+    virtual std::vector<std::pair<std::string, std::string>> facts() const { return {}; }
 };
 
 class Method {

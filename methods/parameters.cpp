@@ -26,7 +26,7 @@ std::string range_text(const Parameter& p) {
 
 void check(const Parameter& p, const std::string& value, const SourceLocation& where) {
     const bool is_word = std::find(p.choices.begin(), p.choices.end(), value) != p.choices.end();
-    if (is_word) return;
+    if (is_word || p.kind == Parameter::Kind::text) return;
     if (p.kind == Parameter::Kind::choice)
         throw InputError(where, fmt::format("parameter '{}' cannot be '{}'; it is one of: {}", p.name, value,
                                             fmt::join(p.choices, ", ")));

@@ -15,7 +15,7 @@
 namespace gib {
 
 struct Parameter {
-    enum class Kind { number, integer, choice };
+    enum class Kind { number, integer, choice, text };
     std::string name;
     Kind kind;
     std::string default_value;  ///< as text; empty: stated in `sentence`
@@ -49,11 +49,12 @@ public:
     double number(std::string_view name) const;
     std::int64_t integer(std::string_view name) const;
     std::string choice(std::string_view name) const;
+    /// Of a text: empty unless given.
+    std::string text(std::string_view name) const;
     /// Empty if the value is one of the words that stand beside numbers.
     std::optional<double> number_unless_word(std::string_view name) const;
 
 private:
-    std::string text(std::string_view name) const;
     std::vector<Parameter> declared_;
     std::vector<std::pair<std::string, std::string>> values_;
 };

@@ -41,9 +41,9 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
 
 /// Adds one sample of every pixel to the film and returns the number of rays traced; `stage` is what `stages` is told
 /// about it. `start_block()` gives the sampling function of one block of pixels, which may own scratch memory:
-/// PixelSample(RayQueries&, const TracedRay&, const Sampler&).
-template <typename StartBlock>
-std::uint64_t sample_pixels(const Scene& scene, Film& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
+/// PixelSample(RayQueries&, const TracedRay&, const Sampler&). The film is a Film or takes samples like one.
+template <typename AnyFilm, typename StartBlock>
+std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
                             StageTimes& stages, std::string_view stage, StartBlock&& start_block) {
     const auto timer = stages.time(stage);
     const Sensor& sensor = scene.sensor();

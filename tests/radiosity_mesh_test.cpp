@@ -1,0 +1,165 @@
+// How surfaces become patches.
+#include "tests/radiosity_fixtures.h"
+
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+const std::string tilt = "<rotate x='1' y='2' z='3' angle='40'/><translate x='0.3' y='-2' z='5'/></transform>";
+const std::string grey = one_sided("0.5");
+
+struct NamedShape {
+    std::string name, xml;
+    double area;
+    std::size_t charts;
+};
+void PrintTo(const NamedShape& shape, std::ostream* out) { *out << shape.name; }
+
+std::string shape(const std::string& type, const std::string& transform, const std::string& inside = grey) {
+    return "<shape type='" + type + "'><transform name='to_world'>" + transform + tilt + inside + "</shape>";
+}
+
+std::vector<NamedShape> shapes() {
+    return {
+        {"rectangle", shape("rectangle", "<scale x='3' y='0.5'/>"), 6, 1},
+        {"cube", shape("cube", "<scale x='1' y='2' z='3'/>"), 8 * (2 + 3 + 6), 6},
+        {"sphere", shape("sphere", "<scale value='2'/>"), 16 * pi, 6},
+        {"disk", shape("disk", "<scale value='2'/>"), 4 * pi, 1},
+        {"cylinder", shape("cylinder", "<scale value='2'/>"), 2 * pi * 2 * 2, 4},
+        {"instance",
+         "<shape type='shapegroup' id='g'><shape type='rectangle'>" + grey +
+             "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
+             tilt + "</shape>",
+         16, 1},
+    };
+}
+
+class EveryShapeInPatches : public testing::TestWithParam<NamedShape> {
+protected:
+    EveryShapeInPatches()
+        : scene_(scene_of(scene_xml(inside_view + GetParam().xml))),
+          charts_(*scene_.scene),
+          mesh_(charts_, 0.4, 100000) {}
+    LoadedScene scene_;
+    Charts charts_;
+    PatchMesh mesh_;
+};
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShapeInPatches, testing::ValuesIn(shapes()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(EveryShapeInPatches, HasAsManyChartsAsItHasFaces) { EXPECT_EQ(charts_.size(), GetParam().charts); }
+
+TEST_P(EveryShapeInPatches, CoversItOnce) {
+    double area = 0;
+    for (const PatchNode& node : mesh_.nodes())
+        if (node.is_leaf()) area += node.area;
+    EXPECT_NEAR(area / GetParam().area, 1, 1e-5);
+}
+
+TEST_P(EveryShapeInPatches, HasNoLongerEdgesThanAsked) {
+    std::size_t leaves = 0;
+    for (const PatchNode& node : mesh_.nodes()) {
+        if (!node.is_leaf()) continue;
+        ++leaves;
+        const auto corners = node.polygon.corners();
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            EXPECT_LT((corners[(i + 1) % corners.size()] - corners[i]).norm(), 0.4 * 1.01);
+    }
+    EXPECT_GT(static_cast<double>(leaves), GetParam().area / (0.4 * 0.4));
+    EXPECT_LT(static_cast<double>(leaves), 12 * GetParam().area / (0.4 * 0.4));
+}
+
+TEST_P(EveryShapeInPatches, FindsThePlaceOfEveryPoint) {
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const Sampler u(PointSet::sobol, 3, 0, i);
+        const PatchNode& root = mesh_.nodes()[mesh_.sides()[i % mesh_.sides().size()].root];
+        const SurfaceHit hit = mesh_.point_on(root, u.get_2d(0).cast<double>());
+        const auto place = mesh_.locate(hit, hit.ng);
+        ASSERT_TRUE(place);
+        const PatchNode& leaf = mesh_.nodes()[place->leaf];
+        EXPECT_TRUE(leaf.is_leaf());
+        const auto weights = mesh_.weights(leaf, place->uv);
+        Vec3d p = Vec3d::Zero();
+        double sum = 0;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.corner_count()); ++k) {
+            p += weights[k] * charts_.position(charts_[mesh_.sides()[leaf.side].chart], uv_of(leaf.corners[k]));
+            sum += weights[k];
+        }
+        EXPECT_NEAR(sum, 1, 1e-9);
+        // Chords of an arc of 20 degrees are 1.5 % of its radius away.
+        EXPECT_LT((p - hit.p.cast<double>()).norm(), 0.04) << i;
+        EXPECT_FALSE(mesh_.locate(hit, -hit.ng)) << "the back of a one-sided material has no patch";
+    }
+}
+
+TEST_P(EveryShapeInPatches, TurnsItsPolygonsToItsFront) {
+    for (const PatchNode& node : mesh_.nodes()) {
+        const SurfaceHit hit = mesh_.point_on(node, Vec2d::Constant(0.5));
+        EXPECT_GT(node.polygon.normal.dot(hit.ng.cast<double>()), node.is_leaf() ? 0.95 : 0.5);
+    }
+}
+
+TEST(PatchMesh, GivesTwoSidedMaterialsPatchesOnBothSides) {
+    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + diffuse(0.5) + "</shape>"));
+    const Charts charts(*scene.scene);
+    const PatchMesh mesh(charts, 1.01, 100);
+    ASSERT_EQ(mesh.sides().size(), 2u);
+    EXPECT_EQ(mesh.leaf_count(), 8u);
+    EXPECT_LT(mesh.nodes()[0].polygon.normal.dot(mesh.nodes()[1].polygon.normal), -0.999);
+}
+
+TEST(PatchMesh, MakesNoneOfSpecularSurfaces) {
+    const auto scene = scene_of(
+        scene_xml(inside_view + "<shape type='sphere'><bsdf type='conductor'/></shape><shape type='rectangle'>" + grey +
+                  "</shape>"));
+    const Charts charts(*scene.scene);
+    EXPECT_EQ(PatchMesh(charts, 1, 1000).sides().size(), 1u);
+}
+
+// Whatever the corners' values are, what is interpolated from both sides of an edge agrees, also where small patches meet a large one.
+TEST(PatchVertices, InterpolateWithoutCracks) {
+    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + grey + "</shape>"));
+    const Charts charts(*scene.scene);
+    PatchMesh mesh(charts, 1.01, 100);  // 2 x 2
+    const auto first = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
+    for (std::uint32_t node = first, k = 0; k < 9; ++k) {  // ever smaller ones into a corner
+        ASSERT_TRUE(mesh.nodes()[node].is_leaf());
+        mesh.split(node);
+        node = static_cast<std::uint32_t>(mesh.nodes().size() - (k % 4 == 0 ? 1 : 2));
+    }
+    const PatchVertices vertices(mesh);
+    EXPECT_FALSE(vertices.bound().empty());
+    std::vector<double> values(vertices.vertices().size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<double>(mix64(i) % 1000);
+    for (const auto& bound : vertices.bound())
+        values[bound.vertex] = 0.5 * (values[bound.first] + values[bound.second]);
+    const auto value_in = [&](std::uint32_t leaf, const Vec2d& uv) {
+        const auto weights = mesh.weights(mesh.nodes()[leaf], uv);
+        double value = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            value += weights[k] * values[vertices.of_leaf(leaf)[k]];
+        return value;
+    };
+    int compared = 0;
+    for (std::uint32_t a = 0; a < mesh.nodes().size(); ++a)
+        for (std::uint32_t b = 0; b < a; ++b) {
+            const PatchNode &p = mesh.nodes()[a], &q = mesh.nodes()[b];
+            if (!p.is_leaf() || !q.is_leaf()) continue;
+            const Vec2d lower = uv_of(p.corners[0]).cwiseMax(uv_of(q.corners[0])),
+                        upper = uv_of(p.corners[2]).cwiseMin(uv_of(q.corners[2]));
+            if ((lower.array() > upper.array()).any()) continue;
+            for (const double t : {0.0, 0.3, 0.5, 0.9}) {
+                const Vec2d uv = lower + t * (upper - lower);
+                EXPECT_NEAR(value_in(a, uv), value_in(b, uv), 1e-6);
+                ++compared;
+            }
+        }
+    EXPECT_GT(compared, 100);
+}
+
+}  // namespace
+}  // namespace gib::test

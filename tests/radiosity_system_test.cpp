@@ -1,0 +1,155 @@
+// The equation system of radiosity and its solvers, against closed forms.
+#include "methods/radiosity_model.h"
+#include "tests/radiosity_fixtures.h"
+
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::string grey(double rho) { return one_sided(std::to_string(rho)); }
+
+/// A cubic room whose walls reflect differently, one of them nothing in two channels, with a block in it.
+const std::string coloured_room =
+    "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform>" + one_sided("0.8 0.6 0.4") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate "
+    "z='1'/></transform>" +
+    one_sided("0.3 0.3 0.9") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
+    "x='-1'/></transform>" +
+    one_sided("0.7 0 0") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='-90'/><translate "
+    "x='1'/></transform>" +
+    one_sided("0.5") +
+    "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='-0.7'/></transform>" +
+    one_sided("0.9") + "</shape>" + point_light("0.3 0.2 0.6", 1);
+
+double mean_over(const RadiositySystem& system, const PatchColors& values, int channel) {
+    double sum = 0, area = 0;
+    for (const std::uint32_t leaf : system.leaves()) {
+        sum += system.area(leaf) * values[leaf][channel];
+        area += system.area(leaf);
+    }
+    return sum / area;
+}
+
+std::unique_ptr<RadiositySolution> solved(const RadiositySystem& system, RadiositySolver solver, double residual,
+                                          int most = 10000) {
+    auto solution = start_solution(system, solver);
+    while (solution->residual() > residual && solution->sweeps() < most)
+        solution->sweep();
+    return solution;
+}
+
+TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
+    const PatchedScene scene(coloured_room, 0.51, 0, false);
+    ASSERT_TRUE(scene.system.is_uniform());
+    const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10, 1);
+    EXPECT_LT(truth->residual(), 1e-10);
+    for (const auto solver :
+         {RadiositySolver::gauss_seidel, RadiositySolver::shooting, RadiositySolver::conjugate_gradient}) {
+        const auto found = solved(scene.system, solver, 1e-6);
+        for (const std::uint32_t leaf : scene.system.leaves())
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(found->radiosity()[leaf][c], truth->radiosity()[leaf][c],
+                            1e-4 * truth->radiosity()[leaf][c])
+                    << radiosity_solver_names[static_cast<std::size_t>(solver)] << ' ' << leaf;
+    }
+}
+
+// What was reflected first has been absorbed, or waits to be shot.
+TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
+    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
+    const double first = scene.system.power(solution->radiosity())[0];
+    for (int sweep = 0; sweep < 6; ++sweep) {
+        solution->sweep();
+        double received = 0;  // of reflected light: (X - B1) / rho
+        for (const std::uint32_t leaf : scene.system.leaves())
+            received += scene.system.area(leaf) *
+                        (solution->radiosity()[leaf][0] - scene.system.first_reflection(leaf)[0]) / 0.6;
+        EXPECT_NEAR(0.4 * received + solution->residual() * first, first, 1e-5 * first) << sweep;
+        EXPECT_LT(solution->residual(), std::pow(0.6, sweep + 1));
+    }
+}
+
+// Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho), whatever its walls see.
+TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
+    for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
+        const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
+        EXPECT_LT(scene.system.closure().mean, 0.01);
+        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+        PatchColors X = solution->radiosity();
+        const PatchColors E = scene.system.gather(X);
+        EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
+    }
+}
+
+TEST(RadiositySystem, AnIntegratingSphereIsLitEvenly) {
+    for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
+        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.3, 0.02);
+        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+        PatchColors X = solution->radiosity();
+        const PatchColors E = scene.system.gather(X);
+        const double expected = rho / (1 - rho);  // 4 pi / (4 pi r^2)
+        EXPECT_NEAR(mean_over(scene.system, E, 0) / expected, 1, 0.005) << rho;
+        for (const std::uint32_t leaf : scene.system.leaves())
+            EXPECT_NEAR(E[leaf][0] / expected, 1, 0.05) << rho;
+    }
+}
+
+TEST(RadiositySystem, WhiteWallsConverge) {
+    const PatchedScene scene(hollow_cube(grey(0.999)) + point_light("0.5 0 0", 1), 0.51, 0.02);
+    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
+    EXPECT_LT(solution->residual(), 1e-4);
+    PatchColors X = solution->radiosity();
+    EXPECT_NEAR(mean_over(scene.system, scene.system.gather(X), 0) / (4 * pi / 24 * 999), 1, 0.005);
+}
+
+TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
+    const PatchedScene scene(coloured_room, 0.6, 0, false);
+    const auto solution = solved(scene.system, RadiositySolver::conjugate_gradient, 1e-9);
+    PatchColors series, term(scene.mesh.nodes().size(), Colord::Zero());
+    for (const std::uint32_t leaf : scene.system.leaves())
+        term[leaf] = scene.system.first_reflection(leaf);
+    series = term;
+    for (int n = 1; n <= 4; ++n) {
+        const PatchColors cut = solution->without_longer_paths(n);
+        for (const std::uint32_t leaf : scene.system.leaves())
+            EXPECT_NEAR(cut[leaf].sum(), series[leaf].sum(), 1e-5 * solution->radiosity()[leaf].sum()) << n;
+        const PatchColors E = scene.system.gather(term);
+        for (const std::uint32_t leaf : scene.system.leaves()) {
+            term[leaf] = scene.system.reflectance(leaf) * E[leaf];
+            series[leaf] += term[leaf];
+        }
+    }
+}
+
+// Links between groups give what links between all patches do, with fewer of them.
+TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
+    const PatchedScene all(coloured_room, 0.26, 0, false), grouped(coloured_room, 0.26, 0.05, false);
+    EXPECT_LT(grouped.links.links.size(), all.links.links.size() / 2);
+    const auto truth = solved(all.system, RadiositySolver::conjugate_gradient, 1e-6);
+    const auto found = solved(grouped.system, RadiositySolver::hierarchical, 1e-6);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(mean_over(grouped.system, found->radiosity(), c) / mean_over(all.system, truth->radiosity(), c), 1,
+                    0.01);
+}
+
+TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
+    const std::string walls = hollow_cube(grey(0.5));
+    const auto links_with = [&](const std::string& position) {
+        const PatchedScene scene(walls + point_light(position, 1), 0.26, 0.02);
+        std::size_t low = 0, high = 0;
+        for (const PatchLink& link : scene.links.links)
+            for (const std::uint32_t end : {link.p, link.q})
+                ++(scene.mesh.nodes()[end].center.z() > 0 ? high : low);
+        return static_cast<double>(high) / static_cast<double>(low);
+    };
+    EXPECT_GT(links_with("0 0 0.9"), 1.2 * links_with("0 0 -0.9"));
+}
+
+}  // namespace
+}  // namespace gib::test
