@@ -54,7 +54,7 @@ void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::u
     const double factor = factor_to(rays, from, node, clear);
     if (!(factor > 0)) return;
     const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
-    const double stray = stray_weight * factor * nearness * light_.spread[node];
+    const double stray = shown_stray_weight * factor * nearness * light_.spread[node];
     if (patch.child < solved_nodes_ && stray > settings_.links * light_.mean_irradiance) {
         for (const std::uint32_t half : {patch.child, patch.child + 1})
             add_terms(rays, from, half, clear, row);

@@ -42,8 +42,8 @@ struct PatchLinks {
 PatchLinks link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
                         const StageTimes* stages = nullptr);
 
-/// How much less a group's light may stray over it than links may err.
-inline constexpr double stray_weight = 8;
+/// How much less a group's light may stray over it than links may err: by links, and where irradiance is shown, which costs less.
+inline constexpr double stray_weight = 16, shown_stray_weight = 64;
 
 /// The links of each node.
 class LinkTable {
