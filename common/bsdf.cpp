@@ -180,6 +180,16 @@ LobeTraits Bsdf::traits_of_side(bool below) const {
     return traits;
 }
 
+std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
+    const LobeTraits& lobes = traits_at(wo.z());
+    if (!lobes.delta || !lobes.transmission || lobes.diffuse || lobes.glossy) return std::nullopt;
+    // The lobes at both ends of the numbers that choose one: if their probabilities add up to 1, there is none between them.
+    const auto first = sample_local(wo, Vec2(0.f, 0.f), Vec2::Zero(), transport, Lobes::specular);
+    const auto last = sample_local(wo, Vec2(1.f - unit_roundoff, 0.f), Vec2::Zero(), transport, Lobes::specular);
+    if (!first || !last || !(std::abs(first->pdf_w + last->pdf_w - 1.f) <= 4.f * unit_roundoff)) return std::nullopt;
+    return std::array{*first, *last};
+}
+
 LobeValues Bsdf::layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
     if (const Layer* only = only_layer(wo.z())) {
         const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);

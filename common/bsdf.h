@@ -105,6 +105,9 @@ public:
     }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+    /// The two delta lobes of a smooth interface, where light from wo has no other way to go: for paths that follow both instead of
+    /// choosing one. The weight of a path is then f |cos|, not divided by pdf_w.
+    std::optional<std::array<BsdfSample, 2>> delta_pair_local(const Vec3& wo, Transport transport) const;
 
     /// Of all layers, on both sides.
     const LobeTraits& traits() const { return traits_; }

@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/image_library.h"
 #include "common/srgb.h"
 
 #include <ImfChannelList.h>
@@ -10,14 +11,13 @@
 #include <ImfOutputFile.h>
 #include <ImfStdIO.h>
 #include <ImfStringAttribute.h>
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <tuple>
 
 namespace gib {
 
@@ -61,58 +61,32 @@ std::string encode_exr(const LayeredImage& image) {
     return stream.str();
 }
 
-/// A file as it is stored: interleaved channels of the whole data window.
-struct RawImage {
-    OIIO::ImageSpec spec;
-    std::vector<float> values;
-};
-
-RawImage read_raw(const std::string& path) {
-    const SourceLocation where{path, 0, 0};
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) throw InputError(where, "no such file");
-    if (std::filesystem::is_directory(path, ignored)) throw InputError(where, "this is a folder, not an image");
-    const auto file = OIIO::ImageInput::open(path);
-    if (!file) throw InputError(where, "not an image that can be read: " + OIIO::geterror());
-    RawImage raw{file->spec(), {}};
-    if (raw.spec.deep) throw InputError(where, "a deep image; only flat ones are supported");
-    if (raw.spec.depth > 1) throw InputError(where, "a volume, not an image");
-    if (raw.spec.width < 1 || raw.spec.height < 1) throw InputError(where, "the image has no pixels");
-    raw.values.resize(raw.spec.image_pixels() * static_cast<std::size_t>(raw.spec.nchannels));
-    if (!file->read_image(0, 0, 0, raw.spec.nchannels, OIIO::TypeDesc::FLOAT, raw.values.data()))
-        throw InputError(where, "the image is damaged: " + file->geterror());
-    if (file->seek_subimage(1, 0)) throw InputError(where, "the file has several parts; one is supported");
-    OIIO::geterror();  // what the search for a second part left behind
-    return raw;
-}
-
 /// Cuts what lies outside the display window (overscan). A picture of a part only cannot be compared with a whole one.
-void require_display_window(const OIIO::ImageSpec& spec, const std::string& path) {
-    const bool covered = spec.x <= spec.full_x && spec.y <= spec.full_y &&
-                         spec.x + spec.width >= spec.full_x + spec.full_width &&
-                         spec.y + spec.height >= spec.full_y + spec.full_height;
+void require_display_window(const StoredImage& stored, const std::string& path) {
+    const auto& [data, display] = std::tie(stored.data, stored.display);
+    const bool covered = data.x <= display.x && data.y <= display.y &&
+                         data.x + data.width >= display.x + display.width &&
+                         data.y + data.height >= display.y + display.height;
     if (!covered)
-        throw InputError({path, 0, 0}, "the data window of " + size_text(spec.width, spec.height) +
+        throw InputError({path, 0, 0}, "the data window of " + size_text(data.width, data.height) +
                                            " pixels does not cover the display window of " +
-                                           size_text(spec.full_width, spec.full_height) + ": a cropped image");
+                                           size_text(display.width, display.height) + ": a cropped image");
 }
 
 /// Three channels (or one, three times) as an image of the display window.
-Image take_channels(const RawImage& raw, const std::array<int, 3>& channels) {
-    const OIIO::ImageSpec& spec = raw.spec;
-    Image image(spec.full_width, spec.full_height);
-    const bool srgb = spec.get_string_attribute("oiio:ColorSpace") == "sRGB" && !spec.format.is_floating_point();
+Image take_channels(const StoredImage& stored, const std::array<int, 3>& channels) {
+    const auto& [data, display] = std::tie(stored.data, stored.display);
+    Image image(display.width, display.height);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
-            const auto row = static_cast<std::size_t>(y + spec.full_y - spec.y);
-            const auto column = static_cast<std::size_t>(x + spec.full_x - spec.x);
-            const std::size_t from =
-                (row * static_cast<std::size_t>(spec.width) + column) * static_cast<std::size_t>(spec.nchannels);
+            const auto row = static_cast<std::size_t>(y + display.y - data.y);
+            const auto column = static_cast<std::size_t>(x + display.x - data.x);
+            const std::size_t from = (row * static_cast<std::size_t>(data.width) + column) * stored.channels.size();
             const std::size_t to =
                 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
             for (std::size_t k = 0; k < 3; ++k) {
-                const float v = raw.values[from + static_cast<std::size_t>(channels[k])];
-                image.rgb[to + k] = srgb ? linear_from_srgb(v) : v;
+                const float v = stored.values[from + static_cast<std::size_t>(channels[k])];
+                image.rgb[to + k] = stored.srgb ? linear_from_srgb(v) : v;
             }
         }
     return image;
@@ -163,23 +137,21 @@ void write_exr(const std::string& path, const LayeredImage& image) {
 }
 
 LayeredImage read_image(const std::string& path) {
-    const RawImage raw = read_raw(path);
-    require_display_window(raw.spec, path);
-    const auto layers = layers_among(raw.spec.channelnames);
+    const StoredImage stored = image_library().read_image(path);
+    require_display_window(stored, path);
+    const auto layers = layers_among(stored.channels);
     if (layers.empty()) {
         std::string names;
-        for (const auto& name : raw.spec.channelnames)
+        for (const auto& name : stored.channels)
             names += (names.empty() ? "" : ", ") + name;
         throw InputError({path, 0, 0}, "no channels R,G,B or Y; the image has " + names);
     }
     LayeredImage image;
     for (const auto& [name, channels] : layers)
-        image.layers.emplace_back(name, take_channels(raw, channels));
+        image.layers.emplace_back(name, take_channels(stored, channels));
     // Some renderers name the only layer ("ViewLayer.Combined.R"): then that is the image.
     if (image.layers.size() == 1) image.layers[0].first = "";
-    for (const auto& attribute : raw.spec.extra_attribs)
-        if (attribute.type() == OIIO::TypeDesc::STRING && attribute.name().rfind("oiio:", 0) != 0)
-            image.metadata[attribute.name().string()] = attribute.get_string();
+    image.metadata = stored.metadata;
     return image;
 }
 
@@ -209,15 +181,7 @@ std::vector<std::uint8_t> encode_png(const Image& image, float exposure) {
         const float clipped = v > 0 ? std::min(v, 1.f) : 0.f;
         bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * srgb_from_linear(clipped)));
     }
-    std::vector<std::uint8_t> png;
-    OIIO::Filesystem::IOVecOutput memory(png);
-    const auto output = OIIO::ImageOutput::create("memory.png");
-    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    if (!output || !output->set_ioproxy(&memory) || !output->open("memory.png", spec) ||
-        !output->write_image(OIIO::TypeDesc::UINT8, bytes.data()) || !output->close())
-        throw RunError("encoding a PNG image: " + (output ? output->geterror() : OIIO::geterror()));
-    return png;
+    return image_library().encode_png(image.width, image.height, bytes);
 }
 
 }  // namespace gib

@@ -1,5 +1,5 @@
 #pragma once
-// The one owner of OpenEXR and OpenImageIO: images on disk.
+// Images on disk: written by OpenEXR, read by OpenImageIO (image_library).
 
 #include "common/image.h"
 

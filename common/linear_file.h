@@ -8,6 +8,8 @@
 
 namespace gib {
 
+class ImageReader;
+
 /// Linear RGB with sRGB's primaries, row 0 on top.
 using LinearImage = Image;
 
@@ -22,17 +24,14 @@ public:
     ~LinearFile();
     LinearFile(LinearFile&&) noexcept;
 
-    int width() const { return width_; }
-    int height() const { return height_; }
-    int channels() const { return channels_; }  ///< 1 or 3
+    int width() const;
+    int height() const;
+    int channels() const;  ///< 1 or 3
     /// Rows [begin, end), interleaved, to `values`. Throws InputError for damaged data. Safe from several threads.
     void read_rows(int begin, int end, float* values) const;
 
 private:
-    struct Input;  ///< OpenImageIO's reader
-    std::string path_;
-    std::unique_ptr<Input> input_;
-    int width_ = 0, height_ = 0, channels_ = 0;
+    std::unique_ptr<ImageReader> reader_;
 };
 
 /// Throws InputError with the file's name: for what LinearFile refuses, and for a value that is not finite.

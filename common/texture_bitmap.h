@@ -10,6 +10,7 @@
 namespace gib {
 
 class LinearFile;
+class TileCache;
 
 /// The memory that the bitmaps of one scene share.
 class TextureCache {
@@ -21,7 +22,7 @@ public:
 
 private:
     friend class Bitmap;
-    struct Tiles;  ///< OpenImageIO's cache
+    struct Tiles;
     std::unique_ptr<Tiles> tiles_;
 };
 
@@ -67,9 +68,10 @@ private:
     Color paged_texel(int x, int y) const;
     void measure(const LinearFile& file, const std::string& path);
     void keep_in_memory();
+    TileCache& files() const;
 
     std::shared_ptr<TextureCache> cache_;
-    void* handle_;  ///< of the image in the cache
+    void* file_;  ///< in the cache
     int width_, height_, channels_;
     int tile_width_, tiles_across_;
     std::vector<void*> held_;             ///< the tiles that stay in memory

@@ -52,6 +52,14 @@ std::vector<std::string> scenes_of(const Analysis& analysis) {
 
 using CellsByMethod = std::map<std::string, std::vector<const Cell*>>;
 
+/// Those of a scene that have an image.
+CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene) {
+    CellsByMethod methods;
+    for (const Cell& cell : analysis.cells)
+        if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
+    return methods;
+}
+
 std::optional<double> relative_rmse(const std::vector<const Cell*>& cells, const std::string& component,
                                     double seconds) {
     double sum = 0;
@@ -158,9 +166,7 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
     std::vector<EqualTimeRow> rows;
     for (const auto& scene : scenes_of(analysis)) {
-        CellsByMethod methods;
-        for (const Cell& cell : analysis.cells)
-            if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
+        const CellsByMethod methods = cells_by_method(analysis, scene);
         double shortest = std::numeric_limits<double>::infinity();
         for (const auto& [method, cells] : methods) {
             double sum = 0;
@@ -177,9 +183,7 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
     std::vector<FrontierPoint> frontier;
     for (const auto& scene : scenes_of(analysis)) {
-        CellsByMethod methods;
-        for (const Cell& cell : analysis.cells)
-            if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
+        const CellsByMethod methods = cells_by_method(analysis, scene);
         if (methods.size() < 2) continue;
         std::vector<FrontierPoint> points;
         for (const auto& [method, cells] : methods)

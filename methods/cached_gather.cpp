@@ -13,7 +13,7 @@ namespace gib {
 
 namespace {
 
-/// Later passes average over this many times the reach of the overture's records.
+/// Passes average over this many times the reach of the records that the overture was content with.
 constexpr float slack = 1.4f;
 /// The overture's first grid has a pixel in so many, along and across.
 constexpr std::size_t coarsest_grid = 32;
@@ -59,6 +59,7 @@ CacheSettings cache_settings_of(const ParameterValues& values) {
 class CachedGather::CandidateVisitor {
 public:
     static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
 
     CandidateVisitor(const CachedGather& gather, const SpecularWalk& walk, std::vector<RecordPlace>& candidates)
         : gather_(gather), walk_(walk), candidates_(candidates) {}
@@ -134,7 +135,7 @@ void CachedGather::end_pass() {
     missing_.clear();
 }
 
-std::uint64_t CachedGather::add_records(std::vector<RecordPlace>& candidates) {
+std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidates) {
     std::atomic<std::uint64_t> traced = 0;
     // Scattered, so that those made at once are rarely close to each other.
     std::vector<std::size_t> order(candidates.size());

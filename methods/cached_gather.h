@@ -59,7 +59,7 @@ private:
     std::optional<CachedSurface> cached_surface(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo) const;
     RecordSpacing spacing_at(float distance) const;
     /// Makes those records that are still missing, and adds them. Returns the number of rays traced.
-    std::uint64_t add_records(std::vector<RecordPlace>& candidates);
+    std::uint64_t add_records(const std::vector<RecordPlace>& candidates);
 
     const Scene& scene_;
     const FinalGather& gather_;

@@ -9,10 +9,11 @@
 
 namespace gib {
 
-/// The vertices of a convex polygon; 5 is what a cut of 4 leaves at most.
+/// The vertices of a convex polygon: 5 at most after a cut of 4, and 6 if those lie so far off a plane that it cuts all
+/// four edges.
 class ConvexRegion {
 public:
-    static constexpr std::size_t max_vertices = 5;
+    static constexpr std::size_t max_vertices = 6;
 
     void add(const Vec3d& vertex) { vertices_[count_++] = vertex; }
     std::span<const Vec3d> vertices() const { return {vertices_.data(), count_}; }
@@ -47,15 +48,27 @@ inline double coordinate_rounding(std::span<const Vec3d> points) {
     return 16 * std::numeric_limits<double>::epsilon() * largest;
 }
 
-/// The part of a polygon of at most 4 vertices on the side of the plane through `origin` that `normal` points to. Vertices within
-/// `rounding` of the plane lie in it; a polygon that lies in it has no such part. Source: Sutherland and Hodgman 1974.
-inline ConvexRegion front_part(std::span<const Vec3d> vertices, const Vec3d& origin, const Vec3d& normal,
-                               double rounding) {
+/// A plane that is known up to rounding: to `offset` at its origin, and turned by up to `slope`.
+struct RoundedPlane {
+    Vec3d origin, normal;
+    double offset;     ///< [scene units]
+    double slope = 0;  ///< [scene units a scene unit of distance from the origin]
+
+    /// Positive on the side of the normal, 0 where rounding hides the side.
+    double height(const Vec3d& p) const {
+        const Vec3d way = p - origin;
+        const double height = normal.dot(way);
+        return std::abs(height) <= offset + slope * way.norm() ? 0 : height;
+    }
+};
+
+/// The part of a polygon of at most 4 vertices on the side of the plane that its normal points to. Vertices of height 0
+/// are kept; a polygon that lies in the plane has no such part. Source: Sutherland and Hodgman 1974.
+inline ConvexRegion front_part(std::span<const Vec3d> vertices, const RoundedPlane& plane) {
     std::array<double, ConvexRegion::max_vertices> heights;
     double highest = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const double height = normal.dot(vertices[i] - origin);
-        heights[i] = std::abs(height) <= rounding ? 0 : height;
+        heights[i] = plane.height(vertices[i]);
         highest = std::max(highest, heights[i]);
     }
     ConvexRegion part;

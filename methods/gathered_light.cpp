@@ -17,6 +17,7 @@ constexpr std::uint32_t gathered_disc = dimension::at_vertex(1 << 16, 3);
 class GatherVisitor {
 public:
     static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
 
     GatherVisitor(const GatheredLight& light, const SpecularWalk& walk, DensityEstimator::Found& found)
         : light_(light), walk_(walk), found_(found) {}

@@ -6,10 +6,11 @@ namespace gib {
 
 namespace {
 
-/// Where the disc or ball of a look-up is probed: past all dimensions of a path of 2^16 vertices.
+/// Where the disc of a look-up is probed: past all dimensions of a path of 2^16 vertices.
 constexpr std::uint32_t caustic_disc = dimension::at_vertex(1 << 16, 0);
 constexpr std::uint32_t global_disc = caustic_disc + 1;
-constexpr std::uint32_t volume_ball = caustic_disc + 2;
+/// As many as it takes.
+constexpr std::uint32_t volume_ball = 0x60000000;
 
 }  // namespace
 
@@ -17,6 +18,7 @@ constexpr std::uint32_t volume_ball = caustic_disc + 2;
 class PhotonGather::EyePathVisitor {
 public:
     static constexpr bool wants_emission = true;
+    static constexpr int splits = 2;
 
     EyePathVisitor(PhotonGather& gather, SpecularWalk& walk)
         : maps_(gather.maps_), found_(gather.found_), walk_(walk), rays_(walk.rays()), scene_(rays_.scene()) {}

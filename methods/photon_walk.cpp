@@ -257,15 +257,10 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
         if (progress) progress->add(end - begin);
     });
 
-    std::size_t stored = 0;
-    for (const auto& block : blocks)
-        stored += block.photons.size();
-    result.photons.reserve(stored);
-    for (auto& block : blocks) {  // in block order: the result does not depend on the threads
-        result.photons.insert(result.photons.end(), block.photons.begin(), block.photons.end());
+    result.photons = joined(blocks, &PhotonWalkResult::photons);
+    for (const PhotonWalkResult& block : blocks) {
         result.rays += block.rays;
         result.balance += block.balance;
-        block = {};
     }
     return result;
 }

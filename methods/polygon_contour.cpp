@@ -14,8 +14,8 @@ namespace {
 /// The inner contour.
 class LogarithmicContour {
 public:
-    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and logarithms near
-    /// zero lose fewer digits.
+    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and
+    /// logarithms near zero lose fewer digits.
     LogarithmicContour(const ConvexRegion& region, double scale) : region_(region), scale_(scale) {
         for (std::size_t i = 0; i < region.size(); ++i) {
             const Vec3d edge = region.after(i) - region[i];
@@ -27,9 +27,9 @@ public:
 
     double perimeter() const { return perimeter_; }
 
-    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the distance from its line,
-    /// the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the second term adds up to that constant, and
-    /// the third to p times the angle that the edge subtends.
+    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the
+    /// distance from its line, the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the
+    /// second term adds up to that constant, and the third to p times the angle that the edge subtends.
     double integral(const Vec3d& x, const Vec3d& along) const {
         std::array<Vec3d, ConvexRegion::max_vertices> rays;
         std::array<double, ConvexRegion::max_vertices> logarithms;
@@ -58,29 +58,40 @@ private:
     std::array<Vec3d, ConvexRegion::max_vertices> directions_;
 };
 
-/// A part of an edge of the outer contour.
+/// A section of an edge of the outer contour, with the coordinate t in [0, 1] that gathers nodes at its ends: with u =
+/// t^2 (3 - 2 t) of the way, u ln u du, as where contours meet, becomes about t^3 ln t dt.
+struct Section {
+    Vec3d from, along;
+
+    double integrand(double t, const LogarithmicContour& inner) const {
+        return 6 * t * (1 - t) * inner.integral(from + t * t * (3 - 2 * t) * along, along);
+    }
+};
+
+/// The part between two values of t.
 struct Piece {
-    Vec3d from, to;
+    Section section;
+    double lower, upper;
     double value = 0, error = 0;
 
     bool operator<(const Piece& other) const { return error < other.error; }
 };
 
 /// The error is that of Gauss's 7 points, far above that of the 15 that give the value.
-Piece integrated(const Vec3d& from, const Vec3d& to, const LogarithmicContour& inner) {
-    const Vec3d middle = 0.5 * (from + to), half = 0.5 * (to - from);
+Piece integrated(const Section& section, double lower, double upper, const LogarithmicContour& inner) {
+    const double middle = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
     double kronrod = 0, gauss = 0;
     for (const KronrodNode& node : kronrod_15) {
-        double value = inner.integral(middle + node.x * half, half);
-        if (node.x > 0) value += inner.integral(middle - node.x * half, half);
+        double value = section.integrand(middle + node.x * half, inner);
+        if (node.x > 0) value += section.integrand(middle - node.x * half, inner);
         kronrod += node.weight * value;
         gauss += node.gauss_weight * value;
     }
-    return {from, to, kronrod, std::abs(kronrod - gauss)};
+    return {section, lower, upper, half * kronrod, half * std::abs(kronrod - gauss)};
 }
 
-/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends as sharply as
-/// |x|, and a rule for smooth functions may not notice.
+/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends
+/// as sharply as |x|, and a rule for smooth functions may not notice.
 std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRegion& inner) {
     // Of the length: what is farther away shows in the difference between the two rules.
     constexpr double near = 0.125;
@@ -105,8 +116,8 @@ std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRe
 double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, double error_share, double negligible) {
     const LogarithmicContour contour(inner, inner.radius(inner.mean()));
     std::vector<Piece> pieces;  // a heap: the piece of the largest error first
-    const auto add = [&](const Vec3d& from, const Vec3d& to) {
-        pieces.push_back(integrated(from, to, contour));
+    const auto add = [&](const Section& section, double lower, double upper) {
+        pieces.push_back(integrated(section, lower, upper, contour));
         std::push_heap(pieces.begin(), pieces.end());
     };
     double perimeter = 0;
@@ -114,10 +125,10 @@ double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, do
         const Vec3d &from = outer[i], edge = outer.after(i) - from;
         const std::vector<double> places = divisions(from, outer.after(i), inner);
         for (std::size_t k = 1; k < places.size(); ++k)
-            add(from + places[k - 1] * edge, from + places[k] * edge);
+            add({from + places[k - 1] * edge, (places[k] - places[k - 1]) * edge}, 0, 1);
         perimeter += edge.norm();
     }
-    const double rounding = 8 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
+    const double rounding = 32 * std::numeric_limits<double>::epsilon() * perimeter * contour.perimeter();
     for (;;) {
         double value = 0, error = 0;
         for (const Piece& piece : pieces) {
@@ -125,13 +136,13 @@ double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, do
             error += piece.error;
         }
         const double accepted = error_share * std::max(std::abs(value), 2 * std::numbers::pi * negligible);
-        if (error <= std::max(accepted, rounding)) return value / (2 * std::numbers::pi);
+        if (!(error > std::max(accepted, rounding))) return value / (2 * std::numbers::pi);
         std::pop_heap(pieces.begin(), pieces.end());
         const Piece worst = pieces.back();
         pieces.pop_back();
-        const Vec3d middle = 0.5 * (worst.from + worst.to);
-        add(worst.from, middle);
-        add(middle, worst.to);
+        const double middle = 0.5 * (worst.lower + worst.upper);
+        add(worst.section, worst.lower, middle);
+        add(worst.section, middle, worst.upper);
     }
 }
 

@@ -23,12 +23,12 @@ PatchPolygon polygon_of(std::array<Vec3d, 4> vertices, int count, const Vec3d& d
     return {std::move(vertices), count, doubled_area / length, 0.5 * length};
 }
 
-/// A bound of |d^2(n . r |r|^-4)| in any direction, times |r|^5: 2 * 4 from the product of the first derivatives, 20 from the second
-/// of |r|^-4.
+/// A bound of |d^2(n . r |r|^-4)| in any direction, times |r|^5: 2 * 4 from the product of the first derivatives, 20
+/// from the second of |r|^-4.
 constexpr double curvature_bound = 28;
 
-/// The kernel at the centroid times the area, which is exact for a kernel that is linear in y, with a bound of its error. The height
-/// over the polygon's plane is the same everywhere on it, so what bends is (n . r) / |r|^4.
+/// The kernel at the centroid times the area, which is exact for a kernel that is linear in y, with a bound of its
+/// error. The height over the polygon's plane is the same everywhere on it, so what bends is (n . r) / |r|^4.
 struct CentroidEstimate {
     double value = 0, error = 0;
 
@@ -53,8 +53,8 @@ struct CentroidEstimate {
     }
 };
 
-/// point_form_factor of a polygon wholly above the horizon; `rays` lead from the point to its vertices, `height` is that of the point
-/// over its plane.
+/// point_form_factor of a polygon wholly above the horizon; `rays` lead from the point to its vertices, `height` is
+/// that of the point over its plane.
 double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, double height) {
     double sum = 0, magnitude = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -69,7 +69,8 @@ double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, dou
         magnitude += std::abs(term);
     }
     const double share = sum / (2 * std::numbers::pi);
-    // The sum of what is far or seen from the side is much smaller than its terms, but only then the other formula can be better.
+    // The sum of what is far or seen from the side is much smaller than its terms, but only then the other formula can
+    // be better.
     constexpr double cancelled = 1e-4;
     if (std::abs(sum) < cancelled * magnitude) {
         const double error = 4 * epsilon * magnitude / std::numbers::pi;
@@ -79,18 +80,28 @@ double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, dou
     return std::clamp(share, 0.0, 1.0);  // of rounding
 }
 
-/// The part of a polygon in front of the other one. All of it is seen by all of the other's, so between these parts the kernel is
-/// smooth where they do not touch.
+RoundedPlane plane_of(const PatchPolygon& polygon, double rounding) {
+    const auto corners = polygon.corners();
+    double squared = 0;
+    for (const Vec3d& vertex : corners)
+        squared = std::max(squared, (vertex - corners[0]).squaredNorm());
+    const double width = polygon.area / std::sqrt(squared);
+    return {corners[0], polygon.normal, rounding, rounding / width};
+}
+
+/// The part of a polygon in front of the other one. All of it is seen by all of the other's, so between these parts the
+/// kernel is smooth where they do not touch.
 struct Side {
     ConvexRegion region;
-    Vec3d normal, origin;  ///< origin: a point of its plane
-    double radius = 0;     ///< of a sphere around it
+    RoundedPlane plane;
+    Vec3d center = Vec3d::Zero();
+    double radius = 0;  ///< of a sphere around `center`
 
-    Side(const PatchPolygon& polygon, const PatchPolygon& other, double rounding)
-        : region(front_part(polygon.corners(), other.vertices[0], other.normal, rounding)),
-          normal(polygon.normal),
-          origin(polygon.vertices[0]) {
-        if (region.size() > 0) radius = region.radius(region.mean());
+    Side(const PatchPolygon& polygon, const RoundedPlane& own, const RoundedPlane& other)
+        : region(front_part(polygon.corners(), other)), plane(own) {
+        if (region.size() == 0) return;
+        center = region.mean();
+        radius = region.radius(center);
     }
 
     double area() const {
@@ -101,18 +112,25 @@ struct Side {
     }
 };
 
-/// How far the edges of `large` are from `small`.
+/// How far the places are from `small` where the point form factor of `large` is not smooth: its edges; of an edge in
+/// the plane of `small`, the ends alone, because it adds nothing but its angle.
 double distance_to_edges(const Side& small, const Side& large) {
     double nearest = std::numeric_limits<double>::infinity();
+    std::array<double, ConvexRegion::max_vertices> heights;
+    for (std::size_t i = 0; i < large.region.size(); ++i)
+        heights[i] = small.plane.height(large.region[i]);
     for (std::size_t i = 0; i < large.region.size(); ++i) {
         const Vec3d& vertex = large.region[i];
+        const std::size_t next = i + 1 == large.region.size() ? 0 : i + 1;
+        const bool in_plane = heights[i] == 0 && heights[next] == 0;
+        const Vec3d& end = in_plane ? vertex : large.region[next];
         bool above = true;  // the inside of `small`
         for (std::size_t k = 0; k < small.region.size(); ++k) {
             const Vec3d &a = small.region[k], &b = small.region.after(k);
-            nearest = std::min(nearest, closest_approach(vertex, large.region.after(i), a, b).distance);
-            above = above && small.normal.dot((b - a).cross(vertex - a)) >= 0;
+            nearest = std::min(nearest, closest_approach(vertex, end, a, b).distance);
+            above = above && small.plane.normal.dot((b - a).cross(vertex - a)) >= 0;
         }
-        if (above) nearest = std::min(nearest, std::abs(small.normal.dot(vertex - small.origin)));
+        if (above) nearest = std::min(nearest, std::abs(heights[i]));
     }
     return nearest;
 }
@@ -120,13 +138,15 @@ double distance_to_edges(const Side& small, const Side& large) {
 /// A quadrilateral, or a triangle whose last vertex is its first.
 using Corners = std::array<Vec3d, 4>;
 
-/// The nodes that Gauss's rule needs along a segment so that the error of point_form_factor's mean is below the share `tolerance`.
+/// The nodes that Gauss's rule needs along a segment so that the error of point_form_factor's mean is below the share
+/// `tolerance`.
 ///
-/// Each edge's angle over its sine is the integral of |r|^-2 along the edge, so it is analytic in the complex coordinate x along the
-/// segment as long as |r|^2 != 0, that is while |Im x| is below the distance of Re x from the edge. With d = distance / half_length
-/// and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds for B <= d and sqrt(1 + 2 B^2) <= 1 + d. The rule of n
-/// nodes then errs by about M rho^(-2 n), rho = B + sqrt(1 + B^2) (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height
-/// over the other plane and the Jacobian are linear, so one node is added.
+/// Each edge's angle over its sine is the integral of |r|^-2 along the edge, so it is analytic in the complex
+/// coordinate x along the segment as long as |r|^2 != 0, that is while |Im x| is below the distance of Re x from the
+/// edge. With d = distance / half_length and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds
+/// for B <= d and sqrt(1 + 2 B^2) <= 1 + d. The rule of n nodes then errs by about M rho^(-2 n), rho = B + sqrt(1 +
+/// B^2) (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height over the other plane and the Jacobian are
+/// linear, so one node is added.
 std::size_t nodes_along(double half_length, double distance, double tolerance) {
     constexpr double within = 0.9;  // |r|^-2 is infinite on the largest ellipse
     constexpr double relative_bound = 20;
@@ -165,21 +185,24 @@ private:
         ConvexRegion rays;
         for (const Vec3d& vertex : seen.region.vertices())
             rays.add(vertex - point);
-        const double height = std::max(seen.normal.dot(point - seen.origin), 0.0);
+        const double height = std::max(seen.plane.normal.dot(point - seen.plane.origin), 0.0);
         return along_u.cross(high - low).norm() * visible_form_factor(rays.vertices(), normal, height);
     }
 };
 
 /// The integral of the kernel over both: from the smaller one, whose points see nearly the same.
 double pair_integral(const Side& small, const Side& large, double tolerance) {
-    const double distance = distance_to_edges(small, large);
+    // The spheres around them are enough where few nodes are.
+    constexpr double far = 10;
+    const double gap = (large.center - small.center).norm() - large.radius - small.radius;
+    const double distance = gap > far * small.radius ? gap : distance_to_edges(small, large);
     const ConvexRegion& r = small.region;
     const Corners whole = r.size() == 3 ? Corners{r[0], r[1], r[2], r[0]} : Corners{r[0], r[1], r[2], r[3]};
     const AreaRule first(whole, distance, tolerance);
     std::optional<AreaRule> rest;
     if (r.size() == 5) rest.emplace(Corners{r[0], r[3], r[4], r[0]}, distance, tolerance);
-    if (first.suffices() && (!rest || rest->suffices()))
-        return first.integral(small.normal, large) + (rest ? rest->integral(small.normal, large) : 0.0);
+    if (r.size() <= 5 && first.suffices() && (!rest || rest->suffices()))
+        return first.integral(small.plane.normal, large) + (rest ? rest->integral(small.plane.normal, large) : 0.0);
     // Neighbours in one plane but for rounding have a factor that means nothing.
     constexpr double negligible = 1e-6;
     return contour_integral(small.region, large.region, tolerance, negligible * small.area());
@@ -188,11 +211,17 @@ double pair_integral(const Side& small, const Side& large, double tolerance) {
 }  // namespace
 
 PatchPolygon PatchPolygon::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    return polygon_of({a, b, c, c}, 3, (b - a).cross(c - a));
+    // From the two shorter edges, so that rounding turns the normal of a needle about its length alone.
+    const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+    const Vec3d doubled_area = ab >= std::max(bc, ca)   ? (a - c).cross(b - c)
+                               : bc >= std::max(ab, ca) ? (b - a).cross(c - a)
+                                                        : (c - b).cross(a - b);
+    return polygon_of({a, b, c, c}, 3, doubled_area);
 }
 
 PatchPolygon PatchPolygon::quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-    return polygon_of({a, b, c, d}, 4, (c - a).cross(d - b));
+    // The cross product of the diagonals, from edges: those of a strip are nearly parallel.
+    return polygon_of({a, b, c, d}, 4, (b - a).cross(d - a) + (d - c).cross(b - c));
 }
 
 PatchPolygon PatchPolygon::flipped() const {
@@ -205,21 +234,23 @@ PatchPolygon PatchPolygon::flipped() const {
 double point_form_factor(const Vec3d& point, const Vec3d& normal, const PatchPolygon& polygon) {
     const auto corners = polygon.corners();
     const double rounding = std::max(coordinate_rounding(corners), coordinate_rounding({&point, 1}));
-    const double height = polygon.normal.dot(point - corners[0]);
-    if (!(height > rounding)) return 0;
+    const double height = plane_of(polygon, rounding).height(point);
+    if (!(height > 0)) return 0;
     std::array<Vec3d, 4> rays;
     for (std::size_t i = 0; i < corners.size(); ++i)
         rays[i] = corners[i] - point;
-    const ConvexRegion seen = front_part({rays.data(), corners.size()}, Vec3d::Zero(), normal, rounding);
+    const ConvexRegion seen = front_part({rays.data(), corners.size()}, {Vec3d::Zero(), normal, rounding});
     return visible_form_factor(seen.vertices(), normal, height);
 }
 
 double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to, double tolerance) {
     const double rounding = std::max(coordinate_rounding(from.corners()), coordinate_rounding(to.corners()));
-    const Side a{from, to, rounding}, b{to, from, rounding};
+    const RoundedPlane from_plane = plane_of(from, rounding), to_plane = plane_of(to, rounding);
+    const Side a(from, from_plane, to_plane), b(to, to_plane, from_plane);
     if (a.region.size() == 0 || b.region.size() == 0) return 0;
     const bool from_is_smaller = a.radius <= b.radius;
-    return pair_integral(from_is_smaller ? a : b, from_is_smaller ? b : a, tolerance) / from.area;
+    const double share = pair_integral(from_is_smaller ? a : b, from_is_smaller ? b : a, tolerance) / from.area;
+    return std::clamp(share, 0.0, 1.0);  // of rounding
 }
 
 }  // namespace gib

@@ -21,8 +21,9 @@ struct PatchPolygon {
 
     /// Throws InputError without a positive, finite area.
     static PatchPolygon triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
-    /// The vertices must be those of a convex quadrilateral, and in a plane but for rounding: `normal` and `area` are those of
-    /// its projection along the cross product of its diagonals. Throws InputError without a positive, finite area.
+    /// The vertices must be those of a convex quadrilateral, and in a plane but for rounding: `normal` and `area` are
+    /// those of its projection along the cross product of its diagonals. Throws InputError without a positive, finite
+    /// area.
     static PatchPolygon quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
     std::span<const Vec3d> corners() const { return {vertices.data(), static_cast<std::size_t>(count)}; }
@@ -30,16 +31,17 @@ struct PatchPolygon {
     PatchPolygon flipped() const;
 };
 
-/// The integral of k(point, y) over the polygon, in [0, 1]: the share of the light that leaves a differential area at `point` with
-/// the unit `normal` and arrives at the front side of the polygon. Closed form: the polygon is clipped at the horizon of the point;
-/// then the sum over its edges of angle times the normalised cross product of the rays to its ends (Lambert 1760; Baum, Rushmeier
-/// and Winget 1989). 0 behind the front side of the polygon and in its plane, so also on its edges.
-/// Its relative error is about 1e-16 times the distance over the size, 1e-10 at most, divided by both cosines where they are small.
+/// The integral of k(point, y) over the polygon, in [0, 1]: the share of the light that leaves a differential area at
+/// `point` with the unit `normal` and arrives at the front side of the polygon. Closed form: the polygon is clipped at
+/// the horizon of the point; then the sum over its edges of angle times the normalised cross product of the rays to its
+/// ends (Lambert 1760; Baum, Rushmeier and Winget 1989). 0 behind the front side of the polygon and in its plane, so
+/// also on its edges. Its relative error is about 1e-16 times the distance over the size, 1e-10 at most, divided by
+/// both cosines where they are small.
 double point_form_factor(const Vec3d& point, const Vec3d& normal, const PatchPolygon& polygon);
 
-/// F(from -> to): the mean of point_form_factor over `from`. The error is below `tolerance` times the factor; where the polygons nearly
-/// lie in one plane, below 1e-6 times `tolerance` times the share of the smaller one of the two. Polygons in one plane: 0.
-/// `tolerance` is in (0, 1); what is below 1e-9 asks for more than rounding allows.
+/// F(from -> to): the mean of point_form_factor over `from`. The error is below `tolerance` times the factor, or times
+/// 1e-6 if the factor from the smaller of the two is less: neighbours that are nearly in one plane. Polygons in one
+/// plane: 0. `tolerance` is in (0, 1); what is below 1e-9 asks for more than rounding allows.
 double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to, double tolerance = 1e-4);
 
 }  // namespace gib

@@ -65,8 +65,8 @@ inline std::span<const QuadratureNode> gauss_rule(std::size_t n) {
     return {rules[n - 1].data(), n};
 }
 
-/// Half of Kronrod's extension of the Gauss-Legendre rule of 7 nodes, which lies symmetrically around 0. Source: QUADPACK, qk15 (Piessens
-/// et al. 1983).
+/// Half of Kronrod's extension of the Gauss-Legendre rule of 7 nodes, which lies symmetrically around 0. Source:
+/// QUADPACK, qk15 (Piessens et al. 1983).
 struct KronrodNode {
     double x, weight;
     double gauss_weight;  ///< 0 at the nodes that Gauss's rule lacks

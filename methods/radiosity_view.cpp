@@ -16,6 +16,7 @@ constexpr std::uint64_t gather_tag = 0;
 class GatherRayVisitor {
 public:
     static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
 
     explicit GatherRayVisitor(const RadiosityDisplay& display) : display_(display) {}
 
@@ -35,6 +36,7 @@ private:
 class EyeVisitor {
 public:
     static constexpr bool wants_emission = true;
+    static constexpr int splits = 0;
 
     EyeVisitor(const RadiosityModel* model, const RadiosityViewSettings& settings, SpecularWalk& walk)
         : model_(model), settings_(settings), walk_(walk) {}

@@ -43,7 +43,7 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
             photon.surface = SurfaceSide(*hit, wo).key();
             photons.push_back(photon);
         }
-        photon.visibility *= hit->bsdf->pass_through();
+        photon.visibility = 0.f;
         ray = hit->spawn_ray(start.d);
     }
 }
@@ -115,15 +115,9 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
         if (progress) progress->add(end - begin);
     });
 
-    std::size_t stored = 0;
+    result.photons = joined(blocks, &Block::photons);
     for (const Block& block : blocks)
-        stored += block.photons.size();
-    result.photons.reserve(stored);
-    for (Block& block : blocks) {  // in block order: the result does not depend on the threads
-        result.photons.insert(result.photons.end(), block.photons.begin(), block.photons.end());
         result.rays += block.rays;
-        block = {};
-    }
     return result;
 }
 

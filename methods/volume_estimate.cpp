@@ -6,8 +6,10 @@ namespace gib {
 
 namespace {
 
-/// Points per probed ball, one in each of as many shells of equal weight.
-constexpr int ball_probes = 8;
+/// Points of the ball are probed until so many are in sight.
+constexpr int probes_in_sight = 8;
+/// More are not worth their time: a place that sees less than a 64th of its ball is estimated too dark.
+constexpr int most_probes = 64 * probes_in_sight;
 
 /// Integral of s^2 exp(-s^2 / (2 sigma^2)) from 0 to x, sigma = gaussian_sigma.
 double gaussian_moment(double x) {
@@ -84,25 +86,19 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
         for (std::size_t i = 0; i < inside; ++i)
             add(map[found[i].photon], found[i].distance2);
     }
-    if (area == DiscArea::surface && !is_black(sum)) sum /= share_in_sight(rays, p, r, sampler, dimension);
+    if (area == DiscArea::surface && !is_black(sum)) sum *= reciprocal_share_in_sight(rays, p, r, sampler, dimension);
     return sum;
 }
 
-float VolumeEstimator::share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
-                                      std::uint32_t dimension) const {
-    const Vec2 shift = sampler.get_2d(dimension), turn = sampler.get_2d(dimension + 1);
-    int in_sight = 0;
-    for (int i = 0; i < ball_probes; ++i) {
-        const float shell = (static_cast<float>(i) + turn.x()) / ball_probes;
-        // Zones of the sphere in another order, begun at random, so that every shell meets every zone.
-        const int zone = (3 * i + static_cast<int>(turn.y() * ball_probes)) % ball_probes;
-        const Vec2 u((static_cast<float>(zone) + shift.x()) / ball_probes,
-                     0.618034f * static_cast<float>(i) + shift.y());
-        const Vec3 w = square_to_sphere({u.x(), u.y() - std::floor(u.y())});
-        if (!rays.intersect({p, w, 0.f, r * ball_kernel_radius(kernel, shell)})) ++in_sight;
+float VolumeEstimator::reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
+                                                 std::uint32_t dimension) const {
+    int in_sight = 0, probes = 0;
+    for (; in_sight < probes_in_sight && probes < most_probes; ++probes, dimension += 2) {
+        const Vec3 w = square_to_sphere(sampler.get_2d(dimension));
+        const float distance = r * ball_kernel_radius(kernel, sampler.get_1d(dimension + 1));
+        if (!rays.intersect({p, w, 0.f, distance})) ++in_sight;
     }
-    // The centre is in sight, so the share cannot be zero; where less than one probe's share is, the estimate is too dark.
-    return static_cast<float>(std::max(in_sight, 1)) / ball_probes;
+    return static_cast<float>(probes) / static_cast<float>(std::max(in_sight, 1));
 }
 
 }  // namespace gib

@@ -36,9 +36,12 @@ struct VolumeEstimator {
                              const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                              std::vector<PhotonMap::Neighbour>& found) const;
 
-    /// The share of the kernel's ball of radius r around p that lies before the first surface, in (0, 1].
-    float share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
-                         std::uint32_t dimension) const;
+    /// An unbiased estimate of 1 / phi, phi the share of the kernel's ball of radius r around p that lies before the first surface: how
+    /// many independent points of the ball are probed until m are in sight, over m. The number is a negative binomial variable of mean m /
+    /// phi; the reciprocal of a share found by n probes would be too bright by (1 - phi) / (n phi), which is 12 % where half of the ball is
+    /// hidden from 8 probes. Takes the dimensions from `dimension` on, all of which must be independent.
+    float reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
+                                    std::uint32_t dimension) const;
 };
 
 }  // namespace gib

@@ -106,6 +106,38 @@ TEST(Bsdf, CoefficientsAreTheMeanWeightOfItsSamples) {
         }
 }
 
+// Both lobes together are all light: R of it stays, and 1 - R goes on, scaled by the squared index as radiance is.
+TEST(Bsdf, DeltaPairIsAllLightOfASmoothInterface) {
+    const float eta = 1.5f;
+    for (const float cosine : {0.05f, 0.4f, 0.99f, -0.8f, -0.99f}) {
+        const Vec3 wo = direction(cosine, 0.3f);
+        const auto pair = Bsdf(Dielectric{eta}).delta_pair_local(wo, Transport::radiance);
+        ASSERT_TRUE(pair);
+        const auto fresnel = fresnel_dielectric(cosine, eta);
+        EXPECT_NEAR((*pair)[0].f[0] * std::abs((*pair)[0].wi.z()), fresnel.reflectance, 1e-6f);
+        EXPECT_NEAR((*pair)[1].f[0] * std::abs((*pair)[1].wi.z()) * sqr((*pair)[1].eta), 1.f - fresnel.reflectance,
+                    1e-6f);
+        EXPECT_EQ((*pair)[0].eta, 1.f);
+        EXPECT_GT((*pair)[0].wi.z() * cosine, 0.f);
+        EXPECT_LT((*pair)[1].wi.z() * cosine, 0.f);
+        EXPECT_TRUE(Bsdf(ThinDielectric{eta}).delta_pair_local(wo, Transport::radiance));
+    }
+}
+
+TEST(Bsdf, DeltaPairIsEmptyWhereThereIsOneWayOrAThird) {
+    const auto pair = [](const Bsdf& bsdf, float cosine) {
+        return bsdf.delta_pair_local(direction(cosine, 0.3f), Transport::radiance).has_value();
+    };
+    EXPECT_FALSE(pair(Bsdf(Dielectric{1.5f}), -0.3f));  // total reflection
+    EXPECT_FALSE(pair(Bsdf(Dielectric{1.f}), 0.5f));    // nothing is reflected
+    EXPECT_FALSE(pair(Bsdf(Conductor{}), 0.5f));
+    EXPECT_FALSE(pair(Bsdf(Diffuse{Color::Constant(0.5f)}), 0.5f));
+    const Bsdf mixture({{Dielectric{1.5f}, 0.5f}, {ThinDielectric{1.3f}, 0.5f}}, 0.f);
+    EXPECT_FALSE(pair(mixture, 0.5f));
+    const Bsdf coated({{Dielectric{1.5f}, 0.5f}, {Diffuse{Color::Constant(0.5f)}, 0.5f}}, 0.f);
+    EXPECT_FALSE(pair(coated, 0.5f));
+}
+
 TEST(Bsdf, OneSidedScattersNothingFromBehindAndTwoSidedDoes) {
     const Bsdf one(Diffuse{Color::Constant(0.5f)});
     const Bsdf two(Diffuse{Color::Constant(0.5f)}, Diffuse{Color::Constant(0.25f)});

@@ -110,8 +110,8 @@ TEST(PhotonMapperInMedia, WhiteMediaVanish) {
                                                 std::string("photon_mapper photons=2e5 kernel=") + kernel);
             for (const Moments& m : found) {
                 EXPECT_LT(m.standard_error(), 0.01) << name;
-                // The fluence is the same everywhere; blur over the ball's rim is corrected for by 8 probes only.
-                EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + 0.01) << name << ' ' << kernel;
+                // The fluence is the same everywhere, so that blur changes nothing.
+                EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + 0.002) << name << ' ' << kernel;
             }
         }
 }

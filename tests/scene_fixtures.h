@@ -19,10 +19,15 @@ inline LoadedScene shipped_scene(const std::string& name, const SceneLoadOptions
     return load_scene(std::string(GIB_SOURCE_DIR) + "/scenes/" + name, options);
 }
 
-/// The image of a method after `passes` passes.
-inline ComponentImages render(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
-                              std::uint64_t seed = 1, int threads = 0) {
+struct Rendered {
     ComponentImages image;
+    RunCounts counts;
+};
+
+/// What a method has after `passes` passes.
+inline Rendered render_and_count(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                                 std::uint64_t seed = 1, int threads = 0) {
+    Rendered result;
     with_threads(threads, [&] {
         const MethodLabel parsed = MethodLabel::parse(label);
         const MethodDescription& description = find_method(parsed.name);
@@ -33,9 +38,14 @@ inline ComponentImages render(const LoadedScene& scene, const std::string& label
         for (std::uint32_t pass = 0; pass < passes; ++pass)
             if (run->advance(pass) == Progress::converged) break;
         EXPECT_EQ(run->counts().non_finite.count, 0u) << label;
-        image = run->image();
+        result = {run->image(), run->counts()};
     });
-    return image;
+    return result;
+}
+
+inline ComponentImages render(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                              std::uint64_t seed = 1, int threads = 0) {
+    return render_and_count(scene, label, passes, seed, threads).image;
 }
 
 /// Mean over pixels of each channel.

@@ -74,21 +74,14 @@ std::string label(const char* use, const char* photons, const char* more = "") {
     return fmt::format("photon_mapper photons=0 shadow_photons={} shadows={} {}", photons, use, more);
 }
 
-struct Rendered {
+struct DirectLight {
     Image direct;
     RunCounts counts;
 };
 
-Rendered direct_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes, std::uint64_t seed = 1) {
-    const MethodLabel parsed = MethodLabel::parse(text);
-    const MethodDescription& description = find_method(parsed.name);
-    const auto method =
-        description.create(ParameterValues(all_parameters(description), parsed), MethodDefaults{scene.max_edges});
-    StageTimes stages;
-    const auto run = method->start(*scene.scene, seed, stages);
-    for (std::uint32_t pass = 0; pass < passes; ++pass)
-        run->advance(pass);
-    return {*run->image()[Component::direct], run->counts()};
+DirectLight direct_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes, std::uint64_t seed = 1) {
+    const test::Rendered rendered = test::render_and_count(scene, text, passes, seed);
+    return {*rendered.image[Component::direct], rendered.counts};
 }
 
 /// Each channel's mean of `direct` over seeds.
@@ -230,8 +223,8 @@ TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
 
 TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
     const auto scene = floor_scene(lamps_xml());
-    const Rendered plain = direct_of(scene, "photon_mapper photons=0", 4);
-    const Rendered skipped = direct_of(scene, label("skip", "1e5"), 4);
+    const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 4);
+    const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
     EXPECT_EQ(plain.direct.rgb, skipped.direct.rgb);
     const std::uint64_t eye_rays = 16 * 16 * 4;
     const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 100000, 1).rays;
@@ -243,7 +236,7 @@ TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
 // Under a blocker that hides every lamp only photons that say so leave out the rays, and the image is black.
 TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
     const auto scene = floor_scene(blocker_xml(40, test::diffuse(0.5)) + lamps_xml());
-    const Rendered both = direct_of(scene, label("both", "1e5"), 4);
+    const DirectLight both = direct_of(scene, label("both", "1e5"), 4);
     EXPECT_EQ(mean_of(both.direct).maxCoeff(), 0);
     EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
 }
@@ -361,9 +354,9 @@ TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
 
 TEST(ShadowPhotons, ChangeNothingWhereTheyAreNotAskedFor) {
     const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
-    const Rendered plain = direct_of(scene, "photon_mapper photons=0", 2);
+    const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 2);
     for (const std::string& text : {label("both", "0"), label("rays", "1e5")}) {
-        const Rendered off = direct_of(scene, text, 2);
+        const DirectLight off = direct_of(scene, text, 2);
         EXPECT_EQ(plain.direct.rgb, off.direct.rgb) << text;
         EXPECT_EQ(plain.counts.rays, off.counts.rays) << text;
     }
