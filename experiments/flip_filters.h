@@ -32,12 +32,12 @@ struct GaussianTerm {
     Kernel kernel;
 };
 
-/// The contrast sensitivity of a channel as a filter: a sum of Gaussians, shares sum to 1. `pixels_per_degree` of visual
-/// angle, >= 1.
+/// The contrast sensitivity of a channel as a filter: a sum of Gaussians, shares sum to 1. `pixels_per_degree`: of
+/// visual angle, >= 1.
 std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels_per_degree);
 Plane contrast_filtered(const Plane& plane, OpponentChannel channel, double pixels_per_degree);
 
-/// How strong edges and points are, >= 0: the lengths of the first and of the second derivatives along rows and columns.
+/// How strong edges and points are, >= 0: the lengths of the first and of the second derivatives along both axes.
 struct Features {
     Plane edges, points;
 };

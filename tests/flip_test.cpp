@@ -4,7 +4,9 @@
 
 #include "common/error.h"
 #include "common/parallel.h"
+#include "common/srgb.h"
 #include "experiments/flip_filters.h"
+#include "experiments/report_images.h"
 #include "paper_flip.h"
 
 #include <gmock/gmock.h>
@@ -121,7 +123,7 @@ TEST(Flip, IsSymmetricAndFromZeroToOne) {
     EXPECT_GT(map.mean(), 0.1);
 }
 
-// 100 apart in lightness, none in colour. Green and blue are 203.302 apart, so 0.4 of 203.302^0.7 = 41.2761 is the knee:
+// 100 apart in lightness, none in colour. Green and blue are 203.302 apart: the knee is 0.4 of 203.302^0.7 = 41.2761.
 // 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
 TEST(Flip, BlackAgainstWhiteIsAsTheFormulasSay) {
     const FlipMap map = ldr_flip(constant_image({0, 0, 0}), constant_image({1, 1, 1}));
@@ -287,6 +289,18 @@ TEST(HdrFlip, IsTheSameForAnyNumberOfThreads) {
     for (const int threads : {1, 5})
         with_threads(threads, [&] { maps.push_back(hdr_flip(test, reference)); });
     EXPECT_EQ(maps[0].values, maps[1].values);
+}
+
+// Among them 128, which lies between two of the colours that the program holds.
+TEST(FlipImage, HasTheColorsOfMagma) {
+    const Image image = flip_image({4, 1, {0.f, 51 / 255.f, 128 / 255.f, 1.f}});
+    const std::vector<Color> expected = {{0.001462f, 0.000466f, 0.013866f},
+                                         {0.232077f, 0.059889f, 0.437695f},
+                                         {0.716387f, 0.214982f, 0.475290f},
+                                         {0.987053f, 0.991438f, 0.749504f}};
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(srgb_from_linear(image.at(i)[k]), expected[i][k], 0.004) << i << " " << k;
 }
 
 TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
