@@ -47,8 +47,8 @@ struct Analysis {
     std::size_t missing_cells = 0;  ///< of the experiment, not complete
 };
 
-/// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no results
-/// or an image of it cannot be read.
+/// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no
+/// results or an image of it cannot be read.
 Analysis analyse(const ResultFolder& folder);
 
 /// Where a cell's folder is.

@@ -305,8 +305,9 @@ void ExperimentRun::link_images(const ResultIndex& index) {
             const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
             if (!complete) continue;
             link_file(folder_.cell_image(name), folder_.method_image(scene.name, method));
-            if (fs::exists(folder_.flip_map(name)))
-                link_file(folder_.flip_map(name), folder_.method_flip_map(scene.name, method));
+            const std::string map = folder_.method_flip_map(scene.name, method);
+            if (fs::exists(folder_.flip_map(name))) link_file(folder_.flip_map(name), map);
+            else fs::remove(map);  // of an image that was replaced by one without FLIP
         }
 }
 
