@@ -1,6 +1,7 @@
 #include "experiments/analysis.h"
 
 #include "common/image_file.h"
+#include "experiments/flip_record.h"
 #include "experiments/judgement.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ namespace {
 /// The replicates of one method on one scene.
 struct Replicates {
     std::vector<const Cell*> cells;
+    std::vector<std::string> folders;  ///< names
     std::vector<ComponentImages> images;
 };
 
@@ -61,13 +63,27 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     return row;
 }
 
-std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement) {
+/// Empty if one of them has none.
+std::optional<double> mean_flip(const Replicates& replicates, const std::vector<Image>& totals, const Image& r_total,
+                                const ResultFolder& folder) {
+    double sum = 0;
+    for (std::size_t i = 0; i < totals.size(); ++i) {
+        const auto flip = cell_flip(folder, replicates.folders[i], totals[i], r_total);
+        if (!flip) return std::nullopt;
+        sum += *flip;
+    }
+    return sum / static_cast<double>(totals.size());
+}
+
+std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement,
+                              const ResultFolder& folder) {
     std::vector<TableRow> rows;
     const Image& r_total = judgement.total().mean;
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
     rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total));
+    rows.back().flip = mean_flip(replicates, totals, r_total, folder);
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
@@ -134,10 +150,11 @@ Analysis analyse(const ResultFolder& folder) {
                 const Cell& cell = analysis.cells[i];
                 if (cell.scene != scene.name || cell.method != method) continue;
                 replicates.cells.push_back(&cell);
+                replicates.folders.push_back(name);
                 replicates.images.push_back(components_in(read_image(folder.cell_image(name))));
             }
             if (replicates.cells.empty()) continue;
-            for (auto& row : rows_of(replicates, index, judgement))
+            for (auto& row : rows_of(replicates, index, judgement, folder))
                 analysis.rows.push_back(std::move(row));
         }
     }

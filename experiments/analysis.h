@@ -27,6 +27,7 @@ struct TableRow {
     std::uint64_t nonfinite = 0;                                      ///< of all seeds
     double peak_rss_mib = 0;                                          ///< the largest of all seeds
     std::string effects_missing;
+    std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
 };
 
 /// What is known of a scene's reference.
@@ -46,7 +47,8 @@ struct Analysis {
     std::size_t missing_cells = 0;  ///< of the experiment, not complete
 };
 
-/// Throws InputError if the folder holds no results or an image of it cannot be read.
+/// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no
+/// results or an image of it cannot be read.
 Analysis analyse(const ResultFolder& folder);
 
 /// Where a cell's folder is.

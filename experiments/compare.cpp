@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "experiments/compare_z_test.h"
+#include "experiments/flip.h"
 #include "experiments/judgement.h"
 #include "experiments/spectrum.h"
 
@@ -56,7 +57,18 @@ Json channel_means(const std::vector<Image>& images) {
     return means;
 }
 
-Json metrics(const Subject& subject, double epsilon) {
+/// HDR-FLIP, mean over pixels and images; of finite images.
+double mean_flip(const Subject& subject) {
+    double sum = 0;
+    for (const Image& image : subject.tests)
+        sum += hdr_flip(image, subject.reference.mean).mean();
+    return sum / static_cast<double>(subject.tests.size());
+}
+
+/// What viewers see is the whole image: components have no FLIP.
+enum class Flip { measured, left_out };
+
+Json metrics(const Subject& subject, double epsilon, Flip flip) {
     const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.r_total, epsilon);
     std::size_t nonfinite = 0;
     for (const Image& image : subject.tests)
@@ -76,6 +88,7 @@ Json metrics(const Subject& subject, double epsilon) {
     put(json, "variance", s.variance);
     json["noise_centroid"] = noise ? number(noise->centroid) : Json(nullptr);
     json["noise_low_ratio"] = noise ? number(noise->low_ratio) : Json(nullptr);
+    json["flip"] = flip == Flip::measured && nonfinite == 0 ? number(mean_flip(subject)) : Json(nullptr);
     json["nonfinite"] = nonfinite;
     json["mean"] = channel_means(subject.tests);
     json["reference_mean"] = channel_means({subject.reference.mean});
@@ -217,7 +230,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
 
     Json json, components = Json::object();
     for (std::size_t i = 0; i < subjects.size(); ++i) {
-        Json values = metrics(subjects[i].second, options.epsilon);
+        Json values = metrics(subjects[i].second, options.epsilon, i == 0 ? Flip::measured : Flip::left_out);
         if (z && i < z->layers.size()) values.update(z->layers[i]);
         (i == 0 ? json : components[subjects[i].first]) = std::move(values);
     }

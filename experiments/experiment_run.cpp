@@ -5,6 +5,7 @@
 #include "common/parallel.h"
 #include "experiments/build_info.h"
 #include "experiments/cell_process.h"
+#include "experiments/flip_record.h"
 #include "experiments/interrupt.h"
 #include "experiments/judgement.h"
 #include "experiments/manifest.h"
@@ -237,6 +238,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     const std::string folder = folder_.cell_folder(cell.name);
     const std::string work = folder + "/work";
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    forget_flip(folder_, cell.name);
     fs::remove_all(work);
     ResultFolder::make(work);
     const CellRequest request{cell.scene->entry.path,
@@ -301,7 +303,11 @@ void ExperimentRun::link_images(const ResultIndex& index) {
             const std::string name = cell_folder_name(scene.name, method, 1);
             const auto key = index.cell_keys.find(name);
             const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
-            if (complete) link_file(folder_.cell_image(name), folder_.method_image(scene.name, method));
+            if (!complete) continue;
+            link_file(folder_.cell_image(name), folder_.method_image(scene.name, method));
+            const std::string map = folder_.method_flip_map(scene.name, method);
+            if (fs::exists(folder_.flip_map(name))) link_file(folder_.flip_map(name), map);
+            else fs::remove(map);  // of an image that was replaced by one without FLIP
         }
 }
 
@@ -309,10 +315,10 @@ std::string ExperimentRun::write_results() {
     const ResultIndex now = index();
     folder_.write_index(now);
     write_file(folder_.file("manifest.json"), manifest_text(now, options_.command_line));
-    link_images(now);
     std::string report;
     with_threads(threads_, [&] {
         const Analysis analysis = analyse(folder_);
+        link_images(now);
         write_tables(analysis, folder_);
         report = write_report(analysis, folder_);
     });

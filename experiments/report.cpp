@@ -97,9 +97,20 @@ std::string plot_html(const Analysis& analysis, const std::string& scene) {
     return html + "</ul></div>\n";
 }
 
+std::string image_tag(const std::string& url, const Image& size, const std::string& description) {
+    return fmt::format("<img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">", url, size.width, size.height,
+                       html_escape(description));
+}
+
 std::string image_tag(const Image& image, float exposure, const std::string& description) {
-    return fmt::format("<img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">", png_data_url(image, exposure),
-                       image.width, image.height, html_escape(description));
+    return image_tag(png_data_url(image, exposure), image, description);
+}
+
+/// Empty if it was not measured.
+std::string flip_tag(const ResultFolder& folder, const TableRow& row, const Image& image) {
+    const std::string path = folder.flip_map(cell_folder_name(row.scene, row.method, 1));
+    if (!std::filesystem::exists(path)) return "";
+    return image_tag(png_data_url(read_file(path)), image, "FLIP of " + row.method);
 }
 
 std::string images_html(const Analysis& analysis, const ResultFolder& folder, const std::string& scene) {
@@ -117,17 +128,20 @@ std::string images_html(const Analysis& analysis, const ResultFolder& folder, co
         const ComponentImages image = components_in(read_image(path));
         const Image map =
             error_map(judgement.total_of(image), judgement.total().mean, analysis.index.epsilon, map_scale);
-        html +=
-            fmt::format("<figure>{}{}<figcaption><b>{}</b>{} % in {} s</figcaption></figure>\n",
-                        image_tag(image.total(), exposure, row.method + " on " + scene),
-                        image_tag(map, 1.f, "error of " + row.method), html_escape(row.method),
-                        row.statistics ? root_percent(row.statistics->rel_mse.value) : "", short_number(row.seconds));
+        html += fmt::format("<figure>{}{}{}<figcaption><b>{}</b>{} % in {} s{}</figcaption></figure>\n",
+                            image_tag(image.total(), exposure, row.method + " on " + scene),
+                            image_tag(map, 1.f, "error of " + row.method), flip_tag(folder, row, map),
+                            html_escape(row.method), row.statistics ? root_percent(row.statistics->rel_mse.value) : "",
+                            short_number(row.seconds), row.flip ? ", FLIP " + short_number(*row.flip) : "");
     }
     html += "</div>\n";
     html += fmt::format(
         "<div class=\"muted\" style=\"margin-top:.8rem\">Below each image (seed 1): relative error of a pixel<div "
         "class=\"scale\"></div>"
-        "<div class=\"scale-ends\"><span>0</span><span>{:.0f} % and more</span></div></div>\n",
+        "<div class=\"scale-ends\"><span>0</span><span>{:.0f} % and more</span></div>Below that: FLIP, how much of a "
+        "difference a viewer sees who flips between image and reference on a screen with 67 pixels per degree<div "
+        "class=\"scale magma\"></div><div class=\"scale-ends\"><span>0: none</span><span>1: the largest a screen can "
+        "show</span></div></div>\n",
         100 * map_scale);
     return html;
 }

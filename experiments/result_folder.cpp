@@ -112,14 +112,15 @@ void ResultFolder::make(const std::string& path) {
             fmt::format("cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way"));
 }
 
-std::string ResultFolder::method_image(const std::string& scene, const std::string& method) const {
+std::string ResultFolder::method_file(const std::string& scene, const std::string& method,
+                                      const std::string& ending) const {
     std::string name = file_name_of(method);
     if (name.size() < method.size()) {  // cut off: labels that begin alike must not share a file
         ContentHash hash;
         hash.add(method);
         name += "-" + hash.hex().substr(0, 6);
     }
-    return fmt::format("{}/images/{}-{}.exr", path_, scene, name);
+    return fmt::format("{}/images/{}-{}{}", path_, scene, name, ending);
 }
 
 void ResultFolder::write_index(const ResultIndex& index) const {

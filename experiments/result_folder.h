@@ -85,11 +85,19 @@ public:
     std::string file(const std::string& name) const { return path_ + "/" + name; }
     std::string cell_folder(const std::string& folder_name) const { return path_ + "/cells/" + folder_name; }
     std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
+    /// The final image's map of FLIP, if it has one.
+    std::string flip_map(const std::string& folder_name) const { return cell_folder(folder_name) + "/flip.png"; }
     std::string reference_image(const std::string& scene) const {
         return path_ + "/images/" + scene + "-reference.exr";
     }
     /// The final image of seed 1.
-    std::string method_image(const std::string& scene, const std::string& method) const;
+    std::string method_image(const std::string& scene, const std::string& method) const {
+        return method_file(scene, method, ".exr");
+    }
+    /// The map of FLIP of that image.
+    std::string method_flip_map(const std::string& scene, const std::string& method) const {
+        return method_file(scene, method, "-flip.png");
+    }
 
     /// Makes a folder and its parents. Throws InputError if that is impossible.
     static void make(const std::string& path);
@@ -102,6 +110,9 @@ public:
     std::optional<Cell> read_cell(const std::string& folder_name, const std::string& key) const;
 
 private:
+    /// One of the images that show a method on a scene.
+    std::string method_file(const std::string& scene, const std::string& method, const std::string& ending) const;
+
     std::string path_;
 };
 

@@ -40,7 +40,8 @@ std::vector<std::string> error_columns() {
     for (const char* target : target_names)
         for (const char* end : {"lo", "hi"})
             columns.push_back(fmt::format("seconds_to_{}pct_{}", target, end));
-    columns.emplace_back("prepare_seconds");
+    for (const char* name : {"prepare_seconds", "flip"})
+        columns.emplace_back(name);
     return columns;
 }
 
@@ -69,6 +70,7 @@ std::vector<std::string> error_row(const TableRow& r) {
         row.push_back(upper_of(time));
     }
     row.push_back(csv_number(r.prepare_seconds));
+    row.push_back(optional_number(r.flip));
     return row;
 }
 
@@ -87,8 +89,9 @@ std::string markdown_row(const TableRow& r) {
                                      std::sqrt(std::max(0.0, s.rel_mse.interval->hi))};
     // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
     const std::string bias2 = s.bias2 ? short_number(std::max(0.0, s.bias2->value)) : "";
-    return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.scene, r.method, short_number(r.seconds),
-                       with_interval(relative, percent_text), bias2, s.variance ? short_number(s.variance->value) : "",
+    return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.scene, r.method,
+                       short_number(r.seconds), with_interval(relative, percent_text),
+                       r.flip ? short_number(*r.flip) : "", bias2, s.variance ? short_number(s.variance->value) : "",
                        r.times[1] ? with_interval(*r.times[1], short_number) : "",
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
 }
@@ -162,9 +165,9 @@ std::string markdown_table(const Analysis& analysis) {
     if (analysis.missing_cells > 0)
         text += fmt::format("\n{} cells of the experiment are not complete.\n", analysis.missing_cells);
     text +=
-        "\n| scene | method | seconds | relative RMSE % | bias^2 | variance | seconds to 5 % | noise centroid | "
+        "\n| scene | method | seconds | relative RMSE % | FLIP | bias^2 | variance | seconds to 5 % | noise centroid | "
         "missing effects |\n"
-        "|---|---|---:|---:|---:|---:|---:|---:|---|\n";
+        "|---|---|---:|---:|---:|---:|---:|---:|---:|---|\n";
     for (const auto& row : analysis.rows)
         if (row.component == total_name) text += markdown_row(row);
     return text + comparison_text(analysis);

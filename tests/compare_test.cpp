@@ -2,6 +2,8 @@
 
 #include "common/error.h"
 #include "common/image_file.h"
+#include "experiments/flip.h"
+#include "paper_flip.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,6 +56,11 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_NEAR(result["rel_mse"], 0.25 / 4.01, 1e-12);
     EXPECT_NEAR(result["rel_rmse"], std::sqrt(0.25 / 4.01), 1e-12);
     EXPECT_EQ(result["nonfinite"], 0);
+    // The exposure shows 2 as 0.85, and so 2.5 as filmic(2.118872 / 2 * 2.5).
+    EXPECT_NEAR(result["flip"],
+                test::paper::color_error(test::paper::hunt_lab(Colord::Constant(filmic(2.64859))),
+                                         test::paper::hunt_lab(Colord::Constant(0.85))),
+                1e-4);
     for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(result["mean"][k], 2.5, 1e-12);
         EXPECT_NEAR(result["reference_mean"][k], 2, 1e-12);
@@ -90,6 +97,12 @@ TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     // A component's relative error has the total's radiance in the denominator.
     const auto& direct = result["components"]["direct"];
     EXPECT_NEAR(direct["rel_mse"], direct["mse"].get<double>() / 9.01, 1e-9);
+    // FLIP is of the whole image, and its mean over the replicates.
+    EXPECT_TRUE(direct["flip"].is_null());
+    double flip = 0;
+    for (const std::string& test : options.tests)
+        flip += json({{test}, r})["flip"].get<double>() / 4;
+    EXPECT_NEAR(result["flip"], flip, 1e-12);
 }
 
 TEST_F(Compare, NonFiniteValuesAreCountedAndNotHidden) {
@@ -100,6 +113,7 @@ TEST_F(Compare, NonFiniteValuesAreCountedAndNotHidden) {
     const auto result = json({{path, path, path, path}, r});
     EXPECT_EQ(result["nonfinite"], 8);
     EXPECT_TRUE(result["mse"].is_null() && result["rel_mse"].is_null() && result["bias2"].is_null());
+    EXPECT_TRUE(result["flip"].is_null());
     EXPECT_THAT([&] { json({{r}, path}); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
 }
 

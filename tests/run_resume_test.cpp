@@ -48,8 +48,9 @@ TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
     const ProgramResult result = run();
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_THAT(result.out, ::testing::HasSubstr("report.html"));
-    for (const char* name : {"manifest.json", "curves.csv", "table.csv", "table.md", "spectra.csv", "stages.csv",
-                             "report.html", "images/tiny-reference.exr", "images/tiny-path_spp=4.exr"})
+    for (const char* name :
+         {"manifest.json", "curves.csv", "table.csv", "table.md", "spectra.csv", "stages.csv", "report.html",
+          "images/tiny-reference.exr", "images/tiny-path_spp=4.exr", "images/tiny-path_spp=4-flip.png"})
         EXPECT_TRUE(fs::exists(folder_ / ("results/e/" + std::string(name)))) << name;
     EXPECT_EQ(cells().size(), 4u);
     EXPECT_EQ(table("curves.csv").rows.size(), 2u * (4 + 6)) << "passes 1 2 3 4, and 6 8 besides, for two seeds";
@@ -63,6 +64,31 @@ TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
     EXPECT_THAT(report, ::testing::Not(::testing::HasSubstr("{{")));
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / "results"))
         EXPECT_NE(entry.path().filename(), "work") << "work folders are removed";
+}
+
+TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {
+    ASSERT_EQ(run().code, 0);
+    const CsvTable first = table("table.csv");
+    const auto at =
+        static_cast<std::size_t>(std::find(first.columns.begin(), first.columns.end(), "flip") - first.columns.begin());
+    ASSERT_LT(at, first.columns.size());
+    for (const auto& row : first.rows)
+        if (row[2] == "total") EXPECT_GT(std::stod(row[at]), 0);
+        else EXPECT_EQ(row[at], "") << row[2];
+    // What is stored is believed, until the cell is done again.
+    std::string one;
+    for (const auto& [name, time] : cells()) {
+        EXPECT_TRUE(fs::exists(folder_ / ("results/e/cells/" + name + "/flip.png")));
+        folder_.write("results/e/cells/" + name + "/flip.json", "{\"flip\": 0.75}");
+        one = name;
+    }
+    ASSERT_EQ(run().code, 0);
+    EXPECT_EQ(table("table.csv").rows[0][at], "0.75");
+    fs::remove(folder_ / ("results/e/cells/" + one + "/flip.json"));
+    ASSERT_EQ(run_gibench("report results/e", folder_ / "").code, 0);
+    EXPECT_TRUE(fs::exists(folder_ / ("results/e/cells/" + one + "/flip.json")));
+    ASSERT_EQ(run("--fresh").code, 0);
+    EXPECT_EQ(table("table.csv").rows[0][at], first.rows[0][at]);
 }
 
 TEST_F(RunResumeTest, CompleteCellsAreNotDoneAgain) {

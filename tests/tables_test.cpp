@@ -37,6 +37,7 @@ Analysis small_analysis() {
     row.seconds = 0.5;
     row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}};
     row.effects_missing = "caustics;refraction";
+    row.flip = 0.125;
     analysis.rows.push_back(row);
     return analysis;
 }
@@ -57,7 +58,7 @@ TEST(Tables, HaveTheFixedColumnsInOrder) {
     EXPECT_EQ(joined(stages_table(analysis).columns), "scene,method,seed,stage,seconds");
     EXPECT_THAT(joined(spectra_table(analysis).columns), StartsWith("scene,method,kind,frequency,power"));
     for (const char* further : {"variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
-                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi"})
+                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip"})
         EXPECT_THAT(error_table(analysis).columns, ::testing::Contains(further));
 }
 
@@ -73,7 +74,8 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "caustics;refraction");
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 |"));
+    EXPECT_EQ(value("flip"), "0.125");
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 | 0.125 |"));
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
