@@ -1,0 +1,93 @@
+"""Error against time: the mean of the seeds at each pass, its 95 % band, and the reference's own error."""
+import math
+from dataclasses import dataclass
+
+from plotting.result_tables import is_number, select, unique
+
+# By name: column of curves.csv, whether the root of its mean is shown, factor, name on the axis.
+METRICS = {
+    "rel_rmse": ("rel_mse", True, 100, "relative RMSE [%]"),
+    "rel_mse": ("rel_mse", False, 1, "relative MSE"),
+    "rmse": ("mse", True, 1, "RMSE"),
+    "mse": ("mse", False, 1, "MSE"),
+}
+
+
+@dataclass
+class CurvePoint:
+    seconds: float
+    error: float
+    low: float  # of the 95 % band; None with one seed
+    high: float
+
+
+def two_sided_t(t, degrees):
+    """The probability of |T| < t: finite sums for whole degrees of freedom (Abramowitz and Stegun 26.7.3, 26.7.4)."""
+    angle = math.atan(t / math.sqrt(degrees))
+    cosine2, odd = math.cos(angle) ** 2, degrees % 2
+    term = math.cos(angle) if odd else 1.0
+    total = 0.0 if degrees == 1 else term
+    for k in range(2 + odd, degrees - 1, 2):
+        term *= cosine2 * (k - 1) / k
+        total += term
+    total *= math.sin(angle)
+    return 2 / math.pi * (angle + total) if odd else total
+
+
+def t_quantile(degrees):
+    """Of Student's t, for a 95 % interval."""
+    low, high = 1.0, 16.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if two_sided_t(middle, degrees) < 0.95 else (low, middle)
+    return (low + high) / 2
+
+
+def mean_and_band(values):
+    """Mean, low, high. Symmetric in the logarithm, as the intervals of table.csv are, which have the reference's
+    uncertainty in them too."""
+    n = len(values)
+    mean = math.fsum(values) / n
+    if n < 2 or mean <= 0:
+        return mean, None, None
+    variance = math.fsum((value - mean) ** 2 for value in values) / (n * (n - 1))
+    factor = math.exp(t_quantile(n - 1) * math.sqrt(variance) / mean)
+    return mean, mean / factor, mean * factor
+
+
+def shown(metric, mean_square):
+    """In the unit of the axis."""
+    _, root, factor, _ = METRICS[metric]
+    if mean_square is None:
+        return None
+    return factor * (math.sqrt(mean_square) if root else mean_square)
+
+
+def error_curve(rows, metric):
+    """`rows`: those of one scene and method. Points at the passes that all seeds have."""
+    column = METRICS[metric][0]
+    rows = [row for row in rows if is_number(row[column]) and is_number(row["seconds"])]
+    seeds = len(unique(row["seed"] for row in rows))
+    points = []
+    for number in sorted(unique(row["pass"] for row in rows)):
+        at = select(rows, **{"pass": number})
+        if len(at) != seeds:
+            continue
+        seconds = math.fsum(row["seconds"] for row in at) / seeds
+        band = mean_and_band([row[column] for row in at])
+        if band[0] > 0 and seconds > 0:  # nothing else has a place on logarithmic axes
+            points.append(CurvePoint(seconds, *(shown(metric, value) for value in band)))
+    return points
+
+
+def reference_error(rows, metric):
+    """The reference's own error, None if unknown; `rows`: those of table.csv for one scene, component total. It is the
+    difference of the error with and without it; least is lost to rounding where the error is smallest."""
+    value, corrected, power = (("rel_mse", "rel_mse_corrected", 1) if METRICS[metric][0] == "rel_mse"
+                               else ("rmse", "rmse_corrected", 2))
+    both = [row for row in rows if is_number(row[value]) and is_number(row[corrected])]
+    if not both:
+        return None
+    row = min(both, key=lambda each: each[value])
+    difference = row[value] ** power - row[corrected] ** power
+    return shown(metric, difference) if difference > 0 else None

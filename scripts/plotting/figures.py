@@ -1,0 +1,280 @@
+"""The figures, in matplotlib: readable in print, in black and white and by the colour-blind; the same data give the
+same bytes. Lengths are in inches, as the width of a journal's column is given; nothing is cropped or scaled later."""
+import io
+import math
+import textwrap
+
+import matplotlib
+
+matplotlib.use("agg")
+from matplotlib import ticker  # noqa: E402  the backend is chosen first
+from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
+
+STYLE = {
+    "font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7, "ytick.labelsize": 7, "legend.fontsize": 7,
+    "axes.linewidth": 0.6, "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True,
+    "hatch.linewidth": 0.5, "path.simplify": False,
+    # Text stays text: searchable, and in the fonts of PDF and SVG.
+    "pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "gibench",
+}
+METADATA = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+# Okabe and Ito's colours, without their yellow, which is too light for lines. The three cycles have no common divisor.
+COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
+DASHES = ((), (5, 1.5), (1.5, 1), (5, 1.5, 1, 1.5), (8, 1.5))
+HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oooo")
+REFERENCE_GREY = "#d4d4d4"
+LEFT, RIGHT, TOP, AXIS_TEXT, LINE = 0.52, 0.1, 0.08, 0.36, 0.13
+CHARACTER = 0.058  # mean width of a letter
+
+
+def line_style(index):
+    return {"color": COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 2.8,
+            "dashes": DASHES[index % len(DASHES)], "linewidth": 1, "markeredgewidth": 0.5}
+
+
+def power_text(value, _):
+    exponent = math.floor(math.log10(value) + 1e-9)
+    digit = round(value / 10 ** exponent)
+    return f"$10^{{{exponent}}}$" if digit == 1 else rf"${digit}\cdot10^{{{exponent}}}$"
+
+
+def log_ticks(axis, low, high):
+    """Powers of ten, and multiples of them with numbers where there are few."""
+    decades = math.log10(high / low)
+    digits = (1, 2, 5) if decades < 1.7 else (1, 3) if decades < 2.6 else (1,)
+    digits = range(1, 10) if decades < 0.5 else digits
+    axis.set_major_locator(ticker.LogLocator(subs=digits, numticks=100))
+    axis.set_minor_locator(ticker.LogLocator(subs=range(1, 10), numticks=100))
+    plain = low > 5e-4 and high < 2e4
+    axis.set_major_formatter(ticker.FuncFormatter((lambda value, _: f"{value:g}") if plain else power_text))
+    axis.set_minor_formatter(ticker.NullFormatter())
+
+
+def log_limits(values, margin=0.06):
+    low, high = min(values), max(values)
+    factor = max((high / low) ** margin, 1.15)
+    return low / factor, high * factor
+
+
+class Sheet:
+    """A figure `width` wide: plots of the given heights above each other, below them the legend."""
+
+    def __init__(self, width, heights, handles, heading, left=LEFT, handle_length=3.4):
+        self.width, self.handles, self.heading, self.handle_length = width, handles, heading, handle_length
+        gap = 0.12
+        self.legend_height = LINE * (self.legend_lines() + (1 if heading else 0)) + 0.08
+        self.height = TOP + sum(heights) + gap * (len(heights) - 1) + AXIS_TEXT + self.legend_height
+        self.figure = Figure(figsize=(width, self.height))
+        self.axes, top = [], self.height - TOP
+        for height in heights:
+            box = (left, top - height, width - left - RIGHT, height)
+            self.axes.append(self.figure.add_axes((box[0] / width, box[1] / self.height, box[2] / width,
+                                                   box[3] / self.height)))
+            self.axes[-1].yaxis.set_label_coords(-0.38 / box[2], 0.5)
+            top -= height + gap
+        for axes in self.axes[:-1]:
+            axes.tick_params(labelbottom=False)
+
+    def legend_lines(self):
+        """Wraps the labels to the width, in the most columns that fit; how many lines that takes."""
+        labels = [label for _, label in self.handles]
+        for columns in (3, 2, 1):
+            letters = int((self.width - 0.2) / columns / CHARACTER - 1.7 * self.handle_length - 2)
+            if columns == 1 or all(len(label) <= letters for label in labels):
+                break
+        self.columns = min(columns, max(len(labels), 1))
+        wrapped = [textwrap.fill(label, max(letters, 12), subsequent_indent="  ", break_on_hyphens=False)
+                   for label in labels]
+        self.handles = [(handle, label) for (handle, _), label in zip(self.handles, wrapped)]
+        if self.columns == 1:
+            return sum(label.count("\n") + 1 for label in wrapped)
+        return math.ceil(len(labels) / self.columns)
+
+    def save(self, form):
+        handles, labels = zip(*self.handles)
+        self.figure.legend(handles, labels, loc="upper left", ncol=self.columns, frameon=False, borderaxespad=0,
+                           bbox_to_anchor=(0.1 / self.width, self.legend_height / self.height),
+                           title=self.heading or None, title_fontsize=7, alignment="left",
+                           handlelength=self.handle_length, labelspacing=0.3, columnspacing=1.2, borderpad=0.2)
+        file = io.BytesIO()
+        self.figure.savefig(file, format=form, dpi=600 if form == "png" else 72, metadata=METADATA[form])
+        return file.getvalue()
+
+
+def heading_of(shared):
+    return f"{shared}, and:" if shared else ""
+
+
+def method_handles(labels, methods):
+    return [(Line2D([], [], **line_style(methods.index(method))), label) for method, label in labels.items()]
+
+
+def draw_curve(axes, number, points):
+    style = line_style(number)
+    if all(point.low is not None for point in points):
+        axes.fill_between([point.seconds for point in points], [point.low for point in points],
+                          [point.high for point in points], color=style["color"], alpha=0.18, linewidth=0,
+                          gid=f"band-{number}")
+    axes.plot([point.seconds for point in points], [point.error for point in points], gid=f"curve-{number}", **style)
+
+
+def error_figure(curves, labels, shared, reference, y_label, width):
+    """`curves`: points by method; `reference`: the reference's own error in the unit of the axis, or None."""
+    methods = list(labels)
+    drawn = {method: points for method, points in curves.items() if points}
+    errors = [point.error for points in drawn.values() for point in points]
+    handles = method_handles({method: labels[method] for method in drawn}, methods)
+    # A reference far below all curves would squeeze them; the legend says where it lies.
+    near = reference is not None and reference > min(errors) / 10
+    if reference is not None:
+        unit = " %" if "%" in y_label else ""
+        below = "" if near else " (below the axis)"
+        handles.append((Patch(facecolor=REFERENCE_GREY, edgecolor="black", linewidth=0.5),
+                        f"the reference's own error: {reference:.3g}{unit}{below}"))
+    sheet = Sheet(width, [0.72 * (width - LEFT)], handles, heading_of(shared))
+    axes = sheet.axes[0]
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(*log_limits([point.seconds for points in drawn.values() for point in points]))
+    axes.set_ylim(*log_limits(errors + [reference] if near else errors))
+    log_ticks(axes.xaxis, *axes.get_xlim())
+    log_ticks(axes.yaxis, *axes.get_ylim())
+    if near:
+        axes.axhspan(axes.get_ylim()[0], reference, facecolor=REFERENCE_GREY, linewidth=0, zorder=0)
+        axes.axhline(reference, color="black", linewidth=0.5, gid="reference", zorder=1)
+    for method, points in drawn.items():
+        draw_curve(axes, methods.index(method), points)
+    axes.grid(True, which="major", color="#e8e8e8", linewidth=0.5, zorder=-1)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("seconds")
+    axes.set_ylabel(y_label)
+    return sheet
+
+
+def draw_spectra(axes, spectra, methods, kind, lines=()):
+    """Estimates that are not positive have no place on a logarithmic axis: they stand at its lower end, hollow."""
+    positive = [power for curve in spectra.values() for _, power in curve if power > 0]
+    axes.set_yscale("log")
+    axes.set_ylim(*log_limits(positive + list(lines) or [0.1, 1]))
+    log_ticks(axes.yaxis, *axes.get_ylim())
+    for method, curve in spectra.items():
+        number = methods.index(method)
+        style = line_style(number)
+        axes.plot([f for f, _ in curve], [p if p > 0 else math.nan for _, p in curve], gid=f"{kind}-{number}", **style)
+        below = [f for f, p in curve if p <= 0]
+        axes.plot(below, [axes.get_ylim()[0]] * len(below), linestyle="none", color=style["color"], markersize=3,
+                  marker=style["marker"], fillstyle="none", markeredgewidth=0.6, clip_on=False,
+                  gid=f"{kind}-below-{number}")
+    axes.set_xlim(0, 0.72)
+    axes.grid(True, color="#e8e8e8", linewidth=0.5)
+    axes.set_axisbelow(True)
+
+
+def spectra_figure(noise, bias, labels, shared, width):
+    """`noise`, `bias`: (frequency, power) by method; one of them may be empty."""
+    methods = list(labels)
+    drawn = [method for method in methods if method in noise or method in bias]
+    handles = method_handles({method: labels[method] for method in drawn}, methods)
+    if any(power <= 0 for curve in [*noise.values(), *bias.values()] for _, power in curve):
+        handles.append((Line2D([], [], linestyle="none", marker="o", fillstyle="none", color="black", markersize=3,
+                               markeredgewidth=0.6), "hollow, at the lower end: an estimate not above 0"))
+    panels = [panel for panel in (("noise", noise), ("bias", bias)) if panel[1]]
+    sheet = Sheet(width, [0.48 * (width - LEFT)] * len(panels), handles, heading_of(shared))
+    for axes, (kind, spectra) in zip(sheet.axes, panels):
+        draw_spectra(axes, spectra, methods, kind, (1,) if kind == "noise" else ())
+        axes.set_ylabel("noise, white = 1" if kind == "noise" else r"bias [radiance$^2$]")
+        if kind == "noise":
+            axes.axhline(1, color="black", linewidth=0.5, linestyle=":")
+    sheet.axes[-1].set_xlabel("frequency [cycles per pixel]")
+    return sheet
+
+
+def seconds_text(value):
+    return f"{value:.3g} s" if value < 1000 else f"{value:.0f} s"
+
+
+def row_sheet(labels, handles, shared, width):
+    """One row a method: its label, below it what belongs to it."""
+    heading = f"all methods: {shared}" if shared else ""
+    sheet = Sheet(width, [0.31 * len(labels) + 0.08], handles, heading, left=0.14, handle_length=2.2)
+    axes = sheet.axes[0]
+    axes.set_ylim(len(labels) - 0.02, -0.25)
+    axes.set_yticks([])
+    letters = int((width - 0.25) / CHARACTER)
+    for row, label in enumerate(labels.values()):
+        axes.text(0.012, row + 0.24, textwrap.shorten(label, letters, placeholder=" ..."), fontsize=7,
+                  transform=axes.get_yaxis_transform(), va="baseline", zorder=5)
+    return sheet
+
+
+def stages_figure(stages, labels, shared, width):
+    """`stages`: mean seconds by stage, by method. Bars are shares of the method's time: methods that take a hundred
+    times as long as others are common."""
+    names = list(dict.fromkeys(name for each in stages.values() for name in each))
+    looks = {name: {"facecolor": (COLORS[1:] + ("#f0e442", "#bbbbbb"))[i % 8], "hatch": HATCHES[i % len(HATCHES)]}
+             for i, name in enumerate(names)}
+    handles = [(Patch(edgecolor="black", linewidth=0.4, **looks[name]), name) for name in names]
+    sheet = row_sheet({method: labels[method] for method in stages}, handles, shared, width)
+    axes = sheet.axes[0]
+    for row, (method, each) in enumerate(stages.items()):
+        total, start = math.fsum(each.values()), 0.0
+        for name, seconds in each.items():
+            share = 100 * seconds / total if total > 0 else 0.0
+            axes.barh(row + 0.55, share, 0.4, left=start, edgecolor="black", linewidth=0.4,
+                      gid=f"stage-{row}-{names.index(name)}", **looks[name])
+            start += share
+        axes.text(101.5, row + 0.55, seconds_text(total), va="center", fontsize=7)
+    axes.set_xlim(0, 116)
+    axes.set_xticks(range(0, 101, 20))
+    axes.set_xlabel("share of the time [%]", x=50 / 116)
+    for side in ("top", "right", "left"):
+        axes.spines[side].set_visible(False)
+    axes.spines["bottom"].set_bounds(0, 100)
+    axes.tick_params(top=False)
+    return sheet
+
+
+def draw_interval(axes, y, value, low, high, name, row, style):
+    """An interval that reaches 0 runs to the axis' end; an estimate that is not positive is an upper limit."""
+    end = axes.get_xlim()[0]
+    color = style["color"]
+    if value > 0:
+        axes.plot([value], [y], gid=f"{name}-{row}", markersize=4, linestyle="none", **style)
+    if high is not None and high > 0:
+        axes.plot([max(low, end), high], [y, y], color=color, linewidth=1, gid=f"{name}-interval-{row}", zorder=1)
+        if low <= 0:
+            axes.plot([end], [y], marker="<", color=color, markersize=3.5, clip_on=False)
+        if value <= 0:
+            axes.plot([high], [y], marker="|", color=color, markersize=5, gid=f"{name}-limit-{row}")
+
+
+def split_figure(rows, labels, shared, width):
+    """bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both."""
+    looks = {"bias2": {"color": COLORS[2], "marker": "s"},
+             "variance": {"color": COLORS[1], "marker": "o", "fillstyle": "none"}}
+    handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias$^2$"),
+               (Line2D([], [], linewidth=1, markersize=4, **looks["variance"]), "variance")]
+    if any(row["bias2"] <= 0 for row in rows):
+        limit = Line2D([], [], linestyle="none", marker="|", color=COLORS[2], markersize=5)
+        handles.append((limit, "upper limit only"))
+    sheet = row_sheet({row["method"]: labels[row["method"]] for row in rows}, handles, shared, width)
+    axes = sheet.axes[0]
+    axes.set_xscale("log")
+    values = [row[column] for row in rows for column in ("bias2", "bias2_hi", "variance", "variance_lo", "variance_hi")]
+    axes.set_xlim(*log_limits([value for value in values if value is not None and value > 0] or [1]))
+    log_ticks(axes.xaxis, *axes.get_xlim())
+    for number, row in enumerate(rows):
+        for name, y in (("bias2", 0.45), ("variance", 0.68)):
+            draw_interval(axes, number + y, row[name], row[name + "_lo"], row[name + "_hi"], name, number, looks[name])
+    axes.grid(True, axis="x", color="#e8e8e8", linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("part of the mean squared error [radiance$^2$]")
+    return sheet
+
+
+def style():
+    """The context in which figures are made and saved; the user's own settings do not count."""
+    return matplotlib.rc_context({**matplotlib.rcParamsDefault, **STYLE, "backend": "agg"})

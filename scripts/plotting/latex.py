@@ -1,0 +1,74 @@
+"""A LaTeX table of one scene, to be put into a document by \\input. It needs the package booktabs."""
+import math
+
+from plotting.result_tables import is_number, short_labels
+
+ESCAPES = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
+           "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}",
+           ">": r"\textgreater{}", "|": r"\textbar{}"}
+TARGETS = (("seconds_to_5pct", "5"), ("seconds_to_2pct", "2"), ("seconds_to_1pct", "1"))
+NONE = "---"
+
+
+def escaped(text):
+    return "".join(ESCAPES.get(character, character) for character in text)
+
+
+def number(value):
+    """Three digits; powers of ten where table.md has them."""
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if size < 1e-3 or size >= 1e5:
+        mantissa, exponent = f"{value:.2e}".split("e")
+        return rf"${mantissa}\times10^{{{int(exponent)}}}$"
+    decimals = 0 if size >= 100 else 1 if size >= 10 else 2 if size >= 1 else 3 if size >= 0.1 else 4
+    return f"{value:.{decimals}f}"
+
+
+def optional(value):
+    return number(value) if is_number(value) else NONE
+
+
+def clipped(value):
+    """bias^2 is an unbiased estimate, which may be negative; the CSV keeps it."""
+    return number(max(0.0, value)) if is_number(value) else NONE
+
+
+def percent(rel_mse):
+    return f"{100 * math.sqrt(max(0.0, rel_mse)):.2f}"
+
+
+def relative_rmse(row):
+    if not is_number(row["rel_mse"]):
+        return NONE
+    text = percent(row["rel_mse"])
+    if is_number(row["rel_mse_lo"]) and is_number(row["rel_mse_hi"]):
+        text += f" ({percent(row['rel_mse_lo'])}--{percent(row['rel_mse_hi'])})"
+    return text
+
+
+def table_row(row, label, with_missing):
+    cells = [rf"\texttt{{{escaped(label)}}}", optional(row["seconds"]), relative_rmse(row), clipped(row["bias2"]),
+             optional(row["variance"]), *(optional(row[column]) for column, _ in TARGETS)]
+    if with_missing:
+        cells.append(escaped(row["effects_missing"].replace(";", ", ")))
+    return "  " + " & ".join(cells) + r" \\"
+
+
+def latex_table(rows, scene, component):
+    """`rows`: those of table.csv for one scene and component."""
+    labels, shared = short_labels([row["method"] for row in rows])
+    with_missing = any(row["effects_missing"] for row in rows)
+    columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")
+    heads = ["method", "seconds", r"relative RMSE [\%]", "bias$^2$", "variance",
+             *(rf"s to {target}\,\%" for _, target in TARGETS)]
+    if with_missing:
+        heads.append("not simulated")
+    comment = f"% Scene {scene}, component {component}; needs \\usepackage{{booktabs}}.".replace("\n", " ")
+    lines = [comment, rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
+             r"  \midrule"]
+    if shared:
+        lines += [rf"  \multicolumn{{{len(columns)}}}{{@{{}}l@{{}}}}{{\texttt{{{escaped(shared)}}}, and:}} \\"]
+    lines += [table_row(row, labels[row["method"]], with_missing) for row in rows]
+    return "\n".join([*lines, r"  \bottomrule", r"\end{tabular}", ""])

@@ -1,0 +1,108 @@
+"""The CSV files of a result folder, read whole and checked before anything is drawn."""
+import csv
+import math
+import os
+from dataclasses import dataclass
+
+# The columns that are used; a result folder has more.
+CURVES = ("scene", "method", "seed", "pass", "seconds", "mse", "rmse", "rel_mse")
+TABLE = ("scene", "method", "component", "seconds", "rmse", "rel_mse", "rel_mse_lo", "rel_mse_hi", "bias2", "bias2_lo",
+         "bias2_hi", "variance", "variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
+         "seconds_to_5pct", "seconds_to_2pct", "seconds_to_1pct", "effects_missing")
+SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
+STAGES = ("scene", "method", "seed", "stage", "seconds")
+TEXT = {"scene", "method", "component", "effects_missing", "kind", "stage", "seed"}
+
+
+class InputError(Exception):
+    """What is wrong with a file, with its name."""
+
+
+@dataclass
+class Results:
+    """Rows are dicts by column: text, or a number, None where the file has nothing."""
+    curves: list
+    table: list
+    spectra: list
+    stages: list
+
+
+def value_of(text, column, place):
+    if column in TEXT:
+        return text
+    if text == "":
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{place}: column '{column}': not a number: '{text}'") from None
+
+
+def records_in(path):
+    """Pairs of a record and the line on which it ends."""
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            reader = csv.reader(file, strict=True)
+            return [(record, reader.line_num) for record in reader if record]
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; `gibench report` writes it from stored results") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a CSV file: {error}") from None
+
+
+def read_table(path, columns):
+    records = records_in(path)
+    if not records:
+        raise InputError(f"{path}: the file is empty")
+    header = records[0][0]
+    missing = [column for column in columns if column not in header]
+    if missing:
+        raise InputError(f"{path}: there is no column '{missing[0]}'; the columns are: {', '.join(header)}")
+    rows = []
+    for record, line in records[1:]:
+        if len(record) != len(header):
+            raise InputError(f"{path}:{line}: {len(record)} values for {len(header)} columns")
+        named = dict(zip(header, record))
+        rows.append({column: value_of(named[column], column, f"{path}:{line}") for column in columns})
+    return rows
+
+
+def read_results(folder):
+    """Raises InputError. spectra.csv may have no rows: with fewer than 3 seeds there is nothing to put there."""
+    if not os.path.isdir(folder):
+        raise InputError(f"{folder}: there is no such folder")
+
+    def table(name, columns):
+        return read_table(os.path.join(folder, name), columns)
+
+    results = Results(table("curves.csv", CURVES), table("table.csv", TABLE), table("spectra.csv", SPECTRA),
+                      table("stages.csv", STAGES))
+    for name, rows in (("curves.csv", results.curves), ("table.csv", results.table)):
+        if not rows:
+            raise InputError(f"{os.path.join(folder, name)}: the table has no rows")
+    return results
+
+
+def unique(values):
+    return list(dict.fromkeys(values))
+
+
+def select(rows, **wanted):
+    return [row for row in rows if all(row[column] == value for column, value in wanted.items())]
+
+
+def is_number(value):
+    return value is not None and math.isfinite(value)
+
+
+def short_labels(methods):
+    """What tells methods apart, and the words that all of them share: (label by method, shared words)."""
+    words = {method: method.split(" ") for method in methods}
+    if len(methods) > 1:
+        shared = [word for word in words[methods[0]] if all(word in of for of in words.values())]
+        labels = {method: " ".join(word for word in of if word not in shared) for method, of in words.items()}
+        if all(labels.values()) and len(set(labels.values())) == len(methods):
+            return labels, " ".join(shared)
+    return {method: method for method in methods}, ""
