@@ -61,7 +61,8 @@ TEST(Radiosity, ShowsWhatPathTracingDoes) {
     }
 }
 
-/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum over the wall.
+/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum
+/// over the wall.
 double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensity, double rho) {
     constexpr int n = 400;
     double E = 0;
