@@ -1,17 +1,19 @@
 // Radiosity: diffuse light as an equation system between patches, solved once for every view.
 //
-// Computes: `emission` and `direct` of what the eye sees, by samples of the pixels; `indirect` from a solution of
-// B = rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another solver is asked for. The unknown is
-// what patches reflect; direct light on them is sampled, so lights of every kind serve.
+// Computes: `emission` and `direct` of what the eye sees, by samples of the pixels; `indirect` from a solution of B =
+// rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another solver is asked for.
+// The unknown is what patches reflect; direct light on them is sampled, so lights of every kind serve.
 // Parameters: patch, solver, links, adapt, gather, memory, ply; spp and max_depth as for all methods.
-// Leaves out: specular surfaces, seen or on the way of light, and media; of other materials it takes the diffuse part, as if it were
-// ideal for indirect light. Reflectances that vary over a surface are taken as the mean of a patch in the exchange of light, and as
-// they are where they are seen.
-// Bias: light is constant over patches and groups of them in the exchange, and linear between their corners where it is seen.
-// A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first; a change of the solution starts the
-// samples of indirect light again. Then one sample of every pixel. `facts` say how far the solver came, and how closed the system is.
-// Cost: with S sides of charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there on it grows with the
-// number of patches.
+// Leaves out: specular surfaces, seen or on the way of light, and media; of other materials it takes the diffuse
+// part, as if it were ideal for indirect light. Reflectances that vary over a surface are taken as the mean of a
+// patch in the exchange of light, and as they are where they are seen.
+// Bias: light is constant over patches and groups of them in the exchange, and linear between their corners where it
+// is seen.
+// A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first; a change of
+// the solution starts the samples of indirect light again. Then one sample of every pixel. `facts` say how far the
+// solver came, and how closed the system is.
+// Cost: with S sides of charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there
+// on it grows with the number of patches.
 // Fails: with InputError and the number of bytes if the system would take more memory than the parameter allows.
 #include "methods/radiosity_view.h"
 

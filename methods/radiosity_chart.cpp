@@ -36,8 +36,8 @@ std::pair<std::uint32_t, Vec2d> cube_place(const Vec3d& d) {
     return {static_cast<std::uint32_t>(2 * axis + (d[axis] < 0 ? 1 : 0)), {unwarp(axis + 1), unwarp(axis + 2)}};
 }
 
-/// From the unit square to the unit disk, areas kept in proportion. Source: Shirley and Chiu 1997, "A Low Distortion Map Between
-/// Disk and Square", JGT 2(3).
+/// From the unit square to the unit disk, areas kept in proportion. Source: Shirley and Chiu 1997, "A Low Distortion
+/// Map Between Disk and Square", JGT 2(3).
 Vec2d square_to_disk(const Vec2d& uv) {
     const Vec2d s = 2 * uv - Vec2d::Ones();
     if (s.isZero(0)) return Vec2d::Zero();
@@ -98,7 +98,8 @@ struct TriangleCorners {
     bool has_area() const { return normal().norm() > least_shape * longest2(); }
 };
 
-/// The quadrilateral that two triangles make up, if they share an edge, turn the same way, lie in a plane and it is convex.
+/// The quadrilateral that two triangles make up, if they share an edge, turn the same way, lie in a plane and it is
+/// convex.
 std::optional<std::array<Vec3d, 4>> quad_of(const TriangleCorners& a, const TriangleCorners& b) {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {

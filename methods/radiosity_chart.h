@@ -1,7 +1,7 @@
 #pragma once
-// The surfaces of a scene as charts: pieces with two coordinates each, which radiosity divides into patches. A parallelogram or
-// another convex quadrilateral of two coplanar triangles of a mesh is one chart, every other triangle is one of its own; a sphere
-// has six (the faces of a cube around it), a cylinder four, a disk one.
+// The surfaces of a scene as charts: pieces with two coordinates each, which radiosity divides into patches. A
+// parallelogram or another convex quadrilateral of two coplanar triangles of a mesh is one chart, every other
+// triangle is one of its own; a sphere has six (the faces of a cube around it), a cylinder four, a disk one.
 
 #include "methods/polygon_form_factor.h"
 #include "methods/ray_queries.h"
@@ -38,7 +38,8 @@ struct Chart {
 
 class Charts {
 public:
-    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances. `scene` must outlive this.
+    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances. `scene` must
+    /// outlive this.
     explicit Charts(const Scene& scene);
 
     const Scene& scene() const { return scene_; }

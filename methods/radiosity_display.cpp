@@ -86,7 +86,8 @@ void RadiosityDisplay::gather_row(RayQueries& rays, const PatchVertex& vertex, s
         term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
 }
 
-/// A corner that something separates from its leaf's middle, a wall that stands on the surface, has the light of the other side.
+/// A corner that something separates from its leaf's middle, a wall that stands on the surface, has the light of the
+/// other side.
 void RadiosityDisplay::look_at_corners() {
     const auto& nodes = mesh_.nodes();
     const std::size_t first = seen_corners_.size();

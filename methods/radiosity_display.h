@@ -1,8 +1,8 @@
 #pragma once
-// A solution as it is seen: irradiance at the corners of patches, gathered anew over the links, and interpolated between them. Patches
-// of the solution only have means; the corners of a mean's neighbours would be of first order in the patch's size at best, and worse
-// at borders. Source: the second step of Galerkin methods, Lischinski, Tampieri and Greenberg 1993, "Combining Hierarchical Radiosity
-// and Discontinuity Meshing", there by pixel.
+// A solution as it is seen: irradiance at the corners of patches, gathered anew over the links, and interpolated
+// between them. Patches of the solution only have means; the corners of a mean's neighbours would be of first order
+// in the patch's size at best, and worse at borders. Source: the second step of Galerkin methods, Lischinski,
+// Tampieri and Greenberg 1993, "Combining Hierarchical Radiosity and Discontinuity Meshing", there by pixel.
 
 #include "methods/radiosity_system.h"
 

@@ -60,8 +60,8 @@ void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     }
 }
 
-/// What patches are expected to add up to: reflected light spread evenly over all of them. Source: the ambient term of Cohen, Chen,
-/// Wallace and Greenberg 1988.
+/// What patches are expected to add up to: reflected light spread evenly over all of them. Source: the ambient term
+/// of Cohen, Chen, Wallace and Greenberg 1988.
 void expect(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     Colord area = Colord::Zero(), absorbed = Colord::Zero(), received = Colord::Zero(), reflected = Colord::Zero();

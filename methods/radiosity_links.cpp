@@ -88,7 +88,8 @@ private:
 
     static bool must_split(const PatchNode& node) { return !node.is_leaf() && node.spread > max_link_spread; }
 
-    /// What q sends to p over the mean irradiance, by a bound of the form factor: its light, and how far that strays over q.
+    /// What q sends to p over the mean irradiance, by a bound of the form factor: its light, and how far that strays
+    /// over q.
     struct Carried {
         double light = 0, stray = 0, nearness = 1;
     };
@@ -110,8 +111,8 @@ private:
         return result;
     }
 
-    /// How far the exchange changes over the pair as light sees it, over what is allowed. What strays over the source errs alike for
-    /// many receivers and links, so less of it is allowed.
+    /// How far the exchange changes over the pair as light sees it, over what is allowed. What strays over the source
+    /// errs alike for many receivers and links, so less of it is allowed.
     double error_of(const Pair& pair) const {
         const bool bent = must_split(nodes_[pair.p]) || must_split(nodes_[pair.q]);
         if (settings_.refine_all || bent) return 2;
@@ -181,7 +182,8 @@ double area_correction(const PatchNode& node) {
 
 namespace {
 
-/// The mean over rays, each weighed by the light that it would carry: where patches touch, most of it takes the shortest ways.
+/// The mean over rays, each weighed by the light that it would carry: where patches touch, most of it takes the
+/// shortest ways.
 class WeighedRays {
 public:
     WeighedRays(RayQueries& rays, double area) : rays_(rays), area_(area) {}

@@ -1,10 +1,11 @@
 #pragma once
-// Which patches, or groups of them, exchange light, and how much: the links of hierarchical radiosity. Source: Hanrahan, Salzman and
-// Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm", with the error of a link weighed by the light it carries (their BF
-// refinement).
+// Which patches, or groups of them, exchange light, and how much: the links of hierarchical radiosity. Source:
+// Hanrahan, Salzman and Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm", with the error of a link weighed
+// by the light it carries (their BF refinement).
 //
-// A link between p and q stands for all light between them, evenly spread over both: its exchange is G = A_p F(p -> q) V =
-// A_q F(q -> p) V [scene units^2], V the share of rays between them that pass. It is kept once, so reciprocity is exact.
+// A link between p and q stands for all light between them, evenly spread over both: its exchange is G = A_p F(p ->
+// q) V = A_q F(q -> p) V [scene units^2], V the share of rays between them that pass. It is kept once, so reciprocity
+// is exact.
 
 #include "methods/method.h"
 #include "methods/radiosity_mesh.h"
@@ -42,7 +43,8 @@ struct PatchLinks {
 PatchLinks link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
                         const StageTimes* stages = nullptr);
 
-/// How much less a group's light may stray over it than links may err: by links, and where irradiance is shown, which costs less.
+/// How much less a group's light may stray over it than links may err: by links, and where irradiance is shown, which
+/// costs less.
 inline constexpr double stray_weight = 16, shown_stray_weight = 64;
 
 /// The links of each node.

@@ -220,7 +220,8 @@ std::optional<PatchMesh::Place> PatchMesh::locate(const SurfaceHit& hit, const V
         const auto& c = nodes_[child].corners;
         bool first;
         if (triangle) {
-            // Both halves have the corner m = c[2] and the apex c[0]; a = c[1] is on the first one's side of the line between.
+            // Both halves have the corner m = c[2] and the apex c[0]; a = c[1] is on the first one's side of the line
+            // between.
             const Vec2d apex = uv_of(c[0]), a = uv_of(c[1]), m = uv_of(c[2]);
             first = turn(apex, m, uv) * turn(apex, m, a) >= 0;
         } else {

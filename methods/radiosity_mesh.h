@@ -1,7 +1,7 @@
 #pragma once
-// Patches: the sides of charts that can reflect diffusely, halved again and again. Halves are a binary tree whose leaves are the
-// patches of a solution; below them a leaf may be halved further for display only. A side is what reflects: of a one-sided
-// material the front, of a two-sided one both, each with its own patches.
+// Patches: the sides of charts that can reflect diffusely, halved again and again. Halves are a binary tree whose
+// leaves are the patches of a solution; below them a leaf may be halved further for display only. A side is what
+// reflects: of a one-sided material the front, of a two-sided one both, each with its own patches.
 
 #include "common/error.h"
 #include "methods/radiosity_chart.h"
@@ -44,8 +44,8 @@ struct PatchVertex {
 
 class PatchMesh {
 public:
-    /// Patches whose edges are at most `size` long [scene units], and which bend by `max_spread` at most. Throws InputError if nodes would
-    /// take more than `most_nodes`.
+    /// Patches whose edges are at most `size` long [scene units], and which bend by `max_spread` at most. Throws
+    /// InputError if nodes would take more than `most_nodes`.
     PatchMesh(const Charts& charts, double size, std::size_t most_nodes);
 
     const Charts& charts() const { return charts_; }
@@ -53,7 +53,8 @@ public:
     const std::vector<PatchNode>& nodes() const { return nodes_; }
     std::size_t leaf_count() const;
 
-    /// The point of the node's surface at s in the unit square, uniform but for the chart's distortion; its normals on the node's side.
+    /// The point of the node's surface at s in the unit square, uniform but for the chart's distortion; its normals
+    /// on the node's side.
     SurfaceHit point_on(const PatchNode& node, const Vec2d& s) const;
     /// The same at a place of the side's chart.
     SurfaceHit point_of_side(const PatchSide& side, const Vec2d& uv) const;
@@ -86,8 +87,8 @@ private:
     std::vector<PatchNode> nodes_;
 };
 
-/// The corners of all leaves, each once in a side. A corner that lies inside an edge of a larger leaf (a T-junction) is bound to the mean
-/// of that edge's ends, so that what is interpolated has no cracks.
+/// The corners of all leaves, each once in a side. A corner that lies inside an edge of a larger leaf (a T-junction)
+/// is bound to the mean of that edge's ends, so that what is interpolated has no cracks.
 class PatchVertices {
 public:
     explicit PatchVertices(const PatchMesh& mesh);

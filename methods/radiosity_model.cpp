@@ -21,7 +21,8 @@ constexpr std::uint32_t direct_samples = 16;
 constexpr std::size_t closure_rays = 1 << 14;
 constexpr std::size_t rays_per_block = 1024;
 
-/// Bytes that a node takes with its share of vertices, links and rows, by and large: 150 links and terms of rows a patch.
+/// Bytes that a node takes with its share of vertices, links and rows, by and large: 150 links and terms of rows a
+/// patch.
 constexpr double bytes_per_node = sizeof(PatchNode) + 3 * sizeof(Colord) + 6 * sizeof(PatchColors::value_type) + 1500;
 
 // Keys that tell the random numbers of the parts apart.

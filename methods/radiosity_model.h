@@ -1,5 +1,6 @@
 #pragma once
-// Everything of radiosity that no camera matters to: patches, links, the system and its solution, and how it is interpolated.
+// Everything of radiosity that no camera matters to: patches, links, the system and its solution, and how it is
+// interpolated.
 
 #include "methods/radiosity_display.h"
 
@@ -18,7 +19,8 @@ struct RadiositySettings {
 
 class RadiosityModel {
 public:
-    /// Makes patches and links. Throws InputError, with the bytes that are needed, if `settings.memory` does not suffice.
+    /// Makes patches and links. Throws InputError, with the bytes that are needed, if `settings.memory` does not
+    /// suffice.
     RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed, StageTimes& stages);
 
     /// One sweep of the solver, unless the solution has converged; true if what is shown has changed.
@@ -52,8 +54,8 @@ private:
     bool converged_ = false;
 };
 
-/// The mesh as a PLY file (ascii, faces of three or four corners): of each corner position, normal, radiosity B [W/m^2] and, as
-/// red, green and blue, that over the largest one.
+/// The mesh as a PLY file (ascii, faces of three or four corners): of each corner position, normal, radiosity B
+/// [W/m^2] and, as red, green and blue, that over the largest one.
 std::string radiosity_ply(const RadiosityModel& model);
 
 }  // namespace gib

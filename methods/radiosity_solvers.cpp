@@ -6,8 +6,9 @@ namespace gib {
 
 namespace {
 
-/// Conjugate gradients on (A / rho - G) X = A E_direct, three channels at once, with the diagonal as a preconditioner. Source: Saad 2003,
-/// "Iterative Methods for Sparse Linear Systems", algorithm 9.1. Where nothing is reflected in a channel, X is 0 there.
+/// Conjugate gradients on (A / rho - G) X = A E_direct, three channels at once, with the diagonal as a
+/// preconditioner. Source: Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1. Where nothing is
+/// reflected in a channel, X is 0 there.
 class ConjugateGradient final : public RadiositySolution {
 public:
     explicit ConjugateGradient(const RadiositySystem& system) : RadiositySolution(system) {
@@ -80,9 +81,9 @@ public:
     }
 };
 
-/// Progressive shooting: the patch with the most power that is not yet sent out sends it, as many times a sweep as there are patches
-/// (Southwell's choice). Source: Cohen, Chen, Wallace and Greenberg 1988, "A Progressive Refinement Approach to Fast Radiosity Image
-/// Generation". Shown with their ambient estimate.
+/// Progressive shooting: the patch with the most power that is not yet sent out sends it, as many times a sweep as
+/// there are patches (Southwell's choice). Source: Cohen, Chen, Wallace and Greenberg 1988, "A Progressive Refinement
+/// Approach to Fast Radiosity Image Generation". Shown with their ambient estimate.
 class Shooting final : public RadiositySolution {
 public:
     explicit Shooting(const RadiositySystem& system) : RadiositySolution(system), unshot_(first_) {}

@@ -1,9 +1,10 @@
 #pragma once
 // The equation system of radiosity and its solvers.
 //
-// Unknown is what patches reflect: X = B1 + rho K X with B1 = rho E_direct, and (K X)_i = 1 / A_i sum_j G_ij X_j over the links of leaf i
-// and of the groups that it is in, of which X is the mean (pushing and pulling). E = K X is the indirect irradiance. G is symmetric, so
-// multiplied by A / rho the system is symmetric and positive definite: (A / rho - G) X = A E_direct.
+// Unknown is what patches reflect: X = B1 + rho K X with B1 = rho E_direct, and (K X)_i = 1 / A_i sum_j G_ij X_j over
+// the links of leaf i and of the groups that it is in, of which X is the mean (pushing and pulling). E = K X is the
+// indirect irradiance. G is symmetric, so multiplied by A / rho the system is symmetric and positive definite: (A /
+// rho - G) X = A E_direct.
 
 #include "methods/radiosity_links.h"
 
@@ -22,8 +23,9 @@ using PatchColors = std::vector<Colord>;
 
 class RadiositySystem {
 public:
-    /// `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise`: the scene is closed, so
-    /// that a row of K sums up to 1 but for errors of visibility and quadrature; these are scaled away, symmetrically.
+    /// `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise`: the scene is
+    /// closed, so that a row of K sums up to 1 but for errors of visibility and quadrature; these are scaled away,
+    /// symmetrically.
     RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                     bool normalise);
 
@@ -43,7 +45,8 @@ public:
     /// Power [W] of |values| over the leaves, by channel.
     Colord power(const PatchColors& values) const;
 
-    /// How far sums of rows of K are from 1 before they were scaled: the mean and the largest distance, weighted by area.
+    /// How far sums of rows of K are from 1 before they were scaled: the mean and the largest distance, weighted by
+    /// area.
     struct Closure {
         double mean = 0, largest = 0;
     };

@@ -14,12 +14,13 @@ struct RadiosityViewSettings {
 
 class RadiosityView {
 public:
-    /// `scene` holds the camera, and the same surfaces as the model's own scene; both outlive this. `model` is null where there is no
-    /// indirect light to show.
+    /// `scene` holds the camera, and the same surfaces as the model's own scene; both outlive this. `model` is null
+    /// where there is no indirect light to show.
     RadiosityView(const Scene& scene, const Effects& effects, const RadiosityModel* model,
                   const RadiosityViewSettings& settings, std::uint64_t seed, StageTimes& stages);
 
-    /// One sample of every pixel. `restart`: the solution has changed, so that earlier samples of indirect light do not count.
+    /// One sample of every pixel. `restart`: the solution has changed, so that earlier samples of indirect light do
+    /// not count.
     void sample(std::uint32_t pass, bool restart);
 
     ComponentImages image() const;

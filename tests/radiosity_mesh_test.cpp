@@ -119,7 +119,8 @@ TEST(PatchMesh, MakesNoneOfSpecularSurfaces) {
     EXPECT_EQ(PatchMesh(charts, 1, 1000).sides().size(), 1u);
 }
 
-// Whatever the corners' values are, what is interpolated from both sides of an edge agrees, also where small patches meet a large one.
+// Whatever the corners' values are, what is interpolated from both sides of an edge agrees, also where small patches
+// meet a large one.
 TEST(PatchVertices, InterpolateWithoutCracks) {
     const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + grey + "</shape>"));
     const Charts charts(*scene.scene);

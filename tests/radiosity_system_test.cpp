@@ -75,7 +75,8 @@ TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
     }
 }
 
-// Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho), whatever its walls see.
+// Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho),
+// whatever its walls see.
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
@@ -86,7 +87,8 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     }
 }
 
-// Between flat patches that nothing hides, form factors are those of the closed form: what scaling has to mend is small.
+// Between flat patches that nothing hides, form factors are those of the closed form: what scaling has to mend is
+// small.
 TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
     const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0 0 0", 1), 0.51);
     EXPECT_LT(scene.system.closure().largest, 1e-3);

@@ -48,12 +48,12 @@ double mean_difference(const Image& a, const Image& b) {
 TEST(Radiosity, ShowsWhatPathTracingDoes) {
     const std::string block =
         "<shape type='cube'><transform name='to_world'><scale value='0.3'/><translate x='-0.3' y='0.1' "
-        "z='-0.7'/></transform>" +
+        "z='-0.6'/></transform>" +
         one_sided("0.6") + "</shape>";
     const auto scene = scene_of(scene_xml(inside_view + room + block));
     const ComponentImages truth = render(scene, "path", 1024);
     const double level = mean_of(*truth[Component::indirect]).mean();
-    for (const char* label : {"radiosity patch=0.04", "radiosity patch=0.1 gather=16"}) {
+    for (const char* label : {"radiosity patch=0.04 links=0.005", "radiosity patch=0.1 links=0.005 gather=16"}) {
         const ComponentImages found = render(scene, label, 32);
         // 16 x 16 pixels of 1024 paths: noise of 2 % a pixel.
         EXPECT_LT(mean_difference(*found[Component::indirect], *truth[Component::indirect]), 0.035 * level) << label;
@@ -61,7 +61,8 @@ TEST(Radiosity, ShowsWhatPathTracingDoes) {
     }
 }
 
-/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum over the wall.
+/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum
+/// over the wall.
 double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensity, double rho) {
     constexpr int n = 400;
     double E = 0;
@@ -87,7 +88,7 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
     std::vector<double> errors;
     for (const double patch : {0.3, 0.15, 0.075}) {
         StageTimes stages;
-        RadiositySettings settings{patch, RadiositySolver::hierarchical, 0.02, false, 0, 1e9, "", 3};
+        RadiositySettings settings{patch, RadiositySolver::hierarchical, 0.002, false, 0, 1e9, "", 3};
         RadiosityModel model(*scene.scene, settings, 1, stages);
         while (!model.has_converged())
             model.advance();
