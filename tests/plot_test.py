@@ -92,8 +92,8 @@ class Svg:
             text = [" ".join("".join(each.itertext()).split()) for each in group.iter(SVG + "text")]
             if not name.startswith(direction + "tick_") or group not in list(self.groups[axes].iter()) or not text:
                 continue
-            power = re.fullmatch(r"10\s*[\u2212-]\s*(\d+)", text[0])
-            value = 10.0 ** -int(power[1]) if power else float(text[0])
+            power = re.fullmatch(r"(?:(\d)\u22c5)?10\s*[\u2212-]\s*(\d+)", text[0])
+            value = int(power[1] or 1) * 10.0 ** -int(power[2]) if power else float(text[0])
             use = next(group.iter(SVG + "use"))
             found.append((value, float(use.get(direction))))
         return found
