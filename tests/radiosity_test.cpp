@@ -30,7 +30,7 @@ auto after(const LoadedScene& scene, const std::string& label, std::uint32_t pas
 }
 
 std::map<std::string, std::string> facts_of(const LoadedScene& scene, const std::string& label, std::uint32_t passes) {
-    return after(scene, label, passes, [](const Run& run, const StageTimes&) {
+    return after(scene, label, passes, [](const gib::Run& run, const StageTimes&) {
         const auto facts = run.facts();
         return std::map<std::string, std::string>(facts.begin(), facts.end());
     });
@@ -122,7 +122,7 @@ TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
     for (std::uint32_t pass = 0; pass < 8; ++pass)
         view.sample(pass, false);
     const auto alone = after(other, "radiosity patch=0.1 links=0.02 max_depth=1000", 40,
-                             [](const Run& run, const StageTimes&) { return run.image(); });
+                             [](const gib::Run& run, const StageTimes&) { return run.image(); });
     EXPECT_LT(mean_difference(*view.image()[Component::indirect], *alone[Component::indirect]),
               0.01 * mean_of(*alone[Component::indirect]).mean());
     const auto stages_after = stages.stages();
