@@ -95,7 +95,9 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
         double error = 0, level = 0;
         for (int i = 0; i < 64; ++i) {
             const Vec3d p(0.2 + 1.6 * (i % 8 + 0.3) / 8, -0.8 + 1.6 * (i / 8 + 0.6) / 8, 0);
-            const auto hit = scene.scene->intersect({Vec3(p.cast<float>() + Vec3(0, 0, 0.1f)), Vec3(0, 0, -1)});
+            const Vec3d center(1, 0, 1);  // of the scene, where its own origin is
+            const auto hit =
+                scene.scene->intersect({Vec3((p - center).cast<float>() + Vec3(0, 0, 0.1f)), Vec3(0, 0, -1)});
             ASSERT_TRUE(hit);
             const double truth = light_by_way_of_a_wall(p, light, 1, 0.8);
             error += sqr(static_cast<double>(model.display().irradiance(*hit, Vec3::UnitZ())[0]) - truth);
