@@ -25,9 +25,9 @@ double largest_cosine(const Vec3d& normal, const Vec3d& way, double distance, do
     return std::clamp((normal.dot(way) + reach) / distance, 0.0, 1.0);
 }
 
-/// Some of q lies in front of p.
+/// Some of q may lie in front of p: of curved surfaces more than of their chords, by as much as these bend.
 bool faces(const PatchNode& p, const PatchNode& q) {
-    const double slack = 1e-7 * (p.radius + q.radius) + std::abs(p.sagitta) + std::abs(q.sagitta);
+    const double slack = 1e-7 * (p.radius + q.radius) - std::abs(p.sagitta) - std::abs(q.sagitta);
     const auto corners = q.polygon.corners();
     return std::any_of(corners.begin(), corners.end(),
                        [&](const Vec3d& corner) { return p.polygon.normal.dot(corner - p.center) > slack; });

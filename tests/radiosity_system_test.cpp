@@ -102,7 +102,26 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
         PatchColors X = solution->radiosity();
         const PatchColors E = scene.system.gather(X);
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
+        for (const std::uint32_t leaf : scene.system.leaves())
+            EXPECT_NEAR(E[leaf][0] / (rho / (1 - rho)), 1, 0.05) << rho;
     }
+}
+
+/// Standard deviation of indirect light over an integrating sphere's patches, over its mean.
+double unevenness_of_a_sphere(double size) {
+    const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
+    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+    PatchColors X = solution->radiosity();
+    PatchColors E = scene.system.gather(X);
+    for (Colord& e : E)
+        e = (e - 1).square();
+    return std::sqrt(mean_over(scene.system, E, 0));
+}
+
+// Chords are not the sphere, and those of larger and smaller patches are off by different shares, of second order in their size.
+TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
+    const double coarse = unevenness_of_a_sphere(0.45), fine = unevenness_of_a_sphere(0.225);
+    EXPECT_LT(fine, coarse / 2) << coarse << ' ' << fine;
 }
 
 TEST(RadiositySystem, WhiteWallsConverge) {
