@@ -43,7 +43,7 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
             photon.surface = SurfaceSide(*hit, wo).key();
             photons.push_back(photon);
         }
-        photon.visibility = 0.f;
+        photon.visibility *= hit->bsdf->pass_through();
         ray = hit->spawn_ray(start.d);
     }
 }
