@@ -173,6 +173,7 @@ void RadiosityDisplay::show(const PatchColors& X) {
             Colord sum = Colord::Zero();
             for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t)
                 sum += static_cast<double>(terms_[t].factor) * X[terms_[t].node];
+            // All factors are positive; X is below 0 only by what the solver has left.
             irradiance_[i] = sum.max(0.0).cast<float>();
         }
     });
