@@ -47,8 +47,8 @@ TableRow row(const Analysis& analysis, const std::string& method, const std::str
     row.statistics = ReplicateStatistics{3, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, Estimate{2e-4, {}}};
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         row.times[t] = time_to_error(curves, target_errors[t]);
-    row.law = price_law_of(cells, component);
-    row.last_halving = last_halving(cells, component);
+    row.law = price_law_of(cells, component, 0);
+    row.last_halving = last_halving(cells, component, 0);
     return row;
 }
 
