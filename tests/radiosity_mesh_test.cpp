@@ -1,4 +1,5 @@
 // How surfaces become patches.
+#include "methods/radiosity_contacts.h"
 #include "tests/radiosity_fixtures.h"
 #include "tests/scene_text.h"
 
@@ -152,6 +153,62 @@ TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
             longest2 =
                 std::max(longest2, (node.polygon.vertices[(i + 1) % 3] - node.polygon.vertices[i]).squaredNorm());
         EXPECT_GT(node.area, 0.99 * 2.5 / 26 * longest2);  // as the first one's
+    }
+}
+
+// A box stands on the floor: the leaves that its outline crosses are halved as often as asked, and no others.
+TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
+    constexpr int halvings = 6;
+    const auto scene = scene_of(scene_xml(
+        inside_view + "<shape type='rectangle'>" + grey +
+        "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='0.3'/></transform>" +
+        grey + "</shape>"));
+    const Charts charts(*scene.scene);
+    PatchMesh mesh(charts, 1.01, 100);  // 2 x 2 on the floor
+    const auto crossed = [&](const PatchNode& node) {
+        Vec2d lower = Vec2d::Constant(2), upper = -lower;
+        for (const Vec3d& corner : node.polygon.corners()) {
+            lower = lower.cwiseMin(corner.head<2>());
+            upper = upper.cwiseMax(corner.head<2>());
+        }
+        const bool meets = (lower.array() < 0.3).all() && (upper.array() > -0.3).all();
+        return meets && !((lower.array() > -0.3).all() && (upper.array() < 0.3).all());
+    };
+    std::uint64_t rays = 0;
+    halve_at_contacts(mesh, halvings, 100000, rays);
+    EXPECT_GT(rays, 0u);
+    int halved = 0;
+    for (const PatchNode& node : mesh.nodes()) {
+        const bool floor = node.side == 0;
+        if (!floor) {
+            EXPECT_TRUE(node.is_leaf());  // the box's faces are smaller than asked, and nothing stands on them
+        } else if (node.is_leaf()) {
+            EXPECT_TRUE(!crossed(node) || node.across + node.along == 2 + halvings);
+        } else if (node.across + node.along >= 2) {
+            EXPECT_TRUE(crossed(node));
+            ++halved;
+        }
+    }
+    EXPECT_GT(halved, 50);
+    PatchMesh other(charts, 1.01, 100);
+    EXPECT_THROW(halve_at_contacts(other, halvings, 30, rays), InputError);
+}
+
+TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
+    const auto scene = scene_of(
+        scene_xml(inside_view + "<shape type='shapegroup' id='g'><shape type='sphere'>" + grey +
+                  "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
+                  tilt + "</shape>"));
+    const Charts charts(*scene.scene);
+    const PatchMesh mesh(charts, 0.4, 100000);
+    ASSERT_EQ(mesh.sides().size(), 6u);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const Sampler u(PointSet::sobol, 3, 0, i);
+        const SurfaceHit hit = mesh.point_on(mesh.nodes()[mesh.sides()[i % 6].root], u.get_2d(0).cast<double>());
+        const auto place = mesh.locate(hit, hit.ng);
+        ASSERT_TRUE(place);
+        const Chart& chart = charts[mesh.sides()[mesh.nodes()[place->leaf].side].chart];
+        EXPECT_LT((charts.position(chart, place->uv) - hit.p.cast<double>()).norm(), 1e-4) << i;
     }
 }
 

@@ -171,6 +171,25 @@ TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
     }
 }
 
+// A wall that stands on the floor makes edges in its light, which patches of the solution's size cannot show.
+TEST(Radiosity, HalvesPatchesWhereLightChanges) {
+    const std::string wall =
+        "<shape type='cube'><transform name='to_world'><scale x='0.02' y='0.7' z='0.4'/><translate x='0.13' "
+        "z='-0.6'/></transform>" +
+        one_sided("0.6") + "</shape>";
+    const auto scene = scene_of(scene_xml(inside_view + room + wall));
+    const ComponentImages truth = render(scene, "radiosity patch=0.05 links=0.005 gather=64", 32);
+    const auto error_of = [&](const std::string& label) {
+        return mean_difference(*render(scene, label, 32)[Component::indirect], *truth[Component::indirect]);
+    };
+    const double on = error_of("radiosity patch=0.15"), off = error_of("radiosity patch=0.15 adapt=off");
+    EXPECT_LT(on, off);
+    auto with = facts_of(scene, "radiosity patch=0.15", 30),
+         without = facts_of(scene, "radiosity patch=0.15 adapt=off", 30);
+    EXPECT_GT(std::stoul(with["patches"]), std::stoul(without["patches"])) << "along the foot of the wall";
+    EXPECT_GT(std::stoul(with["vertices"]), 2 * std::stoul(without["vertices"]));
+}
+
 TEST(Radiosity, SaysHowFarItCame) {
     const auto scene = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.999")) + point_light("0.5 0 0", 1)));
     auto facts = facts_of(scene, "radiosity patch=0.2 solver=gauss_seidel", 3);
