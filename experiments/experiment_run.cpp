@@ -274,7 +274,8 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
         const auto image = components_in(read_image(checkpoint_image(work, checkpoint.passes)));
         record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
     }
-    write_exr(folder_.cell_image(cell.name), read_image(checkpoint_image(work, record.last().passes)));
+    const auto last = components_in(read_image(checkpoint_image(work, record.last().passes)));
+    write_exr(folder_.cell_image(cell.name), layers_of(last));
     folder_.write_cell(cell.name, record);
     fs::remove_all(work);
     if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
