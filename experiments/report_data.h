@@ -1,0 +1,21 @@
+#pragma once
+// What the report's charts draw, as JSON: curves and spectra of each scene, by component.
+
+#include "experiments/analysis.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace gib {
+
+/// {"methods": [...], "epsilon": ..., "targets": [...], "scenes": {NAME: {"components": [...], "curves": {COMPONENT:
+/// [{"method": index, "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi], ...]}]}, "reference_error":
+/// {COMPONENT: [relative, absolute]}, "spectra": {COMPONENT: [{"method", "noise": [[f, power], ...], "bias": ...}]}}}}.
+/// Errors are shares, not percent; null where there is no interval.
+nlohmann::json report_data(const Analysis& analysis);
+
+/// Names of components with numbers, in the order of the rows; `total` is the first.
+std::vector<std::string> judged_components(const Analysis& analysis, const std::string& scene);
+
+}  // namespace gib
