@@ -3,6 +3,7 @@
 #include "common/image_file.h"
 #include "experiments/flip_record.h"
 #include "experiments/judgement.h"
+#include "experiments/price.h"
 
 #include <algorithm>
 #include <charconv>
@@ -20,13 +21,15 @@ struct Replicates {
     std::vector<ComponentImages> images;
 };
 
+/// The reference's own variance is subtracted; an error of 0 is below what it resolves. NaN stays NaN.
 std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
     std::vector<std::vector<CurvePoint>> curves;
     for (const Cell* cell : replicates.cells) {
         curves.emplace_back();
         for (const auto& c : cell->checkpoints)
             if (const auto error = c.errors.find(component); error != c.errors.end())
-                curves.back().push_back({c.checkpoint.seconds, std::sqrt(error->second.rel_mse)});
+                curves.back().push_back(
+                    {c.checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
     }
     return curves;
 }
@@ -60,6 +63,9 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     const auto curves = curves_of(replicates, component);
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         row.times[t] = time_to_error(curves, target_errors[t]);
+    row.footing = equal_footing(images, reference, r_total);
+    row.law = price_law_of(replicates.cells, component);
+    row.last_halving = last_halving(replicates.cells, component);
     return row;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // From stored cells to the numbers of tables and report: one row for each scene, method and component.
 
+#include "experiments/equal_footing.h"
+#include "experiments/price_law.h"
 #include "experiments/result_folder.h"
 #include "experiments/spectrum.h"
 
@@ -24,8 +26,11 @@ struct TableRow {
     std::optional<NoiseSpectrum> noise;
     std::vector<SpectrumPoint> bias;
     std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]
-    std::uint64_t nonfinite = 0;                                      ///< of all seeds
-    double peak_rss_mib = 0;                                          ///< the largest of all seeds
+    std::optional<Footing> footing;                                   ///< mean energy against the reference's
+    std::optional<PriceLaw> law;                                      ///< of error against time
+    std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
+    std::uint64_t nonfinite = 0;           ///< of all seeds
+    double peak_rss_mib = 0;               ///< the largest of all seeds
     std::string effects_missing;
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
 };

@@ -44,6 +44,19 @@ std::string html_escape(std::string_view text) {
     return escaped;
 }
 
+std::string sentence_html(std::string_view text) {
+    std::string html;
+    bool code = false;
+    while (true) {
+        const std::size_t at = text.find('`');
+        html += html_escape(text.substr(0, at));
+        if (at == std::string_view::npos) return code ? html + "</code>" : html;
+        code = !code;
+        html += code ? "<code>" : "</code>";
+        text.remove_prefix(at + 1);
+    }
+}
+
 std::string script_safe_json(std::string json) { return replaced(json, "<", "\\u003c"); }
 
 std::string script_safe_code(std::string_view code) {

@@ -12,6 +12,9 @@ namespace gib {
 /// Text for HTML, inside elements and attributes.
 std::string html_escape(std::string_view text);
 
+/// A sentence as tables.h's texts have it: `names` between backquotes become <code>.
+std::string sentence_html(std::string_view text);
+
 /// JSON for a <script> element: no "<" that could end it.
 std::string script_safe_json(std::string json);
 /// JavaScript for a <script> element: "</script" may only stand in strings, where "<\/script" is the same.

@@ -44,8 +44,8 @@ std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& s
             if (error == errors.end()) continue;
             Pass& pass = passes[checkpoint.passes];
             pass.seconds += checkpoint.seconds;
-            pass.relative.push_back(error->second.rel_mse);
-            pass.absolute.push_back(error->second.mse);
+            pass.relative.push_back(error->second.rel_mse_corrected);
+            pass.absolute.push_back(error->second.mse_corrected);
         }
     }
     std::vector<MeanPoint> curve;

@@ -1,13 +1,13 @@
 #include "experiments/report.h"
 
 #include "common/files.h"
+#include "experiments/footing_warnings.h"
 #include "experiments/html.h"
-#include "experiments/measurement_json.h"
+#include "experiments/price_text.h"
 #include "experiments/report_assets.h"
 #include "experiments/report_data.h"
 #include "experiments/report_images.h"
 #include "experiments/report_pictures.h"
-#include "experiments/report_summary.h"
 #include "experiments/report_tables.h"
 #include "experiments/tables.h"
 
@@ -23,38 +23,37 @@ using nlohmann::json;
 
 namespace {
 
-/// 5 % and 1 %.
-std::vector<std::size_t> answered_targets() { return {1, 3}; }
-
 std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", html_escape(text)); }
 
-/// Who is cheapest where, at one glance.
-std::string overview_html(const Analysis& analysis) {
-    std::string html =
-        "<div class=\"scroll overview\" role=\"region\" tabindex=\"0\" aria-label=\"The cheapest methods\">\n<table>"
-        "<thead><tr><th scope=\"col\">scene</th>";
-    for (const std::size_t t : answered_targets())
-        html += fmt::format("<th scope=\"col\" class=\"text\">cheapest at {} %</th>", target_names[t]);
-    html += "</tr></thead>\n<tbody>\n";
-    std::size_t number = 0;
-    for (const auto& quality : analysis.references) {
-        html += fmt::format("<tr><th scope=\"row\"><a href=\"#scene-{}\">{}</a></th>", number++,
-                            html_escape(quality.scene));
-        for (const std::size_t t : answered_targets()) {
-            const auto found = offers(analysis, quality.scene, t);
-            if (found.empty()) {
-                html += "<td class=\"text never\">not reached</td>";
-                continue;
-            }
-            const auto& methods = analysis.index.methods;
-            const auto at = std::find(methods.begin(), methods.end(), found.front().method) - methods.begin();
-            html += fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
-                                method_html(static_cast<std::size_t>(at), found.front().method),
-                                short_number(found.front().seconds.value));
-        }
-        html += "</tr>\n";
+/// Where methods do not have the same mean energy: before every number.
+std::string footing_html(const Analysis& analysis, const std::string& scene) {
+    std::string differ, unresolved;
+    int count = 0;
+    for (const FootingWarning& warning : footing_warnings(analysis)) {
+        if (warning.scene != scene) continue;
+        const std::string text = "<li>" + sentence_html(warning.text) + ".</li>\n";
+        if (warning.differs) differ += text;
+        else unresolved += text, ++count;
     }
-    return html + "</tbody></table></div>\n";
+    std::string html;
+    if (!differ.empty())
+        html +=
+            "<div class=\"note\" role=\"note\"><b>Not on an equal footing.</b> Mean energy differs from the "
+            "reference's, with 99 % intervals:<ul>\n" +
+            differ + "</ul></div>\n";
+    if (count > 0)
+        html += fmt::format(
+            "<details><summary>Equal footing: {} component{} cannot be told to agree</summary><ul>\n{}"
+            "</ul></details>\n",
+            count, count == 1 ? "" : "s", unresolved);
+    return html;
+}
+
+std::string answers_html(const Analysis& analysis, const std::string& scene) {
+    std::string html;
+    for (const PriceAnswer& answer : price_answers(analysis))
+        if (answer.scene == scene) html += "<li>" + sentence_html(answer.text) + "</li>\n";
+    return html.empty() ? "" : "<ul class=\"answers\">\n" + html + "</ul>\n";
 }
 
 std::string reference_html(const ReferenceQuality& quality) {
@@ -73,12 +72,12 @@ std::string scene_html(const Analysis& analysis, const ReferenceQuality& quality
     const bool any =
         std::any_of(analysis.rows.begin(), analysis.rows.end(), [&](const auto& row) { return row.scene == scene; });
     if (!any) return html + "<p>No cell of this scene is complete.</p>\n</section>\n";
-    html += "<ul class=\"answers\">\n";
-    for (const auto& sentence : cheapest_sentences(analysis, scene, answered_targets()))
-        html += "<li>" + html_escape(sentence) + "</li>\n";
-    html += "</ul>\n<div class=\"controls scene-controls\"></div>\n";
+    html += answers_html(analysis, scene) + footing_html(analysis, scene);
+    html += "<div class=\"controls scene-controls\"></div>\n";
     html += "<h3>Price list: seconds to reach an error</h3>\n" + price_list_html(analysis, scene);
     html += "<div class=\"charts\"><div class=\"curve-chart\"></div></div>\n";
+    html += crossovers_html(analysis, scene);
+    html += "<h3>What more accuracy costs</h3>\n" + laws_html(analysis, scene);
     html += "<h3>Images</h3>\n<div class=\"viewer\"><noscript><p>The images need scripts.</p></noscript></div>\n";
     html += "<h3>Bias and noise</h3>\n" + split_html(analysis, scene);
     html += "<div class=\"charts\"><div class=\"noise-chart\"></div><div class=\"bias-chart\"></div></div>\n";

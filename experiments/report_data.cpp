@@ -1,5 +1,6 @@
 #include "experiments/report_data.h"
 
+#include "experiments/curves.h"
 #include "experiments/mean_curve.h"
 #include "experiments/measurement_json.h"
 
@@ -71,23 +72,15 @@ json reference_error_of(const Analysis& analysis, const std::string& scene, cons
 
 }  // namespace
 
-std::vector<std::string> judged_components(const Analysis& analysis, const std::string& scene) {
-    std::vector<std::string> names;
-    for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.statistics && std::find(names.begin(), names.end(), row.component) == names.end())
-            names.push_back(row.component);
-    return names;
-}
-
 json report_data(const Analysis& analysis) {
     json scenes = json::object();
     for (const auto& quality : analysis.references) {
         const std::string& scene = quality.scene;
-        json entry = {{"components", judged_components(analysis, scene)},
+        json entry = {{"components", components_of(analysis, scene)},
                       {"curves", json::object()},
                       {"spectra", json::object()},
                       {"reference_error", json::object()}};
-        for (const auto& component : judged_components(analysis, scene)) {
+        for (const auto& component : components_of(analysis, scene)) {
             entry["curves"][component] = curves_of(analysis, scene, component);
             entry["spectra"][component] = spectra_of(analysis, scene, component);
             entry["reference_error"][component] = reference_error_of(analysis, scene, component);

@@ -15,7 +15,4 @@ namespace gib {
 /// Errors are shares, not percent; null where there is no interval.
 nlohmann::json report_data(const Analysis& analysis);
 
-/// Names of components with numbers, in the order of the rows; `total` is the first.
-std::vector<std::string> judged_components(const Analysis& analysis, const std::string& scene);
-
 }  // namespace gib

@@ -1,14 +1,16 @@
 #include "experiments/report_tables.h"
 
 #include "experiments/html.h"
+#include "experiments/price.h"
+#include "experiments/price_text.h"
 #include "experiments/tables.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 namespace gib {
 
@@ -51,36 +53,83 @@ std::string column(const std::string& name, const std::string& explanation = "")
                        explanation.empty() ? "" : fmt::format(" title=\"{}\"", html_escape(explanation)), name);
 }
 
-/// The least time to a target among the methods of a scene; infinite if none reaches it.
-double least_time(const Analysis& analysis, const std::string& scene, const std::string& component, std::size_t t) {
-    double least = std::numeric_limits<double>::infinity();
+/// Who reaches a target first; null if none does.
+const TableRow* cheapest(const Analysis& analysis, const std::string& scene, const std::string& component,
+                         std::size_t t) {
+    const TableRow* best = nullptr;
     for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.component == component && row.times[t])
-            least = std::min(least, row.times[t]->value);
-    return least;
+        if (row.scene == scene && row.component == component && row.times[t] &&
+            (!best || row.times[t]->value < best->times[t]->value))
+            best = &row;
+    return best;
+}
+
+/// "42.0 (extrapolated)": what stands in brackets goes below.
+std::string in_two_lines(const std::string& text) {
+    const std::size_t at = text.find(" (");
+    if (at == std::string::npos || text.back() != ')') return html_escape(text);
+    return fmt::format("{}<span class=\"interval\">{}</span>", html_escape(text.substr(0, at)),
+                       html_escape(text.substr(at + 2, text.size() - at - 3)));
+}
+
+/// "a;b_c" as "a, b c".
+std::string spaced_names(const std::string& names) {
+    std::string text;
+    for (const char c : names)
+        text += c == ';' ? ", " : c == '_' ? " " : std::string(1, c);
+    return html_escape(text);
 }
 
 std::string time_cell(const Analysis& analysis, const TableRow& row, std::size_t t) {
-    if (!row.times[t]) return "<td class=\"never\" title=\"not reached\">&ndash;</td>";
-    const bool best = row.times[t]->value <= least_time(analysis, row.scene, row.component, t);
+    if (!row.times[t]) {
+        const std::string guess = unmeasured_time(row, target_errors[t]);
+        return guess.empty() ? "<td class=\"never\" title=\"not reached\">&ndash;</td>"
+                             : fmt::format("<td class=\"never\">{}</td>", in_two_lines(guess));
+    }
+    const bool best = &row == cheapest(analysis, row.scene, row.component, t);
     return fmt::format("<td{}>{}</td>", best ? " class=\"best\" title=\"cheapest\"" : "",
                        with_interval_html(*row.times[t], short_number));
 }
 
 std::string price_row(const Analysis& analysis, const TableRow& row) {
-    const bool total = row.component == total_name;
     const auto& s = row.statistics;
     std::string html =
         s ? fmt::format("<td>{}</td>", with_interval_html(s->rel_mse, root_percent)) : "<td>not judged</td>";
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         html += s ? time_cell(analysis, row, t) : "<td></td>";
-    html += fmt::format("<td>{}</td><td>{}</td>", short_number(row.seconds),
-                        row.prepare_seconds < 1e-3 ? "&lt; 0.001" : short_number(row.prepare_seconds));
-    html += fmt::format("<td>{:.0f}</td>", row.peak_rss_mib);
-    html += fmt::format("<td>{}</td><td>{}</td>", total && row.flip ? short_number(*row.flip) : "",
-                        row.noise ? short_number(row.noise->centroid) : "");
-    html += fmt::format("<td>{}</td>", row.nonfinite);
-    return html + fmt::format("<td class=\"text\">{}</td>", html_escape(row.effects_missing));
+    html += fmt::format("<td>{}</td><td>{}</td><td>{:.0f}</td>",
+                        row.prepare_seconds < 1e-3 ? "&lt; 0.001" : short_number(row.prepare_seconds),
+                        short_number(row.seconds), row.peak_rss_mib);
+    return html + fmt::format("<td class=\"text\">{}</td>", spaced_names(row.effects_missing));
+}
+
+std::string halving_cell(const TableRow& row) {
+    if (!law_holds(*row.law)) return "<td class=\"never\">no law</td>";
+    if (!row.law->next_halving) return "<td>never<span class=\"interval\">below its floor</span></td>";
+    return fmt::format("<td>{}</td>", with_interval_html(*row.law->next_halving, short_number));
+}
+
+/// The floor as an error, and its parts.
+std::string floor_cells(const TableRow& row) {
+    const Estimate& floor = row.law->floor;
+    if (!(floor.value > 0)) {
+        const bool bounded = floor.interval && floor.interval->hi > 0;
+        return fmt::format(
+            "<td>0{}</td><td></td><td></td>",
+            bounded ? fmt::format("<span class=\"interval\">to {}</span>", root_percent(floor.interval->hi)) : "");
+    }
+    const double bias2 = floor_bias2(row);
+    return fmt::format("<td>{}</td><td>{}</td><td>{}</td>", with_interval_html(floor, root_percent),
+                       root_percent(bias2), root_percent(floor.value - bias2));
+}
+
+std::string law_row(const TableRow& row) {
+    if (!row.law) return "";
+    std::string html =
+        fmt::format("<td>{}</td>", row.last_halving ? with_interval_html(*row.last_halving, short_number) : "");
+    html += halving_cell(row) + floor_cells(row);
+    html += fmt::format("<td>{}</td>", with_interval_html(row.law->slope, short_number));
+    return html + fmt::format("<td>{:.0f} %</td>", 100 * row.law->misfit);
 }
 
 /// bias^2 and variance as a share of their sum; nothing if one is not known.
@@ -99,10 +148,14 @@ std::string split_row(const TableRow& row) {
     const auto& s = row.statistics;
     if (!s) return "";
     std::string html = fmt::format("<td>{}</td>", with_interval_html(s->mse, short_number));
-    if (!s->bias2 || !s->variance) return html + "<td></td><td></td><td class=\"text\">one seed has no split</td>";
-    html += fmt::format("<td>{}</td>", with_interval_html(*s->bias2, clipped));
-    html += fmt::format("<td>{}</td>", with_interval_html(*s->variance, short_number));
-    return html + fmt::format("<td class=\"text\">{}</td>", split_bar(*s));
+    if (s->bias2 && s->variance)
+        html += fmt::format("<td>{}</td><td>{}</td><td class=\"text\">{}</td>", with_interval_html(*s->bias2, clipped),
+                            with_interval_html(*s->variance, short_number), split_bar(*s));
+    else html += "<td></td><td></td><td class=\"text\">one seed has no split</td>";
+    html += row.noise ? fmt::format("<td>{}</td><td>{}</td>", short_number(row.noise->centroid),
+                                    short_number(row.noise->low_ratio))
+                      : "<td></td><td></td>";
+    return html + fmt::format("<td>{}</td><td>{}</td>", row.flip ? short_number(*row.flip) : "", row.nonfinite);
 }
 
 /// Mean seconds by stage, in the order in which stages were met.
@@ -135,25 +188,83 @@ std::vector<std::string> stage_names(const Analysis& analysis) {
 
 }  // namespace
 
+std::string overview_html(const Analysis& analysis) {
+    constexpr std::array<std::size_t, 2> targets = {1, 3};  // 5 % and 1 %
+    std::string html =
+        "<div class=\"scroll overview\" role=\"region\" tabindex=\"0\" aria-label=\"The cheapest methods\">\n<table>"
+        "<thead><tr><th scope=\"col\">scene</th>";
+    for (const std::size_t t : targets)
+        html += fmt::format("<th scope=\"col\" class=\"text\">cheapest at {} %</th>", target_names[t]);
+    html += "</tr></thead>\n<tbody>\n";
+    for (std::size_t i = 0; i < analysis.references.size(); ++i) {
+        const std::string& scene = analysis.references[i].scene;
+        html += fmt::format("<tr><th scope=\"row\"><a href=\"#scene-{}\">{}</a></th>", i, html_escape(scene));
+        for (const std::size_t t : targets) {
+            const TableRow* best = cheapest(analysis, scene, total_name, t);
+            html += best ? fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
+                                       method_html(method_index(analysis, best->method), best->method),
+                                       short_number(best->times[t]->value))
+                         : "<td class=\"text never\">not reached</td>";
+        }
+        html += "</tr>\n";
+    }
+    return html + "</tbody></table></div>\n";
+}
+
 std::string price_list_html(const Analysis& analysis, const std::string& scene) {
-    std::string head = column("component") + column("error %", "relative RMSE of the final image");
+    std::string head =
+        column("component") + column("error of the final image %", "relative RMSE, the reference's own error included");
     for (const char* target : target_names)
         head += column(fmt::format("to {} %", target), fmt::format("seconds until the relative RMSE is {} %", target));
-    head += column("whole run s", "seconds of preparation and all passes") +
-            column("preparation s", "seconds before the first pass; part of every time") +
+    head += column("prepa&shy;ration s", "seconds before the first pass; part of every time") +
+            column("whole run s", "seconds of preparation and all passes") +
             column("memory MiB", "the largest resident set of the cell's own process") +
-            column("FLIP", "how much of the difference a viewer sees, 0 to 1") +
-            column("noise centroid", "cycles per pixel; white noise has 0.383") +
-            column("not finite", "samples that were dropped") + column("missing effects");
+            "<th scope=\"col\" class=\"text\">missing effects</th>";
     return table_of(analysis, scene, "Price list of " + scene, head,
                     [&](const TableRow& row) { return price_row(analysis, row); });
+}
+
+std::string laws_html(const Analysis& analysis, const std::string& scene) {
+    const std::string head =
+        column("component") + column("last halving", "factor of time for the last halving of the error, as measured") +
+        column("next halving (extrapolated)", "factor of time for half the error of the final image, by the law") +
+        column("floor %", "relative RMSE that more time does not remove, by the law") + column("of it bias %") +
+        column("of it fixed noise %", "variance that more time does not remove, as that of a fixed photon map") +
+        column("slope", "of the squared error above its floor; 1 for independent samples") +
+        column("worst point off the law", "share of the squared error");
+    return table_of(analysis, scene, "Laws of " + scene, head, law_row);
+}
+
+std::string crossovers_html(const Analysis& analysis, const std::string& scene) {
+    std::string rows;
+    for (const Crossover& change : crossovers(analysis)) {
+        if (change.scene != scene) continue;
+        rows += fmt::format(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
+            method_html(method_index(analysis, change.method), change.method),
+            with_interval_html({change.seconds, change.interval}, short_number),
+            change.relative_rmse > 0 ? percent_text(change.relative_rmse) : "below the reference's",
+            change.before.empty() ? "no image yet" : method_html(method_index(analysis, change.before), change.before));
+    }
+    if (rows.empty()) return "";
+    return fmt::format(
+        "<h3>When the best method changes</h3>\n<p class=\"muted\">From these seconds on a method is closer to the "
+        "reference than all others, by 5 % at least before the next change.</p>\n<div class=\"scroll fitting\" "
+        "role=\"region\" tabindex=\"0\" aria-label=\"When the best method of {} changes\">\n<table><thead><tr><th "
+        "scope=\"col\">best method</th>{}{}<th scope=\"col\" class=\"text\">before</th></tr></thead>\n<tbody>\n{}"
+        "</tbody></table></div>\n",
+        html_escape(scene), column("from second"), column("relative RMSE % there"), rows);
 }
 
 std::string split_html(const Analysis& analysis, const std::string& scene) {
     const std::string head =
         column("component") + column("mean squared error") + column("bias&sup2;") + column("variance") +
         "<th scope=\"col\" class=\"text\"><span class=\"swatch bias\"></span>bias&sup2; against <span "
-        "class=\"swatch noise\"></span>variance</th>";
+        "class=\"swatch noise\"></span>variance</th>" +
+        column("noise centroid", "cycles per pixel; white noise has 0.383") +
+        column("low frequencies", "noise power below 0.1 cycles per pixel as a multiple of white noise's") +
+        column("FLIP", "how much of the difference a viewer sees, 0 to 1") +
+        column("not finite", "samples that were dropped");
     return table_of(analysis, scene, "Bias and noise of " + scene, head, split_row);
 }
 

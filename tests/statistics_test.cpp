@@ -212,10 +212,10 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     }
 }
 
-// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time. The bounds are issue 8's for 1000
-// repetitions, widened by two standard errors of a proportion from 500.
+// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time, 1000 repetitions: 92 to 98.5 %. Three
+// seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
 TEST(ReplicateStatistics, IntervalsContainTheTruth) {
-    constexpr int repetitions = 500;
+    constexpr int repetitions = 1000;
     for (const int seeds : {3, 5, 8})
         for (const double bias : {0.0, 0.15, 2.0}) {
             Random random(static_cast<std::uint64_t>(100 * seeds) + 1);
@@ -231,8 +231,9 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
             for (const auto& [name, hits] : {std::pair{"bias2", bias2}, {"variance", variance}, {"mse", mse}}) {
                 const double coverage = static_cast<double>(hits) / repetitions;
                 RecordProperty(std::string(name) + "_" + std::to_string(seeds), std::to_string(coverage));
-                EXPECT_GE(coverage, 0.92 - 0.024) << name << " bias " << bias << " seeds " << seeds;
-                EXPECT_LE(coverage, 0.985 + 0.011) << name << " bias " << bias << " seeds " << seeds;
+                const double more = seeds < 5 ? 2 * std::sqrt(0.05 * 0.95 / repetitions) : 0;
+                EXPECT_GE(coverage, 0.92 - more) << name << " bias " << bias << " seeds " << seeds;
+                EXPECT_LE(coverage, 0.985 + more) << name << " bias " << bias << " seeds " << seeds;
             }
         }
 }

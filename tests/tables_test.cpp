@@ -33,7 +33,7 @@ Analysis small_analysis() {
     row.component = total_name;
     row.seeds = 1;
     row.seconds = 0.5;
-    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}};
+    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}, {}};
     row.effects_missing = "caustics;refraction";
     row.flip = 0.125;
     analysis.rows.push_back(row);
@@ -56,13 +56,14 @@ TEST(Tables, HaveTheFixedColumnsInOrder) {
     EXPECT_EQ(joined(stages_table(analysis).columns), "scene,method,seed,stage,seconds");
     EXPECT_THAT(joined(spectra_table(analysis).columns), StartsWith("scene,method,kind,frequency,power"));
     for (const char* further : {"variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
-                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip"})
+                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip", "footing",
+                                "energy_excess", "law_slope", "law_floor_bias2", "last_halving", "next_halving_hi"})
         EXPECT_THAT(error_table(analysis).columns, ::testing::Contains(further));
 }
 
 TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     const Analysis analysis = small_analysis();
-    EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77");
+    EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77,5");
     const CsvTable table = error_table(analysis);
     const auto value = [&](const std::string& column) {
         const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();

@@ -155,7 +155,7 @@ report.charts = (() => {
   function sceneCharts(section, scene, state) {
     const panels = [
       new Panel(section.querySelector(".curve-chart"), "Error against time",
-        "Mean over the seeds with its 95 % band. Time is charged wall-clock time, preparation included.", () => ({
+        "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Time is charged wall-clock time, preparation included.", () => ({
           sets: curveSets(scene, state.component, state.metric, state.hidden),
           xAxis: () => axis("logarithmic", "seconds"),
           yAxis: () => axis("logarithmic", metrics[state.metric].label),
