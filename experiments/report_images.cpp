@@ -67,15 +67,16 @@ Image flip_image(const FlipMap& map) {
     return image;
 }
 
-FlipMap flip_values(const Image& srgb) {
+FlipMap flip_values(const Image& picture) {
     constexpr int steps = 256;
     std::array<Color, steps> table;
     for (int i = 0; i < steps; ++i)
         table[static_cast<std::size_t>(i)] =
             scale_color(magma_colors(), static_cast<float>(i) / static_cast<float>(steps - 1));
-    FlipMap map{srgb.width, srgb.height, std::vector<float>(srgb.pixels())};
-    for (std::size_t p = 0; p < srgb.pixels(); ++p) {
-        const Color color = srgb.at(p);
+    FlipMap map{picture.width, picture.height, std::vector<float>(picture.pixels())};
+    for (std::size_t p = 0; p < picture.pixels(); ++p) {
+        const Color linear = picture.at(p);
+        const Color color(srgb_from_linear(linear[0]), srgb_from_linear(linear[1]), srgb_from_linear(linear[2]));
         float least = std::numeric_limits<float>::infinity();
         for (int i = 0; i < steps; ++i) {
             const float distance = (color - table[static_cast<std::size_t>(i)]).square().sum();

@@ -22,7 +22,7 @@ ColorScale bias_colors();
 
 /// A map of FLIP in the colours of `magma`, as its papers show it. Linear, so that a PNG's curve gives the colours.
 Image flip_image(const FlipMap& map);
-/// The inverse of flip_image() for a PNG as it was read: the nearest of 256 values.
-FlipMap flip_values(const Image& srgb);
+/// The inverse of flip_image() for a PNG as read_image() gives it: the nearest of 256 values.
+FlipMap flip_values(const Image& picture);
 
 }  // namespace gib

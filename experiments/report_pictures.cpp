@@ -230,9 +230,10 @@ std::string note_of(const json& scenes, const std::vector<PackedFrame>& frames, 
                                 entry["reduction"].get<int>());
     if (frames.empty())
         note += "No images on the way were kept in this folder: at every time the final image is shown. ";
+    else if (octaves > 15) note += "To keep the page small, only the image after the first pass is kept on the way. ";
     else if (octaves > 1)
         note += fmt::format("To keep the page small, images on the way are those after 1, {}, {}, ... passes. ",
-                            1u << std::min(octaves, 16), 1u << std::min(2 * octaves, 30));
+                            1u << octaves, 1u << (2 * octaves));
     return note;
 }
 

@@ -34,7 +34,8 @@ std::string method_cell(const Analysis& analysis, const TableRow& row) {
 std::string table_of(const Analysis& analysis, const std::string& scene, const std::string& caption,
                      const std::string& head, const std::function<std::string(const TableRow&)>& row_html) {
     std::string html = fmt::format(
-        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table><thead><tr><th "
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table "
+        "class=\"by-component\"><thead><tr><th "
         "scope=\"col\">method</th>{}</tr></thead>\n<tbody>\n",
         html_escape(caption), head);
     for (const TableRow& row : analysis.rows) {
@@ -149,8 +150,9 @@ std::string split_row(const TableRow& row) {
     if (!s) return "";
     std::string html = fmt::format("<td>{}</td>", with_interval_html(s->mse, short_number));
     if (s->bias2 && s->variance)
-        html += fmt::format("<td>{}</td><td>{}</td><td class=\"text\">{}</td>", with_interval_html(*s->bias2, clipped),
-                            with_interval_html(*s->variance, short_number), split_bar(*s));
+        html += fmt::format("<td>{}</td><td>{}</td><td class=\"text split-cell\">{}</td>",
+                            with_interval_html(*s->bias2, clipped), with_interval_html(*s->variance, short_number),
+                            split_bar(*s));
     else html += "<td></td><td></td><td class=\"text\">one seed has no split</td>";
     html += row.noise ? fmt::format("<td>{}</td><td>{}</td>", short_number(row.noise->centroid),
                                     short_number(row.noise->low_ratio))

@@ -1,9 +1,13 @@
 """What tests/report_test.py stands on: a result folder made by the built gibench, pixels of its images as oiiotool prints
 them, and a headless Chromium."""
+import atexit
 import csv
+import functools
+import json
 import os
 import re
 import subprocess
+import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 METHODS = ("path spp=64", "photon_mapper photons=2000 spp=8", "radiosity patch=0.2 spp=8")
@@ -31,6 +35,14 @@ spp = 8
 """
 
 
+@functools.cache
+def shared_results(program):
+    """A small experiment's result folder, until the process ends."""
+    parent = tempfile.TemporaryDirectory()
+    atexit.register(parent.cleanup)
+    return make_results(program, parent.name)
+
+
 def make_results(program, folder):
     """Runs a small experiment; returns the result folder."""
     path = os.path.join(folder, "small.toml")
@@ -49,6 +61,16 @@ def cell_folder(results, scene, method, seed):
     found = [name for name in os.listdir(cells) if name.startswith(plain + "-") and name.endswith(f"-s{seed}")]
     assert len(found) == 1, found
     return os.path.join(cells, found[0])
+
+
+def record(folder, name):
+    with open(os.path.join(folder, name), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def checkpoints(results, scene, method, seed):
+    """Of a cell's record: passes, seconds, errors by component."""
+    return record(cell_folder(results, scene, method, seed), "cell.json")["checkpoints"]
 
 
 def pixels(path, layer=""):
