@@ -7,6 +7,7 @@
 #include "experiments/spectrum.h"
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,8 @@ struct ReferenceQuality {
     std::optional<double> target;
     std::uint64_t samples = 0;  ///< a pixel; 0: unknown
     std::vector<std::string> notes;
+    std::map<std::string, double>
+        resolved;  ///< by component, `total` included: relative squared error, resolved_error2
 };
 
 struct Analysis {
@@ -50,6 +53,9 @@ struct Analysis {
     std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
     std::size_t missing_cells = 0;  ///< of the experiment, not complete
+
+    /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
+    double resolved(const std::string& scene, const std::string& component) const;
 };
 
 /// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no

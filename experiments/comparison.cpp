@@ -17,10 +17,11 @@ namespace gib {
 namespace {
 
 std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
-                                           const std::string& component, double seconds) {
+                                           const std::string& component, double seconds, double resolved) {
     EqualTimeRow row{scene, component, seconds, {}};
     for (const auto& [method, cells] : methods)
-        if (const auto error = relative_rmse_after(cells, component, seconds)) row.entries.push_back({method, *error});
+        if (const auto error = relative_rmse_after(cells, component, seconds, resolved))
+            row.entries.push_back({method, *error});
     if (row.entries.size() < 2) return std::nullopt;
     std::stable_sort(row.entries.begin(), row.entries.end(),
                      [](const auto& a, const auto& b) { return a.relative_rmse < b.relative_rmse; });
@@ -29,7 +30,7 @@ std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const s
 
 /// Of one method, its checkpoints that all seeds have.
 void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
-                std::vector<FrontierPoint>& points) {
+                double resolved, std::vector<FrontierPoint>& points) {
     const std::size_t count = common_checkpoints(cells);
     for (std::size_t i = 0; i < count; ++i) {
         const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
@@ -42,7 +43,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
             error += total->second.rel_mse_corrected;
         }
         const auto n = static_cast<double>(cells.size());
-        points.push_back({scene, method, passes, seconds / n, std::sqrt(std::max(error / n, 0.0))});
+        points.push_back({scene, method, passes, seconds / n, error / n > resolved ? std::sqrt(error / n) : 0.0});
     }
 }
 
@@ -114,7 +115,8 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
             shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
         }
         for (const auto& component : components_of(analysis, scene))
-            if (auto row = equal_time_row(methods, scene, component, shortest)) rows.push_back(std::move(*row));
+            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.resolved(scene, component)))
+                rows.push_back(std::move(*row));
     }
     return rows;
 }
@@ -126,7 +128,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
         if (methods.size() < 2) continue;
         std::vector<FrontierPoint> points;
         for (const auto& [method, cells] : methods)
-            add_points(scene, method, cells, points);
+            add_points(scene, method, cells, analysis.resolved(scene, total_name), points);
         std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
             return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
         });

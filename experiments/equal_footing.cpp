@@ -1,7 +1,6 @@
 #include "experiments/equal_footing.h"
 
 #include "common/math.h"
-#include "experiments/student_t.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,14 +20,9 @@ double mean_energy(const Image& image) {
     return sum / static_cast<double>(image.rgb.size());
 }
 
-struct Mean {
-    double value = 0;
-    VarianceTerm variance{std::numeric_limits<double>::infinity(), 1};  ///< of the mean
-};
-
-Mean mean_energies(const std::vector<Image>& images) {
+MeanEnergy mean_energies(const std::vector<Image>& images) {
     std::vector<double> energies;
-    Mean mean;
+    MeanEnergy mean;
     const auto n = static_cast<double>(images.size());
     for (const Image& image : images) {
         energies.push_back(mean_energy(image));
@@ -43,9 +37,9 @@ Mean mean_energies(const std::vector<Image>& images) {
 }
 
 /// Without groups, pixels and channels are taken as independent; without a standard error the reference is exact.
-Mean reference_energy(const ReferenceLayer& reference) {
+MeanEnergy reference_energy(const ReferenceLayer& reference) {
     if (reference.groups.size() > 1) return mean_energies(reference.groups);
-    Mean mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
+    MeanEnergy mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
     if (!reference.standard_error) return mean;
     const auto size = static_cast<double>(reference.standard_error->rgb.size());
     for (const float v : reference.standard_error->rgb)
@@ -53,13 +47,24 @@ Mean reference_energy(const ReferenceLayer& reference) {
     return mean;
 }
 
-FootingVerdict verdict_of(const Estimate& excess) {
+FootingVerdict verdict_of(const Estimate& excess, double truth) {
     // NaN: something in the image is not finite.
     if (!std::isfinite(excess.value)) return FootingVerdict::differs;
+    // Both black, exactly: most often a component that the scene does not call for.
+    if (excess.value == 0 && truth == 0) return FootingVerdict::agrees;
     if (!excess.interval) return FootingVerdict::unresolved;
     const auto [lo, hi] = *excess.interval;
     if ((lo > 0 || hi < 0) && std::abs(excess.value) >= footing_least) return FootingVerdict::differs;
     return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::unresolved;
+}
+
+Footing compared(const MeanEnergy& method, const MeanEnergy& truth, double unit) {
+    Footing footing{method, unit, {(method.value - truth.value) / unit, std::nullopt}};
+    const double half = half_width({method.variance, truth.variance}, tail) / unit;
+    if (std::isfinite(half))
+        footing.excess.interval = Interval{footing.excess.value - half, footing.excess.value + half};
+    footing.verdict = verdict_of(footing.excess, truth.value);
+    return footing;
 }
 
 }  // namespace
@@ -76,17 +81,14 @@ std::string name_of(FootingVerdict verdict) {
     return "unresolved";
 }
 
+Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }
+
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total) {
-    const Mean method = mean_energies(replicates), truth = reference_energy(reference);
+    const MeanEnergy truth = reference_energy(reference);
     const double unit = std::max(truth.value, least_share * mean_energy(total));
     if (!(unit > 0)) return std::nullopt;
-    Footing footing{{(method.value - truth.value) / unit, std::nullopt}};
-    const double half = half_width({method.variance, truth.variance}, tail) / unit;
-    if (std::isfinite(half))
-        footing.excess.interval = Interval{footing.excess.value - half, footing.excess.value + half};
-    footing.verdict = verdict_of(footing.excess);
-    return footing;
+    return compared(mean_energies(replicates), truth, unit);
 }
 
 }  // namespace gib

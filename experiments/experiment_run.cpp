@@ -61,6 +61,15 @@ private:
     int count_ = 0;
 };
 
+/// Of a cell's work: whichever of its ends is nearest.
+double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
+    const auto done = static_cast<double>(passes);
+    double share = done / cell.spp;
+    if (cell.budget.passes) share = std::max(share, done / *cell.budget.passes);
+    if (cell.budget.seconds) share = std::max(share, seconds / *cell.budget.seconds);
+    return std::min(share, 1.0);
+}
+
 }  // namespace
 
 void link_file(const std::string& from, const std::string& to) {
@@ -215,7 +224,7 @@ void ExperimentRun::run_cells() {
                                       cell.identity.method, cell.identity.seed);
         const auto start = std::chrono::steady_clock::now();
         const auto show = [&](std::uint32_t passes, double seconds) {
-            const double share = static_cast<double>(passes) / cell.identity.spp;
+            const double share = share_done(cell.identity, passes, seconds);
             const double left = passes > 0 ? seconds * (1 / share - 1) : costs.of(cell.identity).value_or(0);
             progress_.update(
                 (static_cast<double>(i) + share) / static_cast<double>(to_do.size()),

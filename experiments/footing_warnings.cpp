@@ -6,37 +6,94 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
 
 namespace gib {
 
 namespace {
 
-std::string sentence(const TableRow& row) {
+std::string difference(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
     const std::string what = fmt::format("{}, {}: `{}`", row.scene, row.method, row.component);
     if (!std::isfinite(excess.value)) return what + " is not finite";
-    if (!excess.interval)
-        return fmt::format("{} has {:+.2f} % of mean energy against the reference; one seed tells no error", what,
-                           100 * excess.value);
-    const std::string interval =
-        fmt::format("({:+.2f} to {:+.2f})", 100 * excess.interval->lo, 100 * excess.interval->hi);
-    if (row.footing->verdict == FootingVerdict::unresolved)
-        return fmt::format("{} cannot be told to agree within {:.0f} % in mean energy: {:+.2f} % {}", what,
-                           100 * footing_tolerance, 100 * excess.value, interval);
-    return fmt::format("{} is too {}: {:+.2f} % {} of mean energy{}", what, excess.value > 0 ? "bright" : "dark",
-                       100 * excess.value, interval,
+    return fmt::format("{} is too {}: {:+.2f} % ({:+.2f} to {:+.2f}) of mean energy{}", what,
+                       excess.value > 0 ? "bright" : "dark", 100 * excess.value, 100 * excess.interval->lo,
+                       100 * excess.interval->hi,
                        row.effects_missing.empty() ? "" : "; the method leaves out " + row.effects_missing);
 }
+
+/// What is not known of one component: "`caustic` -0.40 % (-3.10 to 2.30)".
+std::string ignorance(const TableRow& row) {
+    const Estimate& excess = row.footing->excess;
+    return fmt::format("`{}` {:+.2f} %{}", row.component, 100 * excess.value,
+                       excess.interval
+                           ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * excess.interval->lo, 100 * excess.interval->hi)
+                           : "");
+}
+
+/// Of the rows of one component that the reference cannot judge, the two that differ most surely from each other.
+struct Disagreement {
+    const TableRow *more = nullptr, *less = nullptr;
+    Estimate difference;  ///< with an interval
+    double sureness = 0;  ///< difference / half the width of its interval
+};
+
+void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>& surest) {
+    const Footing pair = a.footing->against(*b.footing);
+    if (pair.verdict != FootingVerdict::differs || !pair.excess.interval) return;
+    if (pair.excess.value < 0) return consider(b, a, surest);
+    const double half = pair.excess.interval->hi - pair.excess.value;
+    const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
+    if (!surest || sureness > surest->sureness) surest = Disagreement{&a, &b, pair.excess, sureness};
+}
+
+/// By scene and component.
+using UnresolvedRows = std::map<std::pair<std::string, std::string>, std::vector<const TableRow*>>;
+
+std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
+    std::vector<FootingWarning> warnings;
+    for (const auto& [key, rows] : groups) {
+        std::optional<Disagreement> surest;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                consider(*rows[i], *rows[j], surest);
+        if (!surest) continue;
+        const auto [lo, hi] = *surest->difference.interval;
+        warnings.push_back({key.first, surest->more->method, key.second, true,
+                            fmt::format("{}: `{}` differs between methods where the reference cannot judge: {} has "
+                                        "{:+.2f} % ({:+.2f} to {:+.2f}) of mean energy over {}",
+                                        key.first, key.second, surest->more->method, 100 * surest->difference.value,
+                                        100 * lo, 100 * hi, surest->less->method)});
+    }
+    return warnings;
+}
+
+bool has(const TableRow& row, FootingVerdict verdict) { return row.footing && row.footing->verdict == verdict; }
 
 }  // namespace
 
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
-    std::vector<FootingWarning> warnings;
-    for (const TableRow& row : analysis.rows)
-        if (row.footing && row.footing->verdict != FootingVerdict::agrees)
-            warnings.push_back(
-                {row.scene, row.method, row.component, row.footing->verdict == FootingVerdict::differs, sentence(row)});
-    std::stable_partition(warnings.begin(), warnings.end(), [](const auto& w) { return w.differs; });
+    std::vector<FootingWarning> warnings, unresolved;
+    UnresolvedRows groups;
+    for (const TableRow& row : analysis.rows) {
+        if (has(row, FootingVerdict::differs))
+            warnings.push_back({row.scene, row.method, row.component, true, difference(row)});
+        if (!has(row, FootingVerdict::unresolved)) continue;
+        groups[{row.scene, row.component}].push_back(&row);
+        if (unresolved.empty() || unresolved.back().scene != row.scene || unresolved.back().method != row.method)
+            unresolved.push_back({row.scene, row.method, row.component, false,
+                                  fmt::format("{}, {}, cannot be told within {:.0f} %: {}", row.scene, row.method,
+                                              100 * footing_tolerance, ignorance(row))});
+        else {
+            unresolved.back().component += ";" + row.component;
+            unresolved.back().text += ", " + ignorance(row);
+        }
+    }
+    for (auto& warning : disagreements(groups))
+        warnings.push_back(std::move(warning));
+    warnings.insert(warnings.end(), unresolved.begin(), unresolved.end());
     return warnings;
 }
 
@@ -45,15 +102,20 @@ std::string footing_text(const Analysis& analysis) {
     for (const TableRow& row : analysis.rows)
         checked += row.footing.has_value();
     if (checked == 0) return "";
-    const auto warnings = footing_warnings(analysis);
-    const auto differing = static_cast<std::size_t>(
-        std::count_if(warnings.begin(), warnings.end(), [](const auto& w) { return w.differs; }));
+    const auto count = [&](FootingVerdict verdict) {
+        return std::count_if(analysis.rows.begin(), analysis.rows.end(),
+                             [&](const TableRow& row) { return has(row, verdict); });
+    };
     std::string text = fmt::format(
         "\n## Equal footing\n\nMean energy against the reference's, 99 % intervals: of {} components {} agree within "
         "{:.0f} %, {} differ, {} cannot be told.\n\n",
-        checked, checked - warnings.size(), 100 * footing_tolerance, differing, warnings.size() - differing);
-    for (const auto& warning : warnings)
+        checked, count(FootingVerdict::agrees), 100 * footing_tolerance, count(FootingVerdict::differs),
+        count(FootingVerdict::unresolved));
+    if (analysis.index.seeds < 2) text += "One seed has no interval: run with two seeds or more.\n";
+    for (const auto& warning : footing_warnings(analysis)) {
+        if (!warning.differs && analysis.index.seeds < 2) continue;
         text += fmt::format("- {}{}.\n", warning.differs ? "Warning: " : "", warning.text);
+    }
     return text;
 }
 

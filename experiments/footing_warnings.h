@@ -8,13 +8,16 @@
 
 namespace gib {
 
-/// A component of a method whose mean energy is not the reference's, or not known to be.
+/// A component of a method whose mean energy is not the reference's; or those of a method of which it is not known.
 struct FootingWarning {
-    std::string scene, method, component;
-    bool differs;      ///< else it is not resolved
-    std::string text;  ///< a sentence that names all three
+    std::string scene, method;
+    std::string component;  ///< names, separated by `;`
+    bool differs;           ///< else it is not resolved
+    std::string text;       ///< a sentence that names all three
 };
-/// In the order of the rows, those that differ first.
+/// First one for each component that differs from the reference; then, where the reference cannot judge a component of
+/// several methods, one for the two that differ most surely from each other; then one for each method with components
+/// that are not resolved.
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis);
 
 /// The section of table.md that stands before every number.

@@ -16,7 +16,7 @@ constexpr double least_fall = 0.01;  // of the squared error over the measured s
 using Curve = std::vector<ErrorPoint>;
 
 /// The mean of the runs, without the run `left_out`, up to where it is no longer above what the reference resolves.
-Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out) {
+Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double resolved) {
     std::size_t count = runs.front().size();
     for (const Curve& run : runs)
         count = std::min(count, run.size());
@@ -29,7 +29,7 @@ Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out) {
             point.seconds += runs[r][i].seconds / n;
             point.error2 += runs[r][i].error2 / n;
         }
-        if (!(point.error2 > 0) || !std::isfinite(point.error2)) break;
+        if (!(point.error2 > resolved) || !std::isfinite(point.error2)) break;
         mean.push_back(point);
     }
     return mean;
@@ -93,11 +93,11 @@ struct WithoutOne {
     std::vector<double> floors, slopes, log_halvings;
 };
 
-WithoutOne fits_without_one(const std::vector<Curve>& runs, double start) {
+WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double resolved) {
     WithoutOne result;
     if (runs.size() < 3) return result;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const Curve curve = mean_curve(runs, r);
+        const Curve curve = mean_curve(runs, r, resolved);
         const auto fit = fit_law(curve, start);
         if (!fit) return {};
         result.floors.push_back(fit->law.floor);
@@ -118,9 +118,9 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
     return start + std::pow(factor / (target - floor), 1 / slope);
 }
 
-std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start) {
+std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start, double resolved) {
     if (runs.empty()) return std::nullopt;
-    const Curve curve = mean_curve(runs, runs.size());
+    const Curve curve = mean_curve(runs, runs.size(), resolved);
     const auto fit = fit_law(curve, start);
     if (!fit) return std::nullopt;
     const ErrorLaw& law = fit->law;
@@ -134,7 +134,7 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
         price.misfit = std::max(price.misfit, std::abs(law.error2(p.seconds) / p.error2 - 1));
     if (const auto halving = halving_factor(law, price.last_seconds)) price.next_halving = {*halving, std::nullopt};
 
-    const WithoutOne without = fits_without_one(runs, start);
+    const WithoutOne without = fits_without_one(runs, start, resolved);
     if (without.slopes.empty()) return price;
     price.floor = jackknife(law.floor, without.floors);
     price.floor.interval->lo = std::max(0.0, price.floor.interval->lo);

@@ -45,6 +45,8 @@ struct PriceLaw {
 /// Intervals: delete-one jackknife over whole runs, as the points of one run are correlated, with Student's t; that of
 /// the floor is cut off at 0. No intervals below 3 runs. Empty if fewer than 4 points have a positive mean error, or if
 /// the squared error falls by less than 1 %.
-std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start);
+/// `resolved`: the squared error below which the reference resolves nothing; curves end there.
+std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,
+                                      double resolved = 0);
 
 }  // namespace gib

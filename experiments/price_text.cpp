@@ -1,5 +1,6 @@
 #include "experiments/price_text.h"
 
+#include "common/math.h"
 #include "experiments/tables.h"
 
 #include <fmt/format.h>
@@ -55,7 +56,7 @@ std::string largest_part(const Analysis& analysis, const std::vector<const Cell*
 /// What keeps a method from an error that another one has after `seconds`.
 std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, const TableRow& row, double seconds) {
     const auto& cells = methods.at(row.method);
-    const auto error = relative_rmse_after(cells, total_name, seconds);
+    const auto error = relative_rmse_after(cells, total_name, seconds, analysis.resolved(row.scene, total_name));
     std::vector<std::string> parts;
     if (!error)
         parts.push_back(mean_error2_after(cells, total_name, seconds) ? "below what the reference resolves"
@@ -87,7 +88,8 @@ std::vector<const TableRow*> best_of_other_names(const std::vector<const TableRo
     return best;
 }
 
-std::string time_text(const TableRow& row, std::size_t target) {
+std::string time_text(const Analysis& analysis, const TableRow& row, std::size_t target) {
+    if (sqr(target_errors[target]) <= analysis.resolved(row.scene, total_name)) return "not resolved";
     return row.times[target] ? with_interval(*row.times[target]) : unmeasured_time(row, target_errors[target]);
 }
 
@@ -111,7 +113,7 @@ std::string answer_with_winner(const Analysis& analysis, const CellsByMethod& me
                             overlap(*winner.times[target], *next.times[target]) ? " (the intervals overlap)" : "");
     }
     for (const TableRow* other : best_of_other_names(rows, winner, target, methods, seconds)) {
-        const std::string time = time_text(*other, target);
+        const std::string time = time_text(analysis, *other, target);
         text += fmt::format(" After {} s `{}` has {}{}.", short_number(seconds), other->method,
                             what_keeps(analysis, methods, *other, seconds),
                             time.empty() ? ""
@@ -129,10 +131,17 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
         const auto error2 = mean_error2_after(methods.at(row->method), total_name, row->seconds);
         if (error2 && *error2 < least) least = *error2, closest = row;
     }
+    const double resolved = analysis.resolved(rows.front()->scene, total_name);
+    if (sqr(target_errors[target]) <= resolved)
+        return fmt::format("The reference does not resolve {} %, only {}.", target_names[target],
+                           percent(std::sqrt(resolved)));
     std::string text = fmt::format("No method reached {} %.", target_names[target]);
     if (!closest) return text;
     text += fmt::format(" The closest is `{}` with {} after {} s", closest->method,
-                        percent(std::sqrt(std::max(0.0, least))), short_number(closest->seconds));
+                        least > resolved ? percent(std::sqrt(least))
+                                         : fmt::format("an error below {}, all that the reference resolves,",
+                                                       percent(std::sqrt(resolved))),
+                        short_number(closest->seconds));
     if (const auto part = largest_part(analysis, methods.at(closest->method), closest->scene, closest->seconds);
         !part.empty())
         text += ", " + part;
@@ -158,7 +167,7 @@ std::string next_halving_text(const TableRow& row) {
     return row.law->next_halving ? with_interval(*row.law->next_halving) : "never: floor";
 }
 
-std::string price_list(const std::vector<const TableRow*>& rows) {
+std::string price_list(const Analysis& analysis, const std::vector<const TableRow*>& rows) {
     std::string text = "| method | preparation |";
     for (const char* name : target_names)
         text += fmt::format(" {} % |", name);
@@ -170,7 +179,7 @@ std::string price_list(const std::vector<const TableRow*>& rows) {
     for (const TableRow* row : rows) {
         text += fmt::format("| {} | {} |", row->method, short_number(row->prepare_seconds));
         for (std::size_t t = 0; t < target_names.size(); ++t)
-            text += fmt::format(" {} |", time_text(*row, t));
+            text += fmt::format(" {} |", time_text(analysis, *row, t));
         text += fmt::format(" {} | {} | {} | {} | {} | {:.0f} |\n",
                             row->last_halving ? with_interval(*row->last_halving) : "", next_halving_text(*row),
                             floor_text(*row), row->law ? with_interval(row->law->slope) : "",
@@ -242,7 +251,7 @@ std::string price_text(const Analysis& analysis) {
                 "extrapolated. "
                 "Halving: the factor by which time grows.\n";
         first = false;
-        text += fmt::format("\n### {}\n\n{}", scene, price_list(rows));
+        text += fmt::format("\n### {}\n\n{}", scene, price_list(analysis, rows));
     }
     const auto changes = crossovers(analysis);
     return changes.empty() ? text : text + crossover_table(changes);

@@ -335,6 +335,15 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     return result;
 }
 
+double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+    const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
+    // The term of second order alone: there is no bias whose product with the reference's noise could scatter.
+    const auto m = static_cast<double>(noise.groups.rows());
+    const double variance =
+        m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
+    return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance);
+}
+
 namespace {
 
 /// The log of the time at which a curve first is at or below the target; NaN if it never is.

@@ -47,8 +47,8 @@ TableRow row(const Analysis& analysis, const std::string& method, const std::str
     row.statistics = ReplicateStatistics{3, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, Estimate{2e-4, {}}};
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         row.times[t] = time_to_error(curves, target_errors[t]);
-    row.law = price_law_of(cells, component);
-    row.last_halving = last_halving(cells, component);
+    row.law = price_law_of(cells, component, 0);
+    row.last_halving = last_halving(cells, component, 0);
     return row;
 }
 
@@ -121,14 +121,37 @@ TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
 TEST(FootingWarnings, NameSceneMethodAndComponent) {
     Analysis analysis = crossing();
     EXPECT_EQ(footing_text(analysis), "") << "nothing was checked";
-    analysis.rows[1].footing = Footing{{0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
-    analysis.rows[0].footing = Footing{{0.0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
-    analysis.rows[2].footing = Footing{{0.0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
+    analysis.rows[1].footing = Footing{{}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    analysis.rows[0].footing = Footing{{}, 1, {0.0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
+    analysis.rows[2].footing = Footing{{}, 1, {0.0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 2u);
     EXPECT_TRUE(warnings[0].differs) << "the certain ones first";
     EXPECT_EQ(warnings[0].text, "box, quick: `caustic` is too bright: +1.20 % (+0.90 to +1.50) of mean energy");
+    EXPECT_EQ(warnings[1].text, "box, quick, cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
+    analysis.index.seeds = 3;
     EXPECT_THAT(footing_text(analysis), HasSubstr("of 3 components 1 agree within 1 %, 1 differ, 1 cannot be told"));
+}
+
+TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
+    Analysis analysis;
+    analysis.index.seeds = 4;
+    const Estimate unknown{0.1, Interval{-0.2, 0.4}};
+    for (const auto& [method, energy, deviation] :
+         {std::tuple{"a", 1.0, 0.0005}, {"b", 1.03, 0.0005}, {"c", 1.002, 0.0005}, {"d", 1.4, 0.5}}) {
+        TableRow row;
+        row.scene = "box";
+        row.method = method;
+        row.component = "indirect";
+        row.footing = Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::unresolved};
+        analysis.rows.push_back(row);
+    }
+    const auto warnings = footing_warnings(analysis);
+    ASSERT_EQ(warnings.size(), 5u) << "one disagreement, four that cannot be told";
+    EXPECT_TRUE(warnings[0].differs);
+    EXPECT_THAT(warnings[0].text, HasSubstr("box: `indirect` differs between methods"));
+    EXPECT_THAT(warnings[0].text, HasSubstr("b has +3.00 %"));
+    EXPECT_THAT(warnings[0].text, HasSubstr("over a"));
 }
 
 }  // namespace

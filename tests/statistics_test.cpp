@@ -238,6 +238,31 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
         }
 }
 
+// White noise of the same power in all channels has it in closed form: sqrt(2 / (m (m - 1) pixels)) times the variance of
+// a group, times 1.96. A perfect image seems to have more error than that against one reference
+// in forty: 25 of 1000, within 3 standard errors of 5.
+TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
+    Random random(11);
+    std::normal_distribution<double> normal;
+    const Image one = constant(32, 32, 1);
+    const double m = reference_groups, exact = 1.96 * std::sqrt(2 / (m * (m - 1) * 32 * 32)) * 0.01;
+    double mean = 0;
+    int above = 0;
+    for (int i = 0; i < 1000; ++i) {
+        std::vector<Image> groups(reference_groups, one);
+        for (Image& group : groups)
+            for (std::size_t p = 0; p < group.pixels(); ++p)
+                group.set(p, Color::Constant(1 + 0.1f * static_cast<float>(normal(random))));
+        const ReferenceLayer reference = layer_of_groups(groups);
+        const double resolved = resolved_error2(reference, one, 0);
+        mean += resolved / 1000;
+        above += image_error(one, reference, one, 0).rel_mse_corrected > resolved;
+    }
+    EXPECT_NEAR(mean, exact, 0.02 * exact);
+    EXPECT_NEAR(above, 25, 15);
+    EXPECT_EQ(resolved_error2({one, {}, {}}, one, 0), 0) << "no standard error: taken as exact";
+}
+
 TEST(TimeToError, InterpolatesInTheLogarithms) {
     // error = seconds^-1/2: 10 % after 100 s.
     const std::vector<CurvePoint> curve = {{1, 1}, {16, 0.25}, {256, 0.0625}};

@@ -33,7 +33,8 @@ Analysis small_analysis() {
     row.component = total_name;
     row.seeds = 1;
     row.seconds = 0.5;
-    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}, {}};
+    row.statistics =
+        ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0025, Interval{0.0018, 0.0034}}, 1, 0.0016, {}, {}, {}};
     row.effects_missing = "caustics;refraction";
     row.flip = 0.125;
     analysis.rows.push_back(row);
@@ -69,12 +70,21 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
         const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
         return table.rows.at(0).at(static_cast<std::size_t>(at));
     };
-    EXPECT_EQ(value("rel_mse"), "0.0016");
+    EXPECT_EQ(value("rel_mse"), "0.0025");
     EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "caustics;refraction");
     EXPECT_EQ(value("flip"), "0.125");
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 | 0.125 |"));
+    EXPECT_THAT(markdown_table(analysis),
+                ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) | 0.125 |"));
+}
+
+TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
+    Analysis analysis = small_analysis();
+    analysis.references.push_back({"box", "path", 0.05, {}, 64, {}, {{total_name, 0.0025}}});
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| below 5.00, not resolved |"));
+    analysis.references[0].resolved[total_name] = 0.0009;
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| 4.00 (3.00 to 5.00) |"));
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
