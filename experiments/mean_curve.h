@@ -13,13 +13,13 @@ namespace gib {
 struct MeanPoint {
     std::uint32_t passes;
     double seconds;  ///< mean over the seeds
-    /// Roots of the seeds' mean squared errors, the reference's own variance subtracted. Bands: 95 %, Student's t over the
+    /// Roots of the seeds' mean squared errors, less the reference's own variance. Bands: 95 %, Student's t over the
     /// seeds' scatter alone, symmetric in the logarithm; none with one seed.
     Estimate relative_rmse, rmse;
 };
 
-/// Only points with times and errors above 0: others have no place on logarithmic axes. An error of 0 or less is below
-/// what the reference resolves.
+/// Only points with times and errors above 0, which have a place on logarithmic axes, and above what the reference
+/// resolves.
 std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& scene, const std::string& method,
                                   const std::string& component);
 

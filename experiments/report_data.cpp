@@ -52,24 +52,6 @@ json spectra_of(const Analysis& analysis, const std::string& scene, const std::s
     return spectra;
 }
 
-/// The reference's own error: the difference of the error with and without it. It is the same for all methods; least
-/// is lost to rounding where the error is smallest.
-json reference_error_of(const Analysis& analysis, const std::string& scene, const std::string& component) {
-    const TableRow* best = nullptr;
-    for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.component == component && row.statistics &&
-            std::isfinite(row.statistics->rel_mse.value) &&
-            (!best || row.statistics->rel_mse.value < best->statistics->rel_mse.value))
-            best = &row;
-    if (!best) return nullptr;
-    const auto& s = *best->statistics;
-    const double relative = s.rel_mse.value - s.rel_mse_corrected;
-    // An absolute error below what the reference resolves has no corrected value.
-    const double absolute = s.mse.value - s.rmse_corrected * s.rmse_corrected;
-    const auto root = [](double square) { return square > 0 ? json(std::sqrt(square)) : json(nullptr); };
-    return {root(relative), root(absolute)};
-}
-
 }  // namespace
 
 json report_data(const Analysis& analysis) {
@@ -79,11 +61,11 @@ json report_data(const Analysis& analysis) {
         json entry = {{"components", components_of(analysis, scene)},
                       {"curves", json::object()},
                       {"spectra", json::object()},
-                      {"reference_error", json::object()}};
+                      {"resolved", json::object()}};
         for (const auto& component : components_of(analysis, scene)) {
             entry["curves"][component] = curves_of(analysis, scene, component);
             entry["spectra"][component] = spectra_of(analysis, scene, component);
-            entry["reference_error"][component] = reference_error_of(analysis, scene, component);
+            entry["resolved"][component] = std::sqrt(analysis.resolved(scene, component));
         }
         scenes[scene] = std::move(entry);
     }

@@ -9,9 +9,10 @@
 
 namespace gib {
 
-/// {"methods": [...], "epsilon": ..., "targets": [...], "scenes": {NAME: {"components": [...], "curves": {COMPONENT:
-/// [{"method": index, "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi], ...]}]}, "reference_error":
-/// {COMPONENT: [relative, absolute]}, "spectra": {COMPONENT: [{"method", "noise": [[f, power], ...], "bias": ...}]}}}}.
+/// {"methods": [...], "epsilon": ..., "targets": [...], "scenes": {NAME: {"components": [...],
+/// "curves": {COMPONENT: [{"method": index, "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi], ...]}]},
+/// "resolved": {COMPONENT: relative RMSE that the reference resolves},
+/// "spectra": {COMPONENT: [{"method": index, "noise": [[frequency, power], ...], "bias": ...}]}}}}.
 /// Errors are shares, not percent; null where there is no interval.
 nlohmann::json report_data(const Analysis& analysis);
 

@@ -17,7 +17,7 @@ namespace gib {
 
 /// Bytes of images in a page, as text.
 struct PictureBudget {
-    std::size_t final_images = 30'000'000;  ///< else all are reduced by a further factor of two
+    std::size_t final_images = 36'000'000;  ///< else all are reduced by a further factor of two
     std::size_t all = 40'000'000;           ///< else fewer frames are kept
 };
 

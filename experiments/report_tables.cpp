@@ -95,7 +95,9 @@ std::string time_cell(const Analysis& analysis, const TableRow& row, std::size_t
 std::string price_row(const Analysis& analysis, const TableRow& row) {
     const auto& s = row.statistics;
     std::string html =
-        s ? fmt::format("<td>{}</td>", with_interval_html(s->rel_mse, root_percent)) : "<td>not judged</td>";
+        s ? fmt::format("<td>{}</td>",
+                        in_two_lines(relative_error_text(row, analysis.resolved(row.scene, row.component))))
+          : "<td>not judged</td>";
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         html += s ? time_cell(analysis, row, t) : "<td></td>";
     html += fmt::format("<td>{}</td><td>{}</td><td>{:.0f}</td>",
@@ -214,8 +216,8 @@ std::string overview_html(const Analysis& analysis) {
 }
 
 std::string price_list_html(const Analysis& analysis, const std::string& scene) {
-    std::string head =
-        column("component") + column("error of the final image %", "relative RMSE, the reference's own error included");
+    std::string head = column("component") +
+                       column("error of the final image %", "relative RMSE, the reference's own error subtracted");
     for (const char* target : target_names)
         head += column(fmt::format("to {} %", target), fmt::format("seconds until the relative RMSE is {} %", target));
     head += column("prepa&shy;ration s", "seconds before the first pass; part of every time") +

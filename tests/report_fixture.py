@@ -1,5 +1,4 @@
-"""What tests/report_test.py stands on: a result folder made by the built gibench, pixels of its images as oiiotool prints
-them, and a headless Chromium."""
+"""What tests/report_test.py compares with: results made by the built gibench, and their pixels as oiiotool prints them."""
 import atexit
 import csv
 import functools

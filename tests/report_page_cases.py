@@ -64,7 +64,8 @@ class ChartTest(ReportCase):
             return [point.x - chart.width / 2, point.y - chart.height / 2]""", canvas)
         ActionChains(self.driver).move_to_element_with_offset(canvas, round(x), round(y)).perform()
         lines = self.driver.execute_script(
-            "const t = Chart.getChart(arguments[0]).tooltip; return t.opacity > 0 ? t.body.flatMap((b) => b.lines) : []", canvas)
+            "const t = Chart.getChart(arguments[0]).tooltip;"
+            "return t.opacity > 0 ? t.body.flatMap((b) => b.lines) : []", canvas)
         self.assertIn(PATH, lines)
         self.assertRegex(" ".join(lines), r"[\d.]+ \([\d.]+ to [\d.]+\) after [\d.e-]+ s 3 passes")
         self.shot("hover")
@@ -100,10 +101,12 @@ class PageTest(ReportCase):
         """Texts that are wider than the elements that hold them, or that leave the screen."""
         return self.driver.execute_script("""
             const found = [];
-            for (const e of document.querySelectorAll("button, label, select, legend, h1, h2, h3, p, li, .stage-label")) {
+            const texts = "button, label, select, legend, h1, h2, h3, p, li, .stage-label";
+            for (const e of document.querySelectorAll(texts)) {
               const box = e.getBoundingClientRect();
               if (box.width === 0) continue;
-              if (e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== "inline" && e.tagName !== "SELECT")
+              const counts = getComputedStyle(e).display !== "inline" && e.tagName !== "SELECT";
+              if (counts && e.scrollWidth > e.clientWidth + 1)
                 found.push("cut: " + e.textContent);
               if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push("outside: " + e.textContent);
             }
@@ -138,7 +141,8 @@ class PageTest(ReportCase):
             self.driver.switch_to.active_element.send_keys(Keys.TAB)
         missed = self.driver.execute_script("""
             return [...document.querySelectorAll("button, select, input, a[href], summary, [tabindex='0']")]
-              .filter((e) => !e.dataset.reached && !e.disabled && e.checkVisibility() && !(e.type === "radio" && !e.checked))
+              .filter((e) => !e.dataset.reached && !e.disabled && e.checkVisibility())
+              .filter((e) => e.type !== "radio" || e.checked)
               .map((e) => e.outerHTML.slice(0, 80))""")
         self.assertEqual((missed, unmarked), ([], []))
         self.assertGreater(len(reached), 20)
@@ -159,7 +163,8 @@ class PageTest(ReportCase):
             text = self.driver.find_element(By.TAG_NAME, "body").text
         finally:
             self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
-        for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS, "Where the time goes"):
+        for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS,
+                      "Where the time goes"):
             self.assertIn(words, text)
 
     def test_the_other_scene_has_its_own_images(self):

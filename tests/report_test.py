@@ -1,5 +1,6 @@
-"""Clicks through report.html in headless Chromium: report_test.py GIBENCH [options of unittest]. Screenshots go to the folder
-that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
+"""Clicks through report.html in headless Chromium: report_test.py GIBENCH [options of unittest].
+
+Screenshots go to the folder that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
 """
 import importlib.util
 import os

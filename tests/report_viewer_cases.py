@@ -166,7 +166,8 @@ class ViewerTest(ReportCase):
     def test_maps_of_flip_have_the_mean_of_the_table(self):
         self.press("FLIP")
         mean = self.driver.execute_script(
-            "const v = arguments[0].panel.stage.sides[0].map.values; return v.reduce((a, b) => a + b) / v.length", self.section)
+            "const v = arguments[0].panel.stage.sides[0].map.values;"
+            "return v.reduce((a, b) => a + b) / v.length", self.section)
         folder = fixture.cell_folder(self.results, BOX, PATH, 1)
         self.assertAlmostEqual(mean, fixture.record(folder, "flip.json")["flip"], delta=1 / 255)
 

@@ -3,8 +3,8 @@
 report.charts = (() => {
   const {data, element, number} = report;
   const metrics = {
-    relative: {label: "relative RMSE %", column: 2, factor: 100, reference: 0},
-    absolute: {label: "RMSE", column: 5, factor: 1, reference: 1},
+    relative: {label: "relative RMSE %", column: 2, factor: 100},
+    absolute: {label: "RMSE", column: 5, factor: 1},
   };
 
   /** Ticks at powers of ten, and at 2 and 5 times these where there is room. */
@@ -84,7 +84,7 @@ report.charts = (() => {
   }
 
   function curveSets(scene, component, metric, hidden) {
-    const {column, factor, reference} = metrics[metric];
+    const {column, factor} = metrics[metric];
     const shown = data.scenes[scene].curves[component] ?? [];
     const sets = [];
     let times = [];
@@ -96,10 +96,10 @@ report.charts = (() => {
       times = times.concat(points.map((p) => p[1]));
       sets.push(line(method, at(0)), ...band(method, at(1), at(2)));
     }
-    const floor = data.scenes[scene].reference_error[component]?.[reference];
-    if (floor && times.length > 0)
+    const floor = metric === "relative" ? data.scenes[scene].resolved[component] : 0;
+    if (floor > 0 && times.length > 0)
       sets.push({
-        label: "the reference's own error",
+        label: "what the reference resolves",
         data: [Math.min(...times), Math.max(...times)].map((x) => ({x, y: factor * floor})),
         showLine: true, borderColor: report.color("--muted"), backgroundColor: report.color("--muted"),
         borderDash: [5, 4], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 6,
@@ -147,7 +147,8 @@ report.charts = (() => {
       this.empty.textContent = nothing;
       if (!any) return;
       this.canvas.setAttribute("aria-label", words);
-      this.chart = new Chart(this.canvas, {type: "scatter", data: {datasets: sets}, options: options(xAxis(), yAxis(), tip)});
+      this.chart = new Chart(this.canvas,
+        {type: "scatter", data: {datasets: sets}, options: options(xAxis(), yAxis(), tip)});
     }
   }
 
@@ -155,7 +156,8 @@ report.charts = (() => {
   function sceneCharts(section, scene, state) {
     const panels = [
       new Panel(section.querySelector(".curve-chart"), "Error against time",
-        "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Time is charged wall-clock time, preparation included.", () => ({
+        "Mean over the seeds with its 95 % band; the reference's own error is subtracted; below the dashed line it " +
+        "resolves nothing. Time is charged wall-clock time, preparation included.", () => ({
           sets: curveSets(scene, state.component, state.metric, state.hidden),
           xAxis: () => axis("logarithmic", "seconds"),
           yAxis: () => axis("logarithmic", metrics[state.metric].label),

@@ -27,7 +27,8 @@ report.controls = (() => {
     };
     input.addEventListener("input", () => { show(); onInput(Number(input.value)); });
     show();
-    const whole = element("div", {className: "control slider"}, element("div", {className: "heading"}, name, output), input);
+    const whole = element("div", {className: "control slider"},
+      element("div", {className: "heading"}, name, output), input);
     return {whole, input, name, show, set: (v) => { input.value = v; show(); }};
   }
 

@@ -11,7 +11,8 @@
 
   function methodToggles(state, curves, redraw) {
     const methods = [...new Set(curves.map((curve) => curve.method))];
-    return element("div", {className: "control methods", attributes: {role: "group", "aria-label": "methods in the charts"}},
+    const attributes = {role: "group", "aria-label": "methods in the charts"};
+    return element("div", {className: "control methods", attributes},
       ...methods.map((method) => {
         const swatch = element("span", {className: "swatch"});
         swatch.style.background = `var(--method-${method % 10})`;

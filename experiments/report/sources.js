@@ -15,8 +15,8 @@ report.sources = (() => {
     }
 
     /**
-     * What there is of image `index` after times[time]: {none: why} or {passes, seconds, frame, isFinal}. Components and
-     * maps exist of the final image alone, which then stands for any time.
+     * What there is of image `index` after times[time]: {none: why} or {passes, seconds, isFinal, image}. Components
+     * and maps exist of the final image alone, which then stands for any time.
      */
     at(index, time, wantsFinal) {
       const image = this.images[index];

@@ -125,7 +125,8 @@ report.viewer = (() => {
     async update() {
       const turn = ++this.turn;
       this.place.setAttribute("aria-busy", "true");
-      const sides = await Promise.all([this.state.a, this.state.b].map((index) => sideOf(this.sources, this.state, index)));
+      const shown = [this.state.a, this.state.b];
+      const sides = await Promise.all(shown.map((index) => sideOf(this.sources, this.state, index)));
       if (turn !== this.turn) return; // something newer was asked for
       this.sides = sides;
       report.blobs.trim(longest);
