@@ -14,19 +14,10 @@ namespace gib {
 
 namespace {
 
-std::string difference(const TableRow& row) {
+/// "`caustic` -0.40 % (-3.10 to +2.30)".
+std::string component_text(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
-    const std::string what = fmt::format("{}, {}: `{}`", row.scene, row.method, row.component);
-    if (!std::isfinite(excess.value)) return what + " is not finite";
-    return fmt::format("{} is too {}: {:+.2f} % ({:+.2f} to {:+.2f}) of mean energy{}", what,
-                       excess.value > 0 ? "bright" : "dark", 100 * excess.value, 100 * excess.interval->lo,
-                       100 * excess.interval->hi,
-                       row.effects_missing.empty() ? "" : "; the method leaves out " + row.effects_missing);
-}
-
-/// What is not known of one component: "`caustic` -0.40 % (-3.10 to 2.30)".
-std::string ignorance(const TableRow& row) {
-    const Estimate& excess = row.footing->excess;
+    if (!std::isfinite(excess.value)) return fmt::format("`{}` is not finite", row.component);
     return fmt::format("`{}` {:+.2f} %{}", row.component, 100 * excess.value,
                        excess.interval
                            ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * excess.interval->lo, 100 * excess.interval->hi)
@@ -75,26 +66,30 @@ bool has(const TableRow& row, FootingVerdict verdict) { return row.footing && ro
 }  // namespace
 
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
-    std::vector<FootingWarning> warnings, unresolved;
+    std::vector<FootingWarning> differing, unresolved;
     UnresolvedRows groups;
+    const auto add = [](std::vector<FootingWarning>& warnings, const TableRow& row, const std::string& what) {
+        if (!warnings.empty() && warnings.back().scene == row.scene && warnings.back().method == row.method) {
+            warnings.back().component += ";" + row.component;
+            warnings.back().text += ", " + component_text(row);
+            return;
+        }
+        const bool differs = has(row, FootingVerdict::differs);
+        const std::string missing =
+            differs && !row.effects_missing.empty() ? ", which leaves out " + row.effects_missing + "," : "";
+        warnings.push_back({row.scene, row.method, row.component, differs,
+                            fmt::format("{}: {}{} {}: {}", row.scene, row.method, missing, what, component_text(row))});
+    };
     for (const TableRow& row : analysis.rows) {
-        if (has(row, FootingVerdict::differs))
-            warnings.push_back({row.scene, row.method, row.component, true, difference(row)});
+        if (has(row, FootingVerdict::differs)) add(differing, row, "differs from the reference in mean energy");
         if (!has(row, FootingVerdict::unresolved)) continue;
         groups[{row.scene, row.component}].push_back(&row);
-        if (unresolved.empty() || unresolved.back().scene != row.scene || unresolved.back().method != row.method)
-            unresolved.push_back({row.scene, row.method, row.component, false,
-                                  fmt::format("{}, {}, cannot be told within {:.0f} %: {}", row.scene, row.method,
-                                              100 * footing_tolerance, ignorance(row))});
-        else {
-            unresolved.back().component += ";" + row.component;
-            unresolved.back().text += ", " + ignorance(row);
-        }
+        add(unresolved, row, fmt::format("cannot be told within {:.0f} %", 100 * footing_tolerance));
     }
     for (auto& warning : disagreements(groups))
-        warnings.push_back(std::move(warning));
-    warnings.insert(warnings.end(), unresolved.begin(), unresolved.end());
-    return warnings;
+        differing.push_back(std::move(warning));
+    differing.insert(differing.end(), unresolved.begin(), unresolved.end());
+    return differing;
 }
 
 std::string footing_text(const Analysis& analysis) {

@@ -8,14 +8,14 @@
 
 namespace gib {
 
-/// A component of a method whose mean energy is not the reference's; or those of a method of which it is not known.
+/// The components of a method whose mean energy is not the reference's, or of which that is not known.
 struct FootingWarning {
     std::string scene, method;
     std::string component;  ///< names, separated by `;`
     bool differs;           ///< else it is not resolved
     std::string text;       ///< a sentence that names all three
 };
-/// First one for each component that differs from the reference; then, where the reference cannot judge a component of
+/// First one for each method with components that differ from the reference; then, where the reference cannot judge a component of
 /// several methods, one for the two that differ most surely from each other; then one for each method with components
 /// that are not resolved.
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis);

@@ -42,7 +42,7 @@ struct Fit {
 
 /// Floor and factor for a given slope: min sum (1 - F a_i - c b_i)^2 with a_i = 1 / e_i, b_i = u_i / e_i, F >= 0, c >= 0.
 /// `unit`: times are divided by it, for the condition of the problem.
-Fit fit_linear_part(const Curve& curve, double start, double slope, double unit) {
+Fit fit_linear_part(const Curve& curve, double start, double slope, double unit, bool with_floor) {
     double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
     for (const auto& p : curve) {
         const double ai = 1 / p.error2, bi = std::pow((p.seconds - start) / unit, -slope) / p.error2;
@@ -51,8 +51,8 @@ Fit fit_linear_part(const Curve& curve, double start, double slope, double unit)
     const double determinant = aa * bb - ab * ab;
     double floor = determinant > 0 ? (a * bb - b * ab) / determinant : 0;
     double factor = determinant > 0 ? (b * aa - a * ab) / determinant : 0;
-    if (!(floor > 0)) floor = 0, factor = b / bb;
-    if (!(factor > 0)) floor = a / aa, factor = 0;
+    if (!with_floor || !(floor > 0)) floor = 0, factor = b / bb;
+    if (with_floor && !(factor > 0)) floor = a / aa, factor = 0;
     Fit fit{{floor, factor * std::pow(unit, slope), slope, start}, 0};
     for (const auto& p : curve)
         fit.residual += sqr(fit.law.error2(p.seconds) / p.error2 - 1);
@@ -60,10 +60,12 @@ Fit fit_linear_part(const Curve& curve, double start, double slope, double unit)
 }
 
 /// The smallest residual over the slopes: a grid, then a golden section around its best.
-std::optional<Fit> fit_law(const Curve& curve, double start) {
+std::optional<Fit> fit_law(const Curve& curve, double start, bool with_floor = true) {
     if (curve.size() < least_points || !(curve.front().seconds > start)) return std::nullopt;
     const double unit = std::sqrt((curve.front().seconds - start) * (curve.back().seconds - start));
-    const auto at = [&](double log_slope) { return fit_linear_part(curve, start, std::exp(log_slope), unit); };
+    const auto at = [&](double log_slope) {
+        return fit_linear_part(curve, start, std::exp(log_slope), unit, with_floor);
+    };
     constexpr int steps = 64;
     const double from = std::log(least_slope), step = std::log(largest_slope / least_slope) / steps;
     int best = 0;
@@ -118,6 +120,13 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
     return start + std::pow(factor / (target - floor), 1 / slope);
 }
 
+std::optional<PriceLaw::Extrapolation> PriceLaw::extrapolate(double error2) const {
+    if (const auto seconds = law.seconds_to(error2)) return Extrapolation{*seconds, false};
+    const bool resolved = floor.interval && floor.interval->lo >= error2;
+    const auto least = resolved ? std::nullopt : floorless.seconds_to(error2);
+    return least ? std::optional(Extrapolation{*least, true}) : std::nullopt;
+}
+
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start, double resolved) {
     if (runs.empty()) return std::nullopt;
     const Curve curve = mean_curve(runs, runs.size(), resolved);
@@ -126,6 +135,8 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
     const ErrorLaw& law = fit->law;
     PriceLaw price;
     price.law = law;
+    const auto floorless = fit_law(curve, start, false);
+    price.floorless = floorless ? floorless->law : law;
     price.floor = {law.floor, std::nullopt};
     price.slope = {law.slope, std::nullopt};
     price.first_seconds = curve.front().seconds;

@@ -29,6 +29,7 @@ struct ErrorLaw {
 /// The law of one method's runs, with 95 % intervals.
 struct PriceLaw {
     ErrorLaw law;
+    ErrorLaw floorless;  ///< the best law with floor 0: what is left if the floor is not resolved
     Estimate floor, slope;
     /// Share of the squared error by which the worst point is off the law: near 0 where the law holds.
     double misfit = 0;
@@ -36,6 +37,14 @@ struct PriceLaw {
     /// What the time has to be multiplied by, from the last point on, for half its error. Extrapolated. Empty: the floor is
     /// above that.
     std::optional<Estimate> next_halving;
+
+    /// What is known of the time to a squared error that was not measured.
+    struct Extrapolation {
+        double seconds;
+        bool at_least;  ///< the floor that was fitted is above the error, but is not resolved: the law without floor
+    };
+    /// Empty: never, as far as the runs' scatter can tell.
+    std::optional<Extrapolation> extrapolate(double error2) const;
 };
 
 /// Fits the mean of the runs' squared errors at equal points of their curves (equal passes): weighted least squares, the

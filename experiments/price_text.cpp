@@ -16,6 +16,9 @@ namespace {
 /// Beyond this many times the measured span, or with a point this far off the law, no time is extrapolated.
 constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 
+/// Whether a law describes its points well enough to be extrapolated.
+bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
+
 /// Indices into target_errors of the errors that are asked about.
 constexpr std::size_t asked_targets[] = {1, 3};
 
@@ -113,7 +116,8 @@ std::string answer_with_winner(const Analysis& analysis, const CellsByMethod& me
                             overlap(*winner.times[target], *next.times[target]) ? " (the intervals overlap)" : "");
     }
     for (const TableRow* other : best_of_other_names(rows, winner, target, methods, seconds)) {
-        const std::string time = time_text(analysis, *other, target);
+        const bool said = reached.size() > 1 && other == reached[1];
+        const std::string time = said ? "" : time_text(analysis, *other, target);
         text += fmt::format(" After {} s `{}` has {}{}.", short_number(seconds), other->method,
                             what_keeps(analysis, methods, *other, seconds),
                             time.empty() ? ""
@@ -149,22 +153,18 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
     return text + (time.empty() ? "." : fmt::format("; {} %: {}.", target_names[target], time));
 }
 
-/// "2.30 (bias 1.10, fixed noise 2.02)", of relative errors in percent.
+/// "2.30 (1.90 to 2.70): bias 1.10, fixed noise 2.02", of relative errors in percent; a floor whose interval reaches 0 is
+/// not resolved.
 std::string floor_text(const TableRow& row) {
     if (!row.law) return "";
-    const double floor = row.law->floor.value, bias2 = floor_bias2(row);
-    if (!(floor > 0)) return "0";
-    std::string text = percent_text(std::sqrt(floor));
-    if (row.law->floor.interval)
-        text += fmt::format(" ({} to {})", percent_text(std::sqrt(row.law->floor.interval->lo)),
-                            percent_text(std::sqrt(std::max(0.0, row.law->floor.interval->hi))));
-    return text + fmt::format(": bias {}, fixed noise {}", percent_text(std::sqrt(bias2)),
-                              percent_text(std::sqrt(floor - bias2)));
-}
-
-std::string next_halving_text(const TableRow& row) {
-    if (!row.law || !law_holds(*row.law)) return "";
-    return row.law->next_halving ? with_interval(*row.law->next_halving) : "never: floor";
+    const auto& [floor, interval] = row.law->floor;
+    if (!interval) return floor > 0 ? percent_text(std::sqrt(floor)) : "0";
+    const std::string upper = percent_text(std::sqrt(std::max(0.0, interval->hi)));
+    if (!(interval->lo > 0)) return "below " + upper;
+    const double bias2 = floor_bias2(row);
+    return fmt::format("{} ({} to {}): bias {}, fixed noise {}", percent_text(std::sqrt(floor)),
+                       percent_text(std::sqrt(interval->lo)), upper, percent_text(std::sqrt(bias2)),
+                       percent_text(std::sqrt(floor - bias2)));
 }
 
 std::string price_list(const Analysis& analysis, const std::vector<const TableRow*>& rows) {
@@ -203,15 +203,22 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
 
 }  // namespace
 
-bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
+std::string next_halving_text(const TableRow& row) {
+    if (!row.law || !law_holds(*row.law)) return "";
+    const PriceLaw& price = *row.law;
+    if (price.next_halving) return with_interval(*price.next_halving);
+    const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
+    return time ? "at least " + short_number(time->seconds / price.last_seconds) : "never: floor";
+}
 
 std::string unmeasured_time(const TableRow& row, double target) {
     if (!row.law || !law_holds(*row.law)) return "";
-    const auto seconds = row.law->law.seconds_to(target * target);
-    if (!seconds) return fmt::format("never (floor {})", percent(std::sqrt(row.law->floor.value)));
+    const auto time = row.law->extrapolate(target * target);
+    if (!time) return fmt::format("never (floor {})", percent(std::sqrt(row.law->floor.value)));
     // Below the measured span: the first image was better already, or the points scatter about the law.
-    if (*seconds <= row.law->last_seconds || *seconds > farthest_extrapolation * row.law->last_seconds) return "";
-    return short_number(*seconds) + " (extrapolated)";
+    if (time->seconds <= row.law->last_seconds || time->seconds > farthest_extrapolation * row.law->last_seconds)
+        return "";
+    return fmt::format("{}{} (extrapolated)", time->at_least ? "at least " : "", short_number(time->seconds));
 }
 
 std::vector<PriceAnswer> price_answers(const Analysis& analysis) {

@@ -106,31 +106,22 @@ std::string price_row(const Analysis& analysis, const TableRow& row) {
     return html + fmt::format("<td class=\"text\">{}</td>", spaced_names(row.effects_missing));
 }
 
-std::string halving_cell(const TableRow& row) {
-    if (!law_holds(*row.law)) return "<td class=\"never\">no law</td>";
-    if (!row.law->next_halving) return "<td>never<span class=\"interval\">below its floor</span></td>";
-    return fmt::format("<td>{}</td>", with_interval_html(*row.law->next_halving, short_number));
-}
-
-/// The floor as an error, and its parts.
+/// The floor as an error, and its parts; one whose interval reaches 0 is not resolved.
 std::string floor_cells(const TableRow& row) {
-    const Estimate& floor = row.law->floor;
-    if (!(floor.value > 0)) {
-        const bool bounded = floor.interval && floor.interval->hi > 0;
-        return fmt::format(
-            "<td>0{}</td><td></td><td></td>",
-            bounded ? fmt::format("<span class=\"interval\">to {}</span>", root_percent(floor.interval->hi)) : "");
-    }
+    const auto& [floor, interval] = row.law->floor;
+    if (interval && !(interval->lo > 0))
+        return fmt::format("<td>below {}</td><td></td><td></td>", root_percent(interval->hi));
+    if (!interval) return fmt::format("<td>{}</td><td></td><td></td>", root_percent(floor));
     const double bias2 = floor_bias2(row);
-    return fmt::format("<td>{}</td><td>{}</td><td>{}</td>", with_interval_html(floor, root_percent),
-                       root_percent(bias2), root_percent(floor.value - bias2));
+    return fmt::format("<td>{}</td><td>{}</td><td>{}</td>", with_interval_html(row.law->floor, root_percent),
+                       root_percent(bias2), root_percent(floor - bias2));
 }
 
 std::string law_row(const TableRow& row) {
     if (!row.law) return "";
     std::string html =
         fmt::format("<td>{}</td>", row.last_halving ? with_interval_html(*row.last_halving, short_number) : "");
-    html += halving_cell(row) + floor_cells(row);
+    html += fmt::format("<td>{}</td>", in_two_lines(next_halving_text(row))) + floor_cells(row);
     html += fmt::format("<td>{}</td>", with_interval_html(row.law->slope, short_number));
     return html + fmt::format("<td>{:.0f} %</td>", 100 * row.law->misfit);
 }

@@ -59,6 +59,26 @@ TEST(PriceLaw, NextHalvingIsWhenTheLawSaysSo) {
     EXPECT_FALSE(law.seconds_to(1e-4).has_value());
 }
 
+// Four runs whose last points scatter by more than the floor that their mean seems to have: "never" is not known, and a
+// law without floor gives the least time. A floor that all runs have alike is believed.
+TEST(PriceLaw, AFloorThatIsNotResolvedForbidsNothing) {
+    Runs runs = exact_runs({0, 4e-3, 1, 0}, 4);
+    for (std::size_t s = 0; s < 4; ++s)
+        for (std::size_t i = 0; i < runs[s].size(); ++i)
+            runs[s][i].error2 += (s < 3 ? 0.0 : 4e-4);
+    const auto unresolved = fit_price_law(runs, 0);
+    ASSERT_GT(unresolved->floor.value, 5e-5);
+    ASSERT_EQ(unresolved->floor.interval->lo, 0);
+    const auto time = unresolved->extrapolate(2.5e-5);
+    ASSERT_TRUE(time.has_value());
+    EXPECT_TRUE(time->at_least);
+    EXPECT_GT(time->seconds, 160) << "the runs without floor";
+    const auto resolved = fit_price_law(exact_runs({1e-4, 4e-3, 1, 0}, 4), 0);
+    EXPECT_FALSE(resolved->extrapolate(2.5e-5).has_value());
+    EXPECT_NEAR(resolved->extrapolate(1.4e-4)->seconds, 100, 0.5);
+    EXPECT_FALSE(resolved->extrapolate(1.4e-4)->at_least);
+}
+
 TEST(PriceLaw, SaysNothingOfTooLittleOrOfErrorsThatDoNotFall) {
     EXPECT_FALSE(fit_price_law({}, 0).has_value());
     EXPECT_FALSE(fit_price_law({{{1, 1e-2}, {2, 5e-3}, {4, 2.5e-3}}}, 0).has_value()) << "three points, three unknowns";
