@@ -6,6 +6,7 @@
 #include "experiments/build_info.h"
 #include "experiments/cell_process.h"
 #include "experiments/flip_record.h"
+#include "experiments/frames.h"
 #include "experiments/interrupt.h"
 #include "experiments/judgement.h"
 #include "experiments/manifest.h"
@@ -248,6 +249,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     const std::string work = folder + "/work";
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
+    forget_frames(folder_, cell.name);
     fs::remove_all(work);
     ResultFolder::make(work);
     const CellRequest request{cell.scene->entry.path,
@@ -273,6 +275,8 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     for (const auto& checkpoint : timing.measurement.checkpoints) {
         const auto image = components_in(read_image(checkpoint_image(work, checkpoint.passes)));
         record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
+        if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
+            write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
     }
     const auto last = components_in(read_image(checkpoint_image(work, record.last().passes)));
     write_exr(folder_.cell_image(cell.name), layers_of(last));

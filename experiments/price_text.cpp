@@ -16,6 +16,9 @@ namespace {
 /// Beyond this many times the measured span, or with a point this far off the law, no time is extrapolated.
 constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 
+/// Whether a law describes its points well enough to be extrapolated.
+bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
+
 /// Indices into target_errors of the errors that are asked about.
 constexpr std::size_t asked_targets[] = {1, 3};
 
@@ -164,14 +167,6 @@ std::string floor_text(const TableRow& row) {
                        percent_text(std::sqrt(floor - bias2)));
 }
 
-std::string next_halving_text(const TableRow& row) {
-    if (!row.law || row.law->misfit > largest_misfit) return "";
-    const PriceLaw& price = *row.law;
-    if (price.next_halving) return with_interval(*price.next_halving);
-    const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
-    return time ? "at least " + short_number(time->seconds / price.last_seconds) : "never: floor";
-}
-
 std::string price_list(const Analysis& analysis, const std::vector<const TableRow*>& rows) {
     std::string text = "| method | preparation |";
     for (const char* name : target_names)
@@ -208,8 +203,16 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
 
 }  // namespace
 
+std::string next_halving_text(const TableRow& row) {
+    if (!row.law || !law_holds(*row.law)) return "";
+    const PriceLaw& price = *row.law;
+    if (price.next_halving) return with_interval(*price.next_halving);
+    const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
+    return time ? "at least " + short_number(time->seconds / price.last_seconds) : "never: floor";
+}
+
 std::string unmeasured_time(const TableRow& row, double target) {
-    if (!row.law || row.law->misfit > largest_misfit) return "";
+    if (!row.law || !law_holds(*row.law)) return "";
     const auto time = row.law->extrapolate(target * target);
     if (!time) return fmt::format("never (floor {})", percent(std::sqrt(row.law->floor.value)));
     // Below the measured span: the first image was better already, or the points scatter about the law.

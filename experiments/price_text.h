@@ -21,6 +21,10 @@ std::vector<PriceAnswer> price_answers(const Analysis& analysis);
 /// where its floor is above the error, else empty.
 std::string unmeasured_time(const TableRow& row, double target);
 
+/// What the time has to be multiplied by for half the error of the final image, by the law: "3.90 (3.10 to 4.80)",
+/// "at least 4.10", "never: floor"; empty where no law holds.
+std::string next_halving_text(const TableRow& row);
+
 /// Sections of table.md: answers, price lists, crossovers.
 std::string price_text(const Analysis& analysis);
 

@@ -2,8 +2,6 @@
 
 #include "experiments/tables.h"
 
-#include "experiments/report_plot.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -102,13 +100,6 @@ TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
 }
 
 TEST(Csv, NotANumberIsSeen) { EXPECT_EQ(csv_number(std::nan("")), "nan"); }
-
-TEST(ReportPlot, LeavesOutWhatALogarithmHasNoPlaceFor) {
-    EXPECT_EQ(log_log_plot({{"none", {{0, 1}, {1, -1}}}}, "x", "y"), "");
-    const std::string svg = log_log_plot({{"a<b", {{1, 1}, {0, 1}, {10, std::nan("")}}}}, "x", "y");
-    EXPECT_THAT(svg, ::testing::HasSubstr("a&lt;b"));
-    EXPECT_THAT(svg, ::testing::Not(::testing::HasSubstr("nan")));
-}
 
 }  // namespace
 }  // namespace gib::test
