@@ -24,9 +24,11 @@ public:
                           std::uint64_t& rays, StageProgress* progress);
 
     /// Irradiance [W/m^2] at the nearest place on the surface of `hit` on the side of `normal`; empty: there is none within
-    /// `max_distance`, which is the estimator's largest radius, or within the disc of its own estimate; or that one may lie behind a wall or on another surface. That is asked, by a short ray, only where the
-    /// estimate at the place has met an obstacle.
-    std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float max_distance,
+    /// `max_distance`, which is the estimator's largest radius, or within the disc of its own estimate; or that one may lie
+    /// behind a wall or on another surface. That is asked, by a short ray, only where the estimate at the place has met an
+    /// obstacle, or where the place lies farther away than the ray to `hit` has come, whose length is `seen`: a room that is
+    /// small beside the scene has no places of its own for what it does not see.
+    std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen, float max_distance,
                             DensityEstimator::Found& found) const;
 
     std::size_t size() const { return places_.size(); }
