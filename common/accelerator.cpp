@@ -23,15 +23,16 @@ namespace {
 /// parallel.
 constexpr std::size_t serial_build_limit = 200'000;
 
-/// Above this many primitives, rays of neighbouring pixels hit different ones, and part ways too early for packets. The path
-/// tracer's rate over bare Embree's with and without them: 0.58 and 0.55 on 70 thousand triangles, alike on 900 thousand, 0.66
-/// and 0.69 on 10 million.
+/// Above this many primitives, rays of neighbouring pixels hit different ones, and part ways too early for packets. The
+/// path tracer's rate over bare Embree's with and without them: 0.58 and 0.55 on 70 thousand triangles, alike on 900
+/// thousand, 0.66 and 0.69 on 10 million.
 constexpr std::size_t packet_limit = 500'000;
 
-/// Embree takes a triangle's determinant (edge x edge . direction) below 1e-18 for zero and then answers u = v = 0, a point that
-/// may lie anywhere on the triangle's plane; of scenes above 1e12 its squares leave float's range. It is given scenes of an extent
-/// between these as they are, for which the determinant holds triangles down to 1e-9 of the scene, and all others multiplied by a
-/// power of two. Rays are multiplied alike, origin and direction, so that t, u and v are what they were.
+/// Embree takes a triangle's determinant (edge x edge . direction) below 1e-18 for zero and then answers u = v = 0, a
+/// point that may lie anywhere on the triangle's plane; of scenes above 1e12 its squares leave float's range. It is
+/// given scenes of an extent between these as they are, for which the determinant holds triangles down to 1e-9 of the
+/// scene, and all others multiplied by a power of two. Rays are multiplied alike, origin and direction, so that t, u
+/// and v are what they were.
 constexpr float smallest_extent = 0.25f, largest_extent = 0x1p30f;
 constexpr int scaled_exponent = 10;
 
@@ -134,7 +135,8 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     set_bounds(*args->bounds_o, bounds_of(*a->shape), a->scale);
 }
 
-/// Calls body(ray, i) for each ray that a callback is asked about, one or some of a packet, in the scene's own coordinates.
+/// Calls body(ray, i) for each ray that a callback is asked about, one or some of a packet, in the scene's own
+/// coordinates.
 template <typename Body>
 void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, float scale, const Body& body) {
     for (unsigned i = 0; i < n; ++i)
@@ -163,9 +165,9 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
     });
 }
 
-/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree of
-/// their group. Embree's own instances invert the map in float, with an error that grows with its condition; no useful
-/// bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
+/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree
+/// of their group. Embree's own instances invert the map in float, with an error that grows with its condition; no
+/// useful bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
 struct InstanceSet {
     std::span<const Instance> instances;
     float scale = 1.f;  ///< of the scene that they stand in
