@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <tuple>
 
@@ -32,11 +33,11 @@ std::string channel_name(const std::string& layer, const std::string& channel) {
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
 /// The whole file in memory, so that writing it to disk is one step that succeeds or fails as one.
-std::string encode_exr(const LayeredImage& image) {
+std::string encode_exr(const LayeredImage& image, Imf::Compression compression) {
     if (image.layers.empty()) throw std::invalid_argument("an EXR file needs a layer");
     const Image& first = image.layers[0].second;
     Imf::Header header(first.width, first.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    header.compression() = compression;
     for (const auto& [key, value] : image.metadata)
         header.insert(key, Imf::StringAttribute(value));
     Imf::FrameBuffer pixels;
@@ -118,6 +119,14 @@ std::vector<std::pair<std::string, std::array<int, 3>>> layers_among(const std::
     return layers;
 }
 
+std::string encoded_for(const std::string& path, const LayeredImage& image, Imf::Compression compression) {
+    try {
+        return encode_exr(image, compression);
+    } catch (const std::exception& e) {
+        throw RunError(path + ": " + e.what());
+    }
+}
+
 }  // namespace
 
 const Image* LayeredImage::find(const std::string& layer) const {
@@ -127,13 +136,15 @@ const Image* LayeredImage::find(const std::string& layer) const {
 }
 
 void write_exr(const std::string& path, const LayeredImage& image) {
-    std::string content;
-    try {
-        content = encode_exr(image);
-    } catch (const std::exception& e) {
-        throw RunError(path + ": " + e.what());
-    }
-    write_file(path, content);
+    write_file(path, encoded_for(path, image, Imf::ZIP_COMPRESSION));
+}
+
+void write_scratch_exr(const std::string& path, const LayeredImage& image) {
+    const std::string content = encoded_for(path, image, Imf::NO_COMPRESSION);
+    std::ofstream file(path, std::ios::binary);
+    file.write(content.data(), static_cast<std::streamsize>(content.size()));
+    file.close();
+    if (!file) throw RunError(path + ": cannot write");
 }
 
 LayeredImage read_image(const std::string& path) {

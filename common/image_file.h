@@ -22,6 +22,10 @@ struct LayeredImage {
 /// Writes a one-part float32 EXR with ZIP compression; the file appears whole or not at all. Throws RunError.
 void write_exr(const std::string& path, const LayeredImage& image);
 
+/// The same for a file that another process reads at once and that is then removed: uncompressed and not flushed to
+/// disk, which is ten times as quick. A crash may leave a part of it.
+void write_scratch_exr(const std::string& path, const LayeredImage& image);
+
 /// Reads EXR, PFM, HDR (or whatever OpenImageIO reads) as float; R,G,B or a single grey channel. Throws InputError if
 /// the file is missing or is not an image; metadata are the string attributes.
 LayeredImage read_image(const std::string& path);

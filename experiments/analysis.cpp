@@ -3,6 +3,7 @@
 #include "common/image_file.h"
 #include "experiments/flip_record.h"
 #include "experiments/judgement.h"
+#include "experiments/price.h"
 
 #include <algorithm>
 #include <charconv>
@@ -20,13 +21,15 @@ struct Replicates {
     std::vector<ComponentImages> images;
 };
 
+/// The reference's own variance is subtracted; an error of 0 is below what it resolves. NaN stays NaN.
 std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
     std::vector<std::vector<CurvePoint>> curves;
     for (const Cell* cell : replicates.cells) {
         curves.emplace_back();
         for (const auto& c : cell->checkpoints)
             if (const auto error = c.errors.find(component); error != c.errors.end())
-                curves.back().push_back({c.checkpoint.seconds, std::sqrt(error->second.rel_mse)});
+                curves.back().push_back(
+                    {c.checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
     }
     return curves;
 }
@@ -52,14 +55,18 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
 }
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
-                    const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total) {
+                    const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
+                    double resolved) {
     TableRow row = plain_row(replicates, index, component);
     row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);
     for (std::size_t t = 0; t < target_errors.size(); ++t)
-        row.times[t] = time_to_error(curves, target_errors[t]);
+        if (sqr(target_errors[t]) > resolved) row.times[t] = time_to_error(curves, target_errors[t]);
+    row.footing = equal_footing(images, reference, r_total);
+    row.law = price_law_of(replicates.cells, component, resolved);
+    row.last_halving = last_halving(replicates.cells, component, resolved);
     return row;
 }
 
@@ -76,13 +83,14 @@ std::optional<double> mean_flip(const Replicates& replicates, const std::vector<
 }
 
 std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement,
-                              const ResultFolder& folder) {
+                              const ReferenceQuality& quality, const ResultFolder& folder) {
     std::vector<TableRow> rows;
     const Image& r_total = judgement.total().mean;
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
-    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total));
+    rows.push_back(
+        judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality.resolved.at(total_name)));
     rows.back().flip = mean_flip(replicates, totals, r_total, folder);
     for (Component c : all_components) {
         std::vector<Image> images;
@@ -91,7 +99,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         if (images.size() != replicates.images.size()) continue;
         const std::string name(name_of(c));
         if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total));
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.resolved.at(name)));
         else if (!judgement.resolved(c)) rows.push_back(plain_row(replicates, index, name));
     }
     return rows;
@@ -99,19 +107,36 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
 
 ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
                             double epsilon) {
-    ReferenceQuality quality{
-        scene.name, scene.reference_method, relative_standard_error(judgement.total(), epsilon), scene.target, 0,
-        scene.notes};
+    ReferenceQuality quality{scene.name,
+                             scene.reference_method,
+                             relative_standard_error(judgement.total(), epsilon),
+                             scene.target,
+                             0,
+                             scene.notes,
+                             {}};
     const auto passes = reference.metadata.find("passes");
     if (passes != reference.metadata.end()) {
         const std::string& text = passes->second;
         std::from_chars(text.data(), text.data() + text.size(), quality.samples);
         quality.samples *= static_cast<std::uint64_t>(reference_groups);
     }
+    const Image& r_total = judgement.total().mean;
+    quality.resolved[total_name] = resolved_error2(judgement.total(), r_total, epsilon);
+    for (Component c : all_components)
+        if (const auto* layer = judgement.component(c))
+            quality.resolved[std::string(name_of(c))] = resolved_error2(*layer, r_total, epsilon);
     return quality;
 }
 
 }  // namespace
+
+double Analysis::resolved(const std::string& scene, const std::string& component) const {
+    for (const auto& reference : references)
+        if (reference.scene == scene)
+            if (const auto found = reference.resolved.find(component); found != reference.resolved.end())
+                return found->second;
+    return 0;
+}
 
 std::string cell_folder_name(const std::string& scene, const std::string& method, std::uint64_t seed) {
     CellIdentity identity;
@@ -154,7 +179,7 @@ Analysis analyse(const ResultFolder& folder) {
                 replicates.images.push_back(components_in(read_image(folder.cell_image(name))));
             }
             if (replicates.cells.empty()) continue;
-            for (auto& row : rows_of(replicates, index, judgement, folder))
+            for (auto& row : rows_of(replicates, index, judgement, analysis.references.back(), folder))
                 analysis.rows.push_back(std::move(row));
         }
     }

@@ -1,10 +1,13 @@
 #pragma once
 // From stored cells to the numbers of tables and report: one row for each scene, method and component.
 
+#include "experiments/equal_footing.h"
+#include "experiments/price_law.h"
 #include "experiments/result_folder.h"
 #include "experiments/spectrum.h"
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +27,11 @@ struct TableRow {
     std::optional<NoiseSpectrum> noise;
     std::vector<SpectrumPoint> bias;
     std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]
-    std::uint64_t nonfinite = 0;                                      ///< of all seeds
-    double peak_rss_mib = 0;                                          ///< the largest of all seeds
+    std::optional<Footing> footing;                                   ///< mean energy against the reference's
+    std::optional<PriceLaw> law;                                      ///< of error against time
+    std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
+    std::uint64_t nonfinite = 0;           ///< of all seeds
+    double peak_rss_mib = 0;               ///< the largest of all seeds
     std::string effects_missing;
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
 };
@@ -37,6 +43,8 @@ struct ReferenceQuality {
     std::optional<double> target;
     std::uint64_t samples = 0;  ///< a pixel; 0: unknown
     std::vector<std::string> notes;
+    std::map<std::string, double>
+        resolved;  ///< by component, `total` included: relative squared error, resolved_error2
 };
 
 struct Analysis {
@@ -45,6 +53,9 @@ struct Analysis {
     std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
     std::size_t missing_cells = 0;  ///< of the experiment, not complete
+
+    /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
+    double resolved(const std::string& scene, const std::string& component) const;
 };
 
 /// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no

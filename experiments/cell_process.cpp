@@ -59,7 +59,7 @@ void measure_request(const CellRequest& request) {
 
     auto said = clock::now();
     const auto sink = [&](const Checkpoint& checkpoint, const ComponentImages& image) {
-        write_exr(checkpoint_image(request.work_folder, checkpoint.passes), layers_of(image));
+        write_scratch_exr(checkpoint_image(request.work_folder, checkpoint.passes), layers_of(image));
     };
     const auto observer = [&](std::uint32_t passes, double seconds) {
         if (clock::now() - said < std::chrono::milliseconds(200)) return;

@@ -1,5 +1,6 @@
 #include "experiments/comparison.h"
 
+#include "experiments/curves.h"
 #include "experiments/tables.h"
 
 #include <fmt/format.h>
@@ -15,68 +16,12 @@ namespace gib {
 
 namespace {
 
-/// rel_mse of one run after `seconds`; empty before its first image. After its last one the error stays.
-std::optional<double> error_after(const Cell& cell, const std::string& component, double seconds) {
-    std::optional<std::pair<double, double>> before;  // seconds, rel_mse
-    for (const auto& [checkpoint, errors] : cell.checkpoints) {
-        const auto found = errors.find(component);
-        if (found == errors.end()) return std::nullopt;
-        const std::pair<double, double> here{checkpoint.seconds, found->second.rel_mse_corrected};
-        if (here.first >= seconds) {
-            if (here.first == seconds) return here.second;
-            if (!before) return std::nullopt;
-            if (!(before->second > 0) || !(here.second > 0)) return here.second;
-            const double s = std::log(seconds / before->first) / std::log(here.first / before->first);
-            return before->second * std::pow(here.second / before->second, s);
-        }
-        before = here;
-    }
-    return before ? std::optional(before->second) : std::nullopt;
-}
-
-/// Names of components that the rows have, in their order.
-std::vector<std::string> components_of(const Analysis& analysis, const std::string& scene) {
-    std::vector<std::string> names;
-    for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.statistics && std::find(names.begin(), names.end(), row.component) == names.end())
-            names.push_back(row.component);
-    return names;
-}
-
-std::vector<std::string> scenes_of(const Analysis& analysis) {
-    std::vector<std::string> names;
-    for (const Cell& cell : analysis.cells)
-        if (std::find(names.begin(), names.end(), cell.scene) == names.end()) names.push_back(cell.scene);
-    return names;
-}
-
-using CellsByMethod = std::map<std::string, std::vector<const Cell*>>;
-
-/// Those of a scene that have an image.
-CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene) {
-    CellsByMethod methods;
-    for (const Cell& cell : analysis.cells)
-        if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
-    return methods;
-}
-
-std::optional<double> relative_rmse(const std::vector<const Cell*>& cells, const std::string& component,
-                                    double seconds) {
-    double sum = 0;
-    for (const Cell* cell : cells) {
-        const auto error = error_after(*cell, component, seconds);
-        if (!error) return std::nullopt;
-        sum += *error;
-    }
-    if (!(sum > 0)) return std::nullopt;
-    return std::sqrt(sum / static_cast<double>(cells.size()));
-}
-
 std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
-                                           const std::string& component, double seconds) {
+                                           const std::string& component, double seconds, double resolved) {
     EqualTimeRow row{scene, component, seconds, {}};
     for (const auto& [method, cells] : methods)
-        if (const auto error = relative_rmse(cells, component, seconds)) row.entries.push_back({method, *error});
+        if (const auto error = relative_rmse_after(cells, component, seconds, resolved))
+            row.entries.push_back({method, *error});
     if (row.entries.size() < 2) return std::nullopt;
     std::stable_sort(row.entries.begin(), row.entries.end(),
                      [](const auto& a, const auto& b) { return a.relative_rmse < b.relative_rmse; });
@@ -85,15 +30,10 @@ std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const s
 
 /// Of one method, its checkpoints that all seeds have.
 void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
-                std::vector<FrontierPoint>& points) {
-    std::size_t count = cells.front()->checkpoints.size();
-    for (const Cell* cell : cells)
-        count = std::min(count, cell->checkpoints.size());
+                double resolved, std::vector<FrontierPoint>& points) {
+    const std::size_t count = common_checkpoints(cells);
     for (std::size_t i = 0; i < count; ++i) {
         const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
-        if (!std::all_of(cells.begin(), cells.end(),
-                         [&](const Cell* cell) { return cell->checkpoints[i].checkpoint.passes == passes; }))
-            break;  // a budget of time ended the runs after different passes
         double seconds = 0, error = 0;
         for (const Cell* cell : cells) {
             const auto& [checkpoint, errors] = cell->checkpoints[i];
@@ -103,7 +43,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
             error += total->second.rel_mse_corrected;
         }
         const auto n = static_cast<double>(cells.size());
-        points.push_back({scene, method, passes, seconds / n, std::sqrt(std::max(error / n, 0.0))});
+        points.push_back({scene, method, passes, seconds / n, error / n > resolved ? std::sqrt(error / n) : 0.0});
     }
 }
 
@@ -175,7 +115,8 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
             shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
         }
         for (const auto& component : components_of(analysis, scene))
-            if (auto row = equal_time_row(methods, scene, component, shortest)) rows.push_back(std::move(*row));
+            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.resolved(scene, component)))
+                rows.push_back(std::move(*row));
     }
     return rows;
 }
@@ -187,7 +128,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
         if (methods.size() < 2) continue;
         std::vector<FrontierPoint> points;
         for (const auto& [method, cells] : methods)
-            add_points(scene, method, cells, points);
+            add_points(scene, method, cells, analysis.resolved(scene, total_name), points);
         std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
             return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
         });

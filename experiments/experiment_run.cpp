@@ -6,6 +6,7 @@
 #include "experiments/build_info.h"
 #include "experiments/cell_process.h"
 #include "experiments/flip_record.h"
+#include "experiments/frames.h"
 #include "experiments/interrupt.h"
 #include "experiments/judgement.h"
 #include "experiments/manifest.h"
@@ -59,6 +60,15 @@ private:
     double sum_ = 0;
     int count_ = 0;
 };
+
+/// Of a cell's work: whichever of its ends is nearest.
+double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
+    const auto done = static_cast<double>(passes);
+    double share = done / cell.spp;
+    if (cell.budget.passes) share = std::max(share, done / *cell.budget.passes);
+    if (cell.budget.seconds) share = std::max(share, seconds / *cell.budget.seconds);
+    return std::min(share, 1.0);
+}
 
 }  // namespace
 
@@ -214,7 +224,7 @@ void ExperimentRun::run_cells() {
                                       cell.identity.method, cell.identity.seed);
         const auto start = std::chrono::steady_clock::now();
         const auto show = [&](std::uint32_t passes, double seconds) {
-            const double share = static_cast<double>(passes) / cell.identity.spp;
+            const double share = share_done(cell.identity, passes, seconds);
             const double left = passes > 0 ? seconds * (1 / share - 1) : costs.of(cell.identity).value_or(0);
             progress_.update(
                 (static_cast<double>(i) + share) / static_cast<double>(to_do.size()),
@@ -239,6 +249,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     const std::string work = folder + "/work";
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
+    forget_frames(folder_, cell.name);
     fs::remove_all(work);
     ResultFolder::make(work);
     const CellRequest request{cell.scene->entry.path,
@@ -264,8 +275,11 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     for (const auto& checkpoint : timing.measurement.checkpoints) {
         const auto image = components_in(read_image(checkpoint_image(work, checkpoint.passes)));
         record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
+        if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
+            write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
     }
-    fs::rename(checkpoint_image(work, record.last().passes), folder_.cell_image(cell.name));
+    const auto last = components_in(read_image(checkpoint_image(work, record.last().passes)));
+    write_exr(folder_.cell_image(cell.name), layers_of(last));
     folder_.write_cell(cell.name, record);
     fs::remove_all(work);
     if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)

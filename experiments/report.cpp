@@ -1,211 +1,112 @@
 #include "experiments/report.h"
 
 #include "common/files.h"
-#include "common/image_file.h"
-#include "experiments/judgement.h"
+#include "experiments/footing_warnings.h"
+#include "experiments/html.h"
+#include "experiments/price_text.h"
+#include "experiments/report_assets.h"
+#include "experiments/report_data.h"
 #include "experiments/report_images.h"
-#include "experiments/report_plot.h"
-#include "experiments/report_template.h"
+#include "experiments/report_pictures.h"
+#include "experiments/report_tables.h"
 #include "experiments/tables.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 namespace gib {
 
+using nlohmann::json;
+
 namespace {
 
-/// Relative errors from here on have the brightest colour of an error map.
-constexpr double map_scale = 0.25;
+std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", html_escape(text)); }
 
-std::string interval_html(const std::optional<Interval>& interval, std::string (*text)(double)) {
-    return interval ? fmt::format("<span class=\"interval\">({} to {})</span>", text(std::max(0.0, interval->lo)),
-                                  text(std::max(0.0, interval->hi)))
-                    : "";
-}
-
-std::string root_percent(double rel_mse) { return percent_text(std::sqrt(std::max(0.0, rel_mse))); }
-
-std::string table_row(const TableRow& row) {
-    const bool total = row.component == total_name;
-    const auto& s = row.statistics;
-    const auto cell = [](const std::string& text) { return "<td>" + text + "</td>"; };
-    std::string html = fmt::format("<tr{}><td>{}</td>", total ? "" : " class=\"part\"",
-                                   html_escape(total ? row.method : row.component));
-    html += cell(total ? short_number(row.seconds) : "");
-    html += cell(s ? root_percent(s->rel_mse.value) + interval_html(s->rel_mse.interval, root_percent) : "not judged");
-    html += cell(s && s->bias2 ? short_number(std::max(0.0, s->bias2->value)) : "");
-    html += cell(s && s->variance ? short_number(s->variance->value) : "");
-    html += cell(row.times[1] ? short_number(row.times[1]->value) + interval_html(row.times[1]->interval, short_number)
-                              : "");
-    html += cell(row.noise ? short_number(row.noise->centroid) : "");
-    html += cell(row.noise ? short_number(row.noise->low_ratio) : "");
-    html += cell(total ? fmt::format("{:.0f} MiB", row.peak_rss_mib) : "");
-    html += fmt::format("<td class=\"text\">{}</td></tr>\n", total ? html_escape(row.effects_missing) : "");
+/// Where methods do not have the same mean energy: before every number.
+std::string footing_html(const Analysis& analysis, const std::string& scene) {
+    std::string differ, unresolved;
+    int count = 0;
+    for (const FootingWarning& warning : footing_warnings(analysis)) {
+        if (warning.scene != scene) continue;
+        const std::string text = "<li>" + sentence_html(warning.text) + ".</li>\n";
+        if (warning.differs) differ += text;
+        else unresolved += text, ++count;
+    }
+    std::string html;
+    if (!differ.empty())
+        html +=
+            "<div class=\"note\" role=\"note\"><b>Not on an equal footing.</b> Mean energy differs from the "
+            "reference's, with 99 % intervals:<ul>\n" +
+            differ + "</ul></div>\n";
+    if (count > 0)
+        html += fmt::format(
+            "<details><summary>Equal footing: {} component{} cannot be told to agree</summary><ul>\n{}"
+            "</ul></details>\n",
+            count, count == 1 ? "" : "s", unresolved);
     return html;
 }
 
-std::string table_html(const Analysis& analysis, const std::string& scene) {
-    std::string html =
-        "<div class=\"scroll\"><table>\n<tr><th>method</th><th>seconds</th><th>relative RMSE %</th><th>bias&sup2;</th>"
-        "<th>variance</th><th>time to 5 %</th><th>noise centroid</th><th>low frequencies</th><th>memory</th>"
-        "<th class=\"text\">missing</th></tr>\n";
-    for (const auto& row : analysis.rows)
-        if (row.scene == scene) html += table_row(row);
-    return html + "</table></div>\n";
+std::string answers_html(const Analysis& analysis, const std::string& scene) {
+    std::string html;
+    for (const PriceAnswer& answer : price_answers(analysis))
+        if (answer.scene == scene) html += "<li>" + sentence_html(answer.text) + "</li>\n";
+    return html.empty() ? "" : "<ul class=\"answers\">\n" + html + "</ul>\n";
 }
 
-/// The mean over seeds at the passes that all of them have: time, and the root of the mean relative squared error.
-PlotLine line_of(const Analysis& analysis, const std::string& scene, const std::string& method) {
-    struct Sum {
-        int seeds = 0;
-        double seconds = 0, rel_mse = 0;
-    };
-    std::map<std::uint32_t, Sum> sums;
-    int seeds = 0;
-    for (const Cell& cell : analysis.cells) {
-        if (cell.scene != scene || cell.method != method) continue;
-        ++seeds;
-        for (const auto& [checkpoint, errors] : cell.checkpoints) {
-            const auto total = errors.find(total_name);
-            if (total == errors.end()) continue;
-            Sum& sum = sums[checkpoint.passes];
-            ++sum.seeds;
-            sum.seconds += checkpoint.seconds;
-            sum.rel_mse += total->second.rel_mse;
-        }
-    }
-    PlotLine line{method, {}};
-    for (const auto& [passes, sum] : sums)
-        if (sum.seeds == seeds) line.points.push_back({sum.seconds / seeds, 100 * std::sqrt(sum.rel_mse / seeds)});
-    return line;
-}
-
-std::string plot_html(const Analysis& analysis, const std::string& scene) {
-    std::vector<PlotLine> lines;
-    for (const auto& method : analysis.index.methods)
-        lines.push_back(line_of(analysis, scene, method));
-    std::string html =
-        "<div class=\"plot\">" + log_log_plot(lines, "seconds", "relative RMSE %") + "<ul class=\"legend\">";
-    for (std::size_t i = 0; i < lines.size(); ++i)
-        html += fmt::format("<li><span class=\"swatch\" style=\"background:{}\"></span>{}</li>", line_color(i),
-                            html_escape(lines[i].name));
-    return html + "</ul></div>\n";
-}
-
-std::string image_tag(const std::string& url, const Image& size, const std::string& description) {
-    return fmt::format("<img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">", url, size.width, size.height,
-                       html_escape(description));
-}
-
-std::string image_tag(const Image& image, float exposure, const std::string& description) {
-    return image_tag(png_data_url(image, exposure), image, description);
-}
-
-/// Empty if it was not measured.
-std::string flip_tag(const ResultFolder& folder, const TableRow& row, const Image& image) {
-    const std::string path = folder.flip_map(cell_folder_name(row.scene, row.method, 1));
-    if (!std::filesystem::exists(path)) return "";
-    return image_tag(png_data_url(read_file(path)), image, "FLIP of " + row.method);
-}
-
-std::string images_html(const Analysis& analysis, const ResultFolder& folder, const std::string& scene) {
-    const Reference reference = read_reference(folder.reference_image(scene));
-    const Judgement judgement(reference);
-    const Image& r = reference.total.mean;
-    const float exposure = exposure_for(r);
-    std::string html =
-        fmt::format("<div class=\"images\">\n<figure>{}<figcaption><b>reference</b></figcaption></figure>\n",
-                    image_tag(r, exposure, "reference of " + scene));
-    for (const auto& row : analysis.rows) {
-        if (row.scene != scene || row.component != total_name) continue;
-        const std::string path = folder.method_image(scene, row.method);
-        if (!std::filesystem::exists(path)) continue;
-        const ComponentImages image = components_in(read_image(path));
-        const Image map =
-            error_map(judgement.total_of(image), judgement.total().mean, analysis.index.epsilon, map_scale);
-        html += fmt::format("<figure>{}{}{}<figcaption><b>{}</b>{} % in {} s{}</figcaption></figure>\n",
-                            image_tag(image.total(), exposure, row.method + " on " + scene),
-                            image_tag(map, 1.f, "error of " + row.method), flip_tag(folder, row, map),
-                            html_escape(row.method), row.statistics ? root_percent(row.statistics->rel_mse.value) : "",
-                            short_number(row.seconds), row.flip ? ", FLIP " + short_number(*row.flip) : "");
-    }
-    html += "</div>\n";
-    html += fmt::format(
-        "<div class=\"muted\" style=\"margin-top:.8rem\">Below each image (seed 1): relative error of a pixel<div "
-        "class=\"scale\"></div>"
-        "<div class=\"scale-ends\"><span>0</span><span>{:.0f} % and more</span></div>Below that: FLIP, how much of a "
-        "difference a viewer sees who flips between image and reference on a screen with 67 pixels per degree<div "
-        "class=\"scale magma\"></div><div class=\"scale-ends\"><span>0: none</span><span>1: the largest a screen can "
-        "show</span></div></div>\n",
-        100 * map_scale);
-    return html;
-}
-
-/// Mean seconds by stage, in the order in which stages were met.
-std::vector<StageTimes::Stage> mean_stages(const Analysis& analysis, const std::string& scene,
-                                           const std::string& method) {
-    std::vector<StageTimes::Stage> mean;
-    int seeds = 0;
-    for (const Cell& cell : analysis.cells) {
-        if (cell.scene != scene || cell.method != method) continue;
-        ++seeds;
-        for (const auto& stage : cell.stages) {
-            auto found = std::find_if(mean.begin(), mean.end(), [&](const auto& m) { return m.name == stage.name; });
-            if (found == mean.end()) found = mean.insert(mean.end(), {stage.name, 0.0});
-            found->seconds += stage.seconds;
-        }
-    }
-    for (auto& stage : mean)
-        stage.seconds /= std::max(seeds, 1);
-    return mean;
-}
-
-std::string stages_html(const Analysis& analysis, const std::string& scene) {
-    std::map<std::string, std::size_t> colors;
-    std::string bars;
-    double longest = 0;
-    for (const auto& row : analysis.rows)
-        if (row.scene == scene) longest = std::max(longest, row.seconds);
-    for (const auto& row : analysis.rows) {
-        if (row.scene != scene || row.component != total_name) continue;
-        bars += fmt::format("<div>{}</div><div class=\"bar\">", html_escape(row.method));
-        for (const auto& stage : mean_stages(analysis, scene, row.method)) {
-            const std::size_t color = colors.emplace(stage.name, colors.size()).first->second;
-            bars += fmt::format("<span class=\"part\" style=\"width:{:.2f}%;background:{}\" title=\"{}: {} s\"></span>",
-                                80 * stage.seconds / std::max(longest, 1e-12), line_color(color),
-                                html_escape(stage.name), short_number(stage.seconds));
-        }
-        bars += fmt::format("<span style=\"margin-left:.7rem\">{} s</span></div>\n", short_number(row.seconds));
-    }
-    std::string legend = "<ul class=\"legend\">";
-    for (const auto& [name, color] : colors)
-        legend += fmt::format("<li><span class=\"swatch\" style=\"background:{}\"></span>{}</li>", line_color(color),
-                              html_escape(name));
-    return "<div class=\"stages\">\n" + bars + "</div>\n" + legend + "</ul>\n";
-}
-
-std::string scene_html(const Analysis& analysis, const ResultFolder& folder, const ReferenceQuality& quality) {
-    const std::string& scene = quality.scene;
-    std::string html = fmt::format(
-        "<section>\n<h2>{}</h2>\n<p class=\"muted\">Reference: {}, {} samples a pixel, its own relative standard error "
-        "{} %{}.</p>\n",
-        html_escape(scene), html_escape(quality.method), quality.samples, percent_text(quality.relative_error),
+std::string reference_html(const ReferenceQuality& quality) {
+    return fmt::format(
+        "<p class=\"muted\">Reference: {}, {} samples a pixel, its own relative standard error {} %{}.</p>\n",
+        html_escape(quality.method), quality.samples, percent_text(quality.relative_error),
         quality.target ? fmt::format(" (target {} %)", percent_text(*quality.target)) : "");
+}
+
+std::string scene_html(const Analysis& analysis, const ReferenceQuality& quality, std::size_t number) {
+    const std::string& scene = quality.scene;
+    std::string html = fmt::format("<section class=\"scene\" id=\"scene-{}\" data-scene=\"{}\">\n<h2>{}</h2>\n{}",
+                                   number, html_escape(scene), html_escape(scene), reference_html(quality));
     for (const auto& note : quality.notes)
-        html += fmt::format("<p class=\"note\">{}</p>\n", html_escape(note));
+        html += note_html(note);
     const bool any =
         std::any_of(analysis.rows.begin(), analysis.rows.end(), [&](const auto& row) { return row.scene == scene; });
     if (!any) return html + "<p>No cell of this scene is complete.</p>\n</section>\n";
-    html += table_html(analysis, scene);
-    html += "<h3>Error against time</h3>\n" + plot_html(analysis, scene);
-    html += "<h3>Images</h3>\n" + images_html(analysis, folder, scene);
+    html += answers_html(analysis, scene) + footing_html(analysis, scene);
+    html += "<div class=\"controls scene-controls\"></div>\n";
+    html += "<h3>Price list: seconds to reach an error</h3>\n" + price_list_html(analysis, scene);
+    html += "<div class=\"charts\"><div class=\"curve-chart\"></div></div>\n";
+    html += crossovers_html(analysis, scene);
+    html += "<h3>What more accuracy costs</h3>\n" + laws_html(analysis, scene);
+    html += "<h3>Images</h3>\n<div class=\"viewer\"><noscript><p>The images need scripts.</p></noscript></div>\n";
+    html += "<h3>Bias and noise</h3>\n" + split_html(analysis, scene);
+    html += "<div class=\"charts\"><div class=\"noise-chart\"></div><div class=\"bias-chart\"></div></div>\n";
     html += "<h3>Where the time goes</h3>\n" + stages_html(analysis, scene);
     return html + "</section>\n";
+}
+
+json scale_json(ColorScale colors) {
+    json steps = json::array();
+    for (const Color& c : colors)
+        steps.push_back({std::lround(255 * c[0]), std::lround(255 * c[1]), std::lround(255 * c[2])});
+    return steps;
+}
+
+std::string summary_html(const Analysis& analysis) {
+    const ResultIndex& index = analysis.index;
+    std::string html =
+        fmt::format("<p class=\"muted\">{} seed{} &middot; {} thread{} &middot; epsilon {}</p>\n", index.seeds,
+                    index.seeds == 1 ? "" : "s", index.threads, index.threads == 1 ? "" : "s", index.epsilon);
+    if (analysis.missing_cells > 0)
+        html += note_html(fmt::format("{} cells of the experiment are not complete.", analysis.missing_cells));
+    return html;
+}
+
+std::string scripts_html() {
+    std::string html;
+    for (const auto& asset : report_scripts())
+        html += "<script>\n" + script_safe_code(asset) + "\n</script>\n";
+    return html;
 }
 
 /// Replaces every {{NAME}}; one pass, so that inserted text is never searched.
@@ -224,16 +125,24 @@ std::string filled(std::string_view page, const std::map<std::string, std::strin
 }  // namespace
 
 std::string report_html(const Analysis& analysis, const ResultFolder& folder) {
-    const ResultIndex& index = analysis.index;
-    std::string summary = fmt::format("<p class=\"muted\">Seeds: {} &middot; threads: {} &middot; epsilon: {}</p>\n",
-                                      index.seeds, index.threads, index.epsilon);
-    if (analysis.missing_cells > 0)
-        summary +=
-            fmt::format("<p class=\"note\">{} cells of the experiment are not complete.</p>\n", analysis.missing_cells);
+    ReportPictures pictures = report_pictures(analysis, folder);
+    json data = report_data(analysis);
+    data["pictures"] = std::move(pictures.scenes);
+    data["pictures_note"] = pictures.note;
+    data["scales"] = {{"error", scale_json(error_colors())},
+                      {"flip", scale_json(magma_colors())},
+                      {"bias", scale_json(bias_colors())}};
     std::string scenes;
-    for (const auto& quality : analysis.references)
-        scenes += scene_html(analysis, folder, quality);
-    return filled(report_template(), {{"TITLE", html_escape(index.title)}, {"SUMMARY", summary}, {"SCENES", scenes}});
+    for (std::size_t i = 0; i < analysis.references.size(); ++i)
+        scenes += scene_html(analysis, analysis.references[i], i);
+    return filled(report_page(), {{"TITLE", html_escape(analysis.index.title)},
+                                  {"STYLE", std::string(report_style())},
+                                  {"SUMMARY", summary_html(analysis)},
+                                  {"OVERVIEW", overview_html(analysis)},
+                                  {"SCENES", scenes},
+                                  {"DATA", script_safe_json(data.dump())},
+                                  {"PICTURES", pictures.elements},
+                                  {"SCRIPTS", scripts_html()}});
 }
 
 std::string write_report(const Analysis& analysis, const ResultFolder& folder) {

@@ -1,26 +1,28 @@
 #pragma once
-// Images for the report: PNGs inside the page, and maps of where the error is.
+// Colours and exposures of the report's images.
 
 #include "common/image.h"
 #include "experiments/flip.h"
 
-#include <string>
-#include <string_view>
+#include <span>
 
 namespace gib {
-
-/// An image, or a PNG file's content, as `data:image/png;base64,...`.
-std::string png_data_url(const Image& image, float exposure);
-std::string png_data_url(std::string_view png);
 
 /// The factor that brings the image's mean luminance to a middle tone; 1 for a black image.
 float exposure_for(const Image& image);
 
-/// |x - r| / sqrt(r^2 + epsilon), mean of the channels, in a colour scale from 0 (dark) to `largest` (bright). Not
-/// finite: magenta.
-Image error_map(const Image& x, const Image& r, double epsilon, double largest);
+/// sRGB, from the least to the largest value; colours between two steps are their means.
+using ColorScale = std::span<const Color>;
+/// Black, violet, red, orange, pale yellow: steps of equal lightness, so that twice as bright reads as more.
+ColorScale error_colors();
+/// Every 17th of the 256 colours of `magma` (Smith and van der Walt, matplotlib): within 0.01 of the others.
+ColorScale magma_colors();
+/// Blue (too dark), nearly white (no bias), red (too bright).
+ColorScale bias_colors();
 
-/// A map of FLIP in the colours of `magma`, as its papers show it.
+/// A map of FLIP in the colours of `magma`, as its papers show it. Linear, so that a PNG's curve gives the colours.
 Image flip_image(const FlipMap& map);
+/// The inverse of flip_image() for a PNG as read_image() gives it: the nearest of 256 values.
+FlipMap flip_values(const Image& picture);
 
 }  // namespace gib

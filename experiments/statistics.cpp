@@ -26,30 +26,8 @@ namespace {
 
 constexpr double interval_tail = 0.05;  // of both sides together: 95 % intervals
 
-/// A part of a statistic's variance, and how well it is known.
-struct VarianceTerm {
-    double variance, degrees;
-};
-
-double total_variance(const std::vector<VarianceTerm>& terms) {
-    double sum = 0;
-    for (const auto& term : terms)
-        sum += term.variance;
-    return sum;
-}
-
-/// Half the width of the interval, with the degrees of freedom of Welch (1947) and Satterthwaite (1946).
-double half_width(const std::vector<VarianceTerm>& terms) {
-    const double sum = total_variance(terms);
-    double spread = 0;
-    for (const auto& term : terms)
-        spread += sqr(term.variance) / term.degrees;
-    if (!(sum > 0)) return sum;  // 0, or NaN passed on
-    return std::sqrt(sum) * student_t_two_sided(interval_tail, sqr(sum) / spread);
-}
-
 Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
-    const double half = half_width(terms);
+    const double half = half_width(terms, interval_tail);
     if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
     return {value, Interval{value - half, value + half}};
 }
@@ -58,7 +36,7 @@ Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
 /// variance from few replicates is followed.
 Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms) {
     if (value == 0) return {0, Interval{0, 0}};
-    const double half = half_width(terms) / value;
+    const double half = half_width(terms, interval_tail) / value;
     if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
     return {value, Interval{value * std::exp(-half), value * std::exp(half)}};
 }
@@ -114,7 +92,9 @@ PairMean pair_mean(const Table& k) {
 }
 
 /// The delete-one jackknife: 4/n s1^2 + 4/(n(n-2)) s2^2, with the term of second order at least twice what it is.
-VarianceTerm jackknife(const PairMean& pairs, double n) { return {4 / (n * (n - 2)) * pairs.effects_square, n - 1}; }
+VarianceTerm pair_jackknife(const PairMean& pairs, double n) {
+    return {4 / (n * (n - 2)) * pairs.effects_square, n - 1};
+}
 
 /// Two or three images leave no residuals; then the table's diagonal helps. The variance of the linearised statistic,
 /// 4/(n(n-1)) sum_i (mean_j k_ij - mean)^2, is exact for two and has 1.33 times the term of second order for three,
@@ -139,7 +119,7 @@ VarianceTerm pair_variance(const Table& k) {
     const double pooled =
         ((n - 1) * pairs.effects_square + residual_degrees * pairs.residual_square) / (n - 1 + residual_degrees);
     const double least = 2 / (n * (n - 1)) * pooled;
-    const double half_corrected = jackknife(pairs, n).variance - pairs.residual_square / ((n - 1) * (n - 2));
+    const double half_corrected = pair_jackknife(pairs, n).variance - pairs.residual_square / ((n - 1) * (n - 2));
     if (half_corrected > least) return {half_corrected, n - 1 + residual_degrees * sqr(least / half_corrected)};
     return {least, n - 1 + residual_degrees};
 }
@@ -273,7 +253,7 @@ Estimate variance_of(const Table& seeds) {
     const PairMean pairs = pair_mean(halves);
     // Two replicates have one pair: no scatter to make an interval from.
     if (seeds.rows() < 3) return {pairs.value, std::nullopt};
-    return positive_estimate(pairs.value, {jackknife(pairs, static_cast<double>(seeds.rows()))});
+    return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))});
 }
 
 /// The interval is that of the plain formula, whose expectation contains the reference's variance.
@@ -296,6 +276,17 @@ void require_same_size(const Image& image, const Image& reference) {
 }
 
 }  // namespace
+
+Estimate jackknife(double value, const std::vector<double>& without) {
+    const auto n = static_cast<double>(without.size());
+    double mean = 0, scatter = 0;
+    for (const double v : without)
+        mean += v / n;
+    for (const double v : without)
+        scatter += sqr(v - mean);
+    const double half = student_t_two_sided(interval_tail, n - 1) * std::sqrt((n - 1) / n * scatter);
+    return {value, Interval{value - half, value + half}};
+}
 
 ImageError image_error(const Image& x, const ReferenceLayer& reference, const Image& r_total, double epsilon) {
     require_same_size(x, reference.mean);
@@ -339,8 +330,18 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     if (replicates.size() > 1) {
         result.bias2 = bias2_of(plain);
         result.variance = variance_of(plain.seeds);
+        result.rel_bias2 = bias2_of(relative);
     }
     return result;
+}
+
+double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+    const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
+    // The term of second order alone: there is no bias whose product with the reference's noise could scatter.
+    const auto m = static_cast<double>(noise.groups.rows());
+    const double variance =
+        m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
+    return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance);
 }
 
 namespace {
@@ -377,7 +378,7 @@ std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>
     if (times.size() < 2) return Estimate{std::exp(mean), std::nullopt};
     for (double t : times)
         scatter += sqr(t - mean);
-    const double half = half_width({{scatter / (n * (n - 1)), n - 1}});
+    const double half = half_width({{scatter / (n * (n - 1)), n - 1}}, interval_tail);
     return Estimate{std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
 }
 

@@ -30,6 +30,10 @@ struct Estimate {
     std::optional<Interval> interval;
 };
 
+/// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), Student's t with n - 1 degrees
+/// of freedom. `without`: its values without each of the n >= 2 runs in turn.
+Estimate jackknife(double value, const std::vector<double>& without);
+
 /// What several independently seeded images of one method say about it.
 struct ReplicateStatistics {
     int seeds;
@@ -39,6 +43,8 @@ struct ReplicateStatistics {
     double rmse_corrected, rel_mse_corrected;
     std::optional<Estimate> bias2;     ///< from 2 seeds on: mean of (E x - r)^2, unbiased, unclipped
     std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of ONE replicate
+    /// As bias2, of the relative error: rel_mse_corrected less this is the variance's part of it.
+    std::optional<Estimate> rel_bias2;
 };
 
 /// Without a reference's standard error, mse = bias2 + variance. Intervals come from the scatter of the seeds and of
@@ -47,6 +53,12 @@ struct ReplicateStatistics {
 /// and no interval.
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Image& r_total, double epsilon);
+
+/// The relative squared error below which a reference resolves nothing: what an image without any error seems to have,
+/// its own variance subtracted, in one of forty references as noisy as this one (1.96 standard errors of the mean of
+/// the squared noise, from the scatter of its groups; noise that is correlated over many pixels exceeds it twice as often). Without groups, pixels and channels are taken as independent; 0
+/// without a standard error.
+double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
 /// Where each replicate's falling error-against-time curve crosses `target`, interpolated between its checkpoints in
 /// log(time) and log(error): the mean over replicates in log(time). Empty if fewer than all reach it. A curve whose

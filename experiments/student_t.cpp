@@ -1,5 +1,7 @@
 #include "experiments/student_t.h"
 
+#include "common/math.h"
+
 #include <cmath>
 
 namespace gib {
@@ -52,6 +54,16 @@ double student_t_two_sided(double tail, double degrees) {
         (student_t_tail(middle, degrees) > tail ? lo : hi) = middle;
     }
     return std::sqrt(lo * hi);
+}
+
+double half_width(const std::vector<VarianceTerm>& terms, double tail) {
+    double sum = 0, spread = 0;
+    for (const auto& term : terms) {
+        sum += term.variance;
+        spread += sqr(term.variance) / term.degrees;
+    }
+    if (!(sum > 0)) return sum;  // 0, or NaN passed on
+    return std::sqrt(sum) * student_t_two_sided(tail, sqr(sum) / spread);
 }
 
 }  // namespace gib

@@ -1,7 +1,18 @@
 #pragma once
 // Student's t distribution: quantiles for intervals from few replicates, tails for tests.
 
+#include <vector>
+
 namespace gib {
+
+/// A part of a statistic's variance, and how well it is known.
+struct VarianceTerm {
+    double variance, degrees;
+};
+
+/// Half the width of the interval that leaves out `tail` (both sides together), with the degrees of freedom of Welch
+/// (1947) and Satterthwaite (1946). 0 without variance, NaN if a term is NaN.
+double half_width(const std::vector<VarianceTerm>& terms, double tail);
 
 /// The t for which P(|T| > t) = `tail`; `degrees` >= 1 may be fractional (Welch-Satterthwaite) or infinite (the normal
 /// law). Relative error below 1e-9. `tail` in (0, 1).

@@ -2,6 +2,8 @@
 
 #include "common/files.h"
 #include "experiments/comparison.h"
+#include "experiments/footing_warnings.h"
+#include "experiments/price_text.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +28,17 @@ void append_estimate(std::vector<std::string>& row, const std::optional<Estimate
     row.push_back(upper_of(e));
 }
 
+/// The law of the price: error^2 = floor + factor (seconds - prepare_seconds)^-slope.
+void append_law(std::vector<std::string>& row, const TableRow& r) {
+    const auto& price = r.law;
+    append_estimate(row, price ? std::optional(price->floor) : std::nullopt);
+    row.push_back(price ? csv_number(floor_bias2(r)) : "");
+    append_estimate(row, price ? std::optional(price->slope) : std::nullopt);
+    row.push_back(price ? csv_number(price->law.factor) : "");
+    row.push_back(price ? csv_number(price->misfit) : "");
+    append_estimate(row, price ? price->next_halving : std::nullopt);
+}
+
 std::vector<std::string> error_columns() {
     std::vector<std::string> columns = {"scene",          "method",         "component", "seeds",    "seconds",
                                         "rmse",           "rmse_lo",        "rmse_hi",   "rel_mse",  "rel_mse_lo",
@@ -40,12 +53,17 @@ std::vector<std::string> error_columns() {
     for (const char* target : target_names)
         for (const char* end : {"lo", "hi"})
             columns.push_back(fmt::format("seconds_to_{}pct_{}", target, end));
-    for (const char* name : {"prepare_seconds", "flip"})
+    for (const char* name :
+         {"prepare_seconds",  "flip",           "rel_mse_resolved", "energy_excess",   "energy_excess_lo",
+          "energy_excess_hi", "footing",        "last_halving",     "last_halving_lo", "last_halving_hi",
+          "law_floor",        "law_floor_lo",   "law_floor_hi",     "law_floor_bias2", "law_slope",
+          "law_slope_lo",     "law_slope_hi",   "law_factor",       "law_misfit",      "next_halving",
+          "next_halving_lo",  "next_halving_hi"})
         columns.emplace_back(name);
     return columns;
 }
 
-std::vector<std::string> error_row(const TableRow& r) {
+std::vector<std::string> error_row(const TableRow& r, double resolved) {
     std::vector<std::string> row = {r.scene, r.method, r.component, std::to_string(r.seeds), csv_number(r.seconds)};
     const auto& s = r.statistics;
     append_estimate(row, s ? std::optional(s->rmse) : std::nullopt);
@@ -71,6 +89,11 @@ std::vector<std::string> error_row(const TableRow& r) {
     }
     row.push_back(csv_number(r.prepare_seconds));
     row.push_back(optional_number(r.flip));
+    row.push_back(csv_number(resolved));
+    append_estimate(row, r.footing ? std::optional(r.footing->excess) : std::nullopt);
+    row.push_back(r.footing ? name_of(r.footing->verdict) : "");
+    append_estimate(row, r.last_halving);
+    append_law(row, r);
     return row;
 }
 
@@ -79,19 +102,14 @@ std::string with_interval(const Estimate& e, const std::function<std::string(dou
     return fmt::format("{} ({} to {})", text(e.value), text(e.interval->lo), text(e.interval->hi));
 }
 
-std::string markdown_row(const TableRow& r) {
+std::string markdown_row(const TableRow& r, double resolved) {
     if (!r.statistics) return "";
     const auto& s = *r.statistics;
-    // The interval of rel_mse, carried over to its root.
-    Estimate relative{std::sqrt(s.rel_mse.value), std::nullopt};
-    if (s.rel_mse.interval)
-        relative.interval = Interval{std::sqrt(std::max(0.0, s.rel_mse.interval->lo)),
-                                     std::sqrt(std::max(0.0, s.rel_mse.interval->hi))};
     // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
     const std::string bias2 = s.bias2 ? short_number(std::max(0.0, s.bias2->value)) : "";
     return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.scene, r.method,
-                       short_number(r.seconds), with_interval(relative, percent_text),
-                       r.flip ? short_number(*r.flip) : "", bias2, s.variance ? short_number(s.variance->value) : "",
+                       short_number(r.seconds), relative_error_text(r, resolved), r.flip ? short_number(*r.flip) : "",
+                       bias2, s.variance ? short_number(s.variance->value) : "",
                        r.times[1] ? with_interval(*r.times[1], short_number) : "",
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
 }
@@ -100,8 +118,9 @@ std::string markdown_row(const TableRow& r) {
 
 CsvTable curves_table(const Analysis& analysis) {
     CsvTable table;
-    table.columns = {"scene",   "method", "seed", "pass",    "seconds",   "prepare_seconds", "spp",
-                     "photons", "mse",    "rmse", "rel_mse", "nonfinite", "peak_rss_mib",    "rays"};
+    table.columns = {"scene",           "method",    "seed",         "pass", "seconds",
+                     "prepare_seconds", "spp",       "photons",      "mse",  "rmse",
+                     "rel_mse",         "nonfinite", "peak_rss_mib", "rays", "rel_mse_corrected"};
     for (const Cell& cell : analysis.cells)
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
             const auto total = errors.find(total_name);
@@ -112,7 +131,7 @@ CsvTable curves_table(const Analysis& analysis) {
                        std::to_string(checkpoint.passes), std::to_string(checkpoint.counts.photons),
                        csv_number(error.mse), csv_number(error.rmse), csv_number(error.rel_mse),
                        std::to_string(checkpoint.counts.non_finite.count), csv_number(checkpoint.peak_rss_mib),
-                       std::to_string(checkpoint.counts.rays)});
+                       std::to_string(checkpoint.counts.rays), csv_number(error.rel_mse_corrected)});
         }
     return table;
 }
@@ -121,7 +140,7 @@ CsvTable error_table(const Analysis& analysis) {
     CsvTable table;
     table.columns = error_columns();
     for (const auto& row : analysis.rows)
-        table.add(error_row(row));
+        table.add(error_row(row, analysis.resolved(row.scene, row.component)));
     return table;
 }
 
@@ -164,13 +183,15 @@ std::string markdown_table(const Analysis& analysis) {
     }
     if (analysis.missing_cells > 0)
         text += fmt::format("\n{} cells of the experiment are not complete.\n", analysis.missing_cells);
+    text += footing_text(analysis);
     text +=
-        "\n| scene | method | seconds | relative RMSE % | FLIP | bias^2 | variance | seconds to 5 % | noise centroid | "
+        "\n## Errors\n\n| scene | method | seconds | relative RMSE % | FLIP | bias^2 | variance | seconds to 5 % | "
+        "noise centroid | "
         "missing effects |\n"
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---|\n";
     for (const auto& row : analysis.rows)
-        if (row.component == total_name) text += markdown_row(row);
-    return text + comparison_text(analysis);
+        if (row.component == total_name) text += markdown_row(row, analysis.resolved(row.scene, total_name));
+    return text + price_text(analysis) + comparison_text(analysis);
 }
 
 void write_tables(const Analysis& analysis, const ResultFolder& folder) {
@@ -179,6 +200,18 @@ void write_tables(const Analysis& analysis, const ResultFolder& folder) {
     write_file(folder.file("table.md"), markdown_table(analysis));
     write_file(folder.file("spectra.csv"), spectra_table(analysis).text());
     write_file(folder.file("stages.csv"), stages_table(analysis).text());
+}
+
+std::string relative_error_text(const TableRow& row, double resolved) {
+    const auto& s = *row.statistics;
+    if (s.rel_mse_corrected <= resolved)
+        return fmt::format("below {}, not resolved", percent_text(std::sqrt(resolved)));
+    const auto root = [&](double rel_mse) {  // the interval of the plain formula, less the reference's variance
+        return std::sqrt(std::max(0.0, rel_mse - (s.rel_mse.value - s.rel_mse_corrected)));
+    };
+    Estimate relative{std::sqrt(s.rel_mse_corrected), std::nullopt};
+    if (s.rel_mse.interval) relative.interval = Interval{root(s.rel_mse.interval->lo), root(s.rel_mse.interval->hi)};
+    return with_interval(relative, percent_text);
 }
 
 std::string short_number(double value) {

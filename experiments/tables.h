@@ -18,6 +18,10 @@ std::string markdown_table(const Analysis& analysis);
 /// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
 void write_tables(const Analysis& analysis, const ResultFolder& folder);
 
+/// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or that the
+/// reference does not resolve it.
+std::string relative_error_text(const TableRow& row, double resolved);
+
 /// Three significant digits: "12.3", "0.0123", "1.23e+04".
 std::string short_number(double value);
 /// A share in percent, "4.56".

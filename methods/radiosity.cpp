@@ -8,7 +8,8 @@
 // part, as if it were ideal for indirect light. Reflectances that vary over a surface are taken as the mean of a
 // patch in the exchange of light, and as they are where they are seen.
 // Bias: light is constant over patches and groups of them in the exchange, and linear between their corners where it
-// is seen.
+// is seen. Where surfaces stand on patches or shadows cross them, the mean is sent out where only a part can be seen:
+// indirect light is too low by a share that shrinks with the size of patches.
 // A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first; a change of
 // the solution starts the samples of indirect light again. Then one sample of every pixel. `facts` say how far the
 // solver came, and how closed the system is.
@@ -132,7 +133,9 @@ MethodDescription describe_radiosity() {
              10,
              {},
              "error that a link between groups may make where it arrives"},
-            choice_parameter("adapt", {"on", "off"}, "halve patches further where indirect light changes over them"),
+            choice_parameter("adapt", {"on", "off"},
+                             "halve patches further where surfaces stand on them, and for images where indirect light "
+                             "changes over them"),
             {"gather",
              Parameter::Kind::integer,
              "0",

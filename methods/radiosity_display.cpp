@@ -1,6 +1,7 @@
 #include "methods/radiosity_display.h"
 
 #include "common/parallel.h"
+#include "methods/radiosity_contacts.h"
 
 #include <fmt/format.h>
 
@@ -16,8 +17,7 @@ constexpr std::size_t vertices_per_block = 64;
 constexpr std::uint32_t rays_to_patch = 4;
 /// A patch is halved where irradiance changes over it by this share of the mean.
 constexpr double allowed_change = 0.1;
-/// How far over a leaf, in its radii, and how far inside it rays to its corners run.
-constexpr float lift = 0.02f;
+/// How far inside a leaf its corners are looked at, as a share of the way to its middle.
 constexpr double corner_inset = 0.02;
 /// As often as this at most.
 constexpr int extra_halvings = 4;
@@ -102,15 +102,10 @@ void RadiosityDisplay::look_at_corners() {
             if (!mesh_.charts()[side.chart].is_flat()) continue;  // it may bend between the two
             seen_corners_[i] = 0;
             const Vec2d middle = mesh_.middle_of(nodes[i]);
-            const auto lifted = [&](const Vec2d& uv) {
-                const SurfaceHit hit = mesh_.point_of_side(side, uv);
-                return Vec3(hit.p + (hit.offset + lift * static_cast<float>(nodes[i].radius)) * hit.ng);
-            };
-            const Vec3 origin = lifted(middle);
             for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
                 const Vec2d corner = uv_of(nodes[i].corners[k]);
-                const Vec3 end_point = lifted(corner + corner_inset * (middle - corner));
-                if (!rays.intersect({origin, end_point - origin, 0.f, 1.f}))
+                const Vec2d inside = corner + corner_inset * (middle - corner);
+                if (way_is_clear(rays, mesh_, side, middle, inside, nodes[i].radius))
                     seen_corners_[i] = static_cast<std::uint8_t>(seen_corners_[i] | (1u << k));
             }
             if (seen_corners_[i] == 0) seen_corners_[i] = 15;

@@ -38,7 +38,6 @@ public:
     /// The patch of the solution that a leaf of the mesh lies in.
     std::uint32_t solved_patch(std::uint32_t leaf) const;
     std::uint64_t rays() const { return rays_; }
-    double row_bytes() const { return static_cast<double>(terms_.size() * sizeof(Term)); }
 
 private:
     struct Term {

@@ -44,7 +44,10 @@ PatchLinks link_patches(const PatchMesh& mesh, const PatchLight& light, const Li
                         const StageTimes* stages = nullptr);
 
 /// How much less a group's light may stray over it than links may err: by links, and where irradiance is shown, which
-/// costs less.
+/// costs less. What strays errs to one side. Measured in cornell-box.xml with the defaults at 16 samples: the weight 16
+/// makes 57 thousand links and leaves 1.38 % relative RMSE of indirect light, its mean 2.9 % too low; 64 makes 112
+/// thousand links, takes 46 % longer in all and leaves 1.17 %, 2.0 % too low. For what is shown, 8 saves 9 % of the
+/// time and errs no more there, 512 takes 48 % longer and leaves 1.31 %.
 inline constexpr double stray_weight = 16, shown_stray_weight = 64;
 
 /// The links of each node.

@@ -3,6 +3,7 @@
 #include "common/files.h"
 #include "common/parallel.h"
 #include "common/warp.h"
+#include "methods/radiosity_contacts.h"
 #include "methods/radiosity_light.h"
 
 #include <fmt/format.h>
@@ -20,6 +21,11 @@ constexpr std::uint32_t direct_samples = 16;
 /// Rays that tell whether the patches are all that is seen.
 constexpr std::size_t closure_rays = 1 << 14;
 constexpr std::size_t rays_per_block = 1024;
+/// Of patches that something stands on: 4 make their edges a quarter as long. Measured with the defaults at 16 samples:
+/// in cornell-box.xml patches become 6 % more, and the relative RMSE of indirect light 1.38 % instead of 1.61 %; in
+/// smits-jensen-forms.xml, whose blocks are smaller than patches, 22 % more, and the mean of indirect light is 8 %
+/// too low instead of 16 %.
+constexpr int contact_halvings = 4;
 
 /// Bytes that a node takes with its share of vertices, links and rows, by and large: 150 links and terms of rows a
 /// patch.
@@ -58,6 +64,10 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
           return PatchMesh(charts_, settings.patch * static_cast<double>(scene.diagonal()),
                            most_nodes(charts_, settings));
       }()) {
+    if (settings.adapt) {
+        const auto timer = stages.time("patches");
+        halve_at_contacts(mesh_, contact_halvings, static_cast<std::size_t>(settings.memory / bytes_per_node), rays_);
+    }
     {
         const auto timer = stages.time("direct light");
         light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);

@@ -25,8 +25,6 @@ RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light,
         children_.push_back(nodes[i].child);
         if (nodes[i].is_leaf()) leaves_.push_back(i);
     }
-    uniform_ = std::all_of(links.begin(), links.end(),
-                           [&](const PatchLink& l) { return nodes[l.p].is_leaf() && nodes[l.q].is_leaf(); });
     const auto measure = [&](const std::vector<double>& sums) {
         Closure closure;
         double area = 0;
@@ -44,8 +42,7 @@ RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light,
 }
 
 std::vector<double> RadiositySystem::row_sums() const {
-    PatchColors ones(node_count_, Colord::Ones());
-    const PatchColors E = gather(ones);
+    const PatchColors E = gather(PatchColors(node_count_, Colord::Ones()));
     std::vector<double> sums(node_count_, 0.0);
     for (const std::uint32_t leaf : leaves_)
         sums[leaf] = E[leaf][0];
@@ -75,22 +72,17 @@ void RadiositySystem::pull(PatchColors& X) const {
     }
 }
 
-PatchColors RadiositySystem::gather(PatchColors& X) const {
-    PatchColors scaled;
-    if (!scales_.empty()) {
-        scaled = X;
+PatchColors RadiositySystem::gather(PatchColors X) const {
+    if (!scales_.empty())
         for (const std::uint32_t leaf : leaves_)
-            scaled[leaf] *= scales_[leaf];
-        pull(scaled);
-    }
+            X[leaf] *= scales_[leaf];
     pull(X);
-    const PatchColors& source = scales_.empty() ? X : scaled;
     PatchColors E(node_count_);
     parallel_blocks(node_count_, nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {
             Colord sum = Colord::Zero();
             for (const LinkTable::Entry& link : table_.of(static_cast<std::uint32_t>(i)))
-                sum += static_cast<double>(link.exchange) * source[link.other];
+                sum += static_cast<double>(link.exchange) * X[link.other];
             E[i] = areas_[i] > 0 ? Colord(sum / areas_[i]) : Colord(Colord::Zero());
         }
     });

@@ -36,10 +36,9 @@ public:
     /// B1 [W/m^2].
     Colord first_reflection(std::uint32_t leaf) const { return light_.reflectance[leaf] * light_.irradiance[leaf]; }
     const LinkTable& links() const { return table_; }
-    bool is_uniform() const { return uniform_; }  ///< all links are between leaves
 
-    /// E = K X [W/m^2] of all leaves; fills the values of groups in X.
-    PatchColors gather(PatchColors& X) const;
+    /// E = K X [W/m^2] of all leaves; the values of groups in X do not count.
+    PatchColors gather(PatchColors X) const;
     /// Fills the values of groups with the means of their halves.
     void pull(PatchColors& X) const;
     /// Power [W] of |values| over the leaves, by channel.
@@ -63,7 +62,6 @@ private:
     std::vector<std::uint32_t> leaves_;
     std::vector<std::uint32_t> parents_, children_;
     LinkTable table_;
-    bool uniform_;
     std::vector<double> scales_;  ///< of leaves: G_ij counts as s_i G_ij s_j
     Closure closure_;
 };

@@ -23,7 +23,7 @@ TableRow row(const std::string& method, std::optional<Estimate> bias2 = {}) {
     row.scene = "box";
     row.method = method;
     row.component = "total";
-    row.statistics = ReplicateStatistics{5, {1, {}}, {1, {}}, {1, {}}, 1, 1, bias2, {}};
+    row.statistics = ReplicateStatistics{5, {1, {}}, {1, {}}, {1, {}}, 1, 1, bias2, {}, {}};
     return row;
 }
 

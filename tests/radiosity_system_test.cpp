@@ -45,7 +45,9 @@ std::unique_ptr<RadiositySolution> solved(const RadiositySystem& system, Radiosi
 
 TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
     const PatchedScene scene(coloured_room, 0.51, 0, false);
-    ASSERT_TRUE(scene.system.is_uniform());
+    for (const PatchLink& link : scene.links.links)
+        for (const std::uint32_t end : {link.p, link.q})
+            ASSERT_TRUE(scene.mesh.nodes()[end].is_leaf());
     const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10, 1);
     EXPECT_LT(truth->residual(), 1e-10);
     for (const auto solver :
@@ -75,14 +77,38 @@ TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
     }
 }
 
+// In a closed room of one reflectance, the ambient estimate adds just the power that is still to be reflected, and it
+// is no part of the solution.
+TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
+    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
+    const double first = scene.system.power(solution->radiosity())[0];
+    for (int sweep = 0; sweep < 4; ++sweep) {
+        EXPECT_NEAR(scene.system.power(solution->shown())[0], first / 0.4, 1e-5 * first) << sweep;
+        EXPECT_NEAR(scene.system.power(solution->radiosity())[0],
+                    first / 0.4 - solution->residual() * first * 0.6 / 0.4, 1e-5 * first)
+            << sweep;
+        solution->sweep();
+    }
+}
+
+// Were patches to gather what the sweep before left, each sweep would add one reflection, and rho^(n + 1) would be
+// missing after n of them.
+TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
+    const PatchedScene scene(hollow_cube(grey(0.9)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::gauss_seidel);
+    for (int sweep = 1; sweep <= 8; ++sweep)
+        solution->sweep();
+    EXPECT_LT(solution->residual(), std::pow(0.9, 9) / 2);
+}
+
 // Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho),
 // whatever its walls see.
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        PatchColors X = solution->radiosity();
-        const PatchColors E = scene.system.gather(X);
+        const PatchColors E = scene.system.gather(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
     }
 }
@@ -99,8 +125,7 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        PatchColors X = solution->radiosity();
-        const PatchColors E = scene.system.gather(X);
+        const PatchColors E = scene.system.gather(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
         for (const std::uint32_t leaf : scene.system.leaves())
             EXPECT_NEAR(E[leaf][0] / (rho / (1 - rho)), 1, 0.05) << rho;
@@ -111,14 +136,14 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
 double unevenness_of_a_sphere(double size) {
     const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-    PatchColors X = solution->radiosity();
-    PatchColors E = scene.system.gather(X);
+    PatchColors E = scene.system.gather(solution->radiosity());
     for (Colord& e : E)
         e = (e - 1).square();
     return std::sqrt(mean_over(scene.system, E, 0));
 }
 
-// Chords are not the sphere, and those of larger and smaller patches are off by different shares, of second order in their size.
+// Chords are not the sphere, and those of larger and smaller patches are off by different shares, of second order in
+// their size.
 TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
     const double coarse = unevenness_of_a_sphere(0.45), fine = unevenness_of_a_sphere(0.225);
     EXPECT_LT(fine, coarse / 2) << coarse << ' ' << fine;
@@ -128,8 +153,7 @@ TEST(RadiositySystem, WhiteWallsConverge) {
     const PatchedScene scene(hollow_cube(grey(0.999)) + point_light("0.5 0 0", 1), 0.51, 0.02);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
     EXPECT_LT(solution->residual(), 1e-4);
-    PatchColors X = solution->radiosity();
-    EXPECT_NEAR(mean_over(scene.system, scene.system.gather(X), 0) / (4 * pi / 24 * 999), 1, 0.005);
+    EXPECT_NEAR(mean_over(scene.system, scene.system.gather(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1, 0.005);
 }
 
 TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
@@ -160,6 +184,23 @@ TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(mean_over(grouped.system, found->radiosity(), c) / mean_over(all.system, truth->radiosity(), c), 1,
                     0.01);
+}
+
+// What patches reflect of evenly distributed light, whatever makes it up.
+TEST(PatchLight, ReflectsTheMeanOfAPatch) {
+    const auto reflectance_of = [](const std::string& material) {
+        const PatchedScene scene("<shape type='rectangle'>" + material + "</shape>" + point_light("0 0 1", 1), 3, 0,
+                                 false);
+        EXPECT_EQ(scene.system.size(), 1u);
+        return scene.light.reflectance[0][1];
+    };
+    EXPECT_NEAR(reflectance_of(grey(0.5)), 0.5, 1e-6);
+    EXPECT_NEAR(reflectance_of("<bsdf type='mask'><float name='opacity' value='0.3'/>" + grey(0.5) + "</bsdf>"), 0.15,
+                1e-6);
+    const std::string board =
+        "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'><rgb name='color0' value='0.2'/><rgb "
+        "name='color1' value='0.8'/></texture></bsdf>";
+    EXPECT_NEAR(reflectance_of(board), 0.5, 0.05);
 }
 
 TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {

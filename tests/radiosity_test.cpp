@@ -134,6 +134,62 @@ TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
     EXPECT_EQ(stages_after.back().name, "view");
 }
 
+// While the solution changes, images show the last one only.
+TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    StageTimes stages;
+    RadiosityModel model(*scene.scene, {0.2, RadiositySolver::gauss_seidel, 0.02, true, 0, 1e9, "", 1000}, 1, stages);
+    RadiosityView changed(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
+    model.advance();
+    changed.sample(0, true);
+    const double early = mean_of(*changed.image()[Component::indirect]).mean();
+    while (!model.has_converged())
+        model.advance();
+    RadiosityView fresh(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
+    for (std::uint32_t pass = 1; pass < 3; ++pass) {
+        changed.sample(pass, pass == 1);
+        fresh.sample(pass, pass == 1);
+    }
+    EXPECT_EQ(changed.image()[Component::indirect]->rgb, fresh.image()[Component::indirect]->rgb);
+    const double late = mean_of(*fresh.image()[Component::indirect]).mean();
+    EXPECT_GT(early, 0.3 * late);
+    EXPECT_LT(early, 0.99 * late);
+}
+
+// A floor under a plate that is lit from above and reflects there only.
+TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
+    const auto scene = scene_of(scene_xml(
+        "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><lookat origin='0 -3 0.4' "
+        "target='0 0 0' up='0 0 1'/></transform>" +
+        box_film(16) + "</sensor><shape type='rectangle'>" + one_sided("0.8") +
+        "</shape><shape type='rectangle'><transform name='to_world'><translate z='1'/></transform>" + one_sided("0.8") +
+        "</shape>" + point_light("0 0 2", 5) + point_light("0 -2 0.3", 5)));
+    for (const char* label : {"radiosity patch=0.1", "radiosity patch=0.1 gather=4"}) {
+        const ComponentImages image = render(scene, label, 4);
+        EXPECT_GT(mean_of(*image[Component::direct]).sum(), 0.01) << label;
+        EXPECT_EQ(mean_of(*image[Component::indirect]).sum(), 0) << label;
+    }
+}
+
+// A wall that stands on the floor makes edges in its light, which patches of the solution's size cannot show.
+TEST(Radiosity, HalvesPatchesWhereLightChanges) {
+    const std::string wall =
+        "<shape type='cube'><transform name='to_world'><scale x='0.02' y='0.7' z='0.4'/><translate x='0.13' "
+        "z='-0.6'/></transform>" +
+        one_sided("0.6") + "</shape>";
+    const auto scene = scene_of(scene_xml(inside_view + room + wall));
+    const ComponentImages truth = render(scene, "radiosity patch=0.05 links=0.005 gather=64", 32);
+    const auto error_of = [&](const std::string& label) {
+        return mean_difference(*render(scene, label, 32)[Component::indirect], *truth[Component::indirect]);
+    };
+    const double on = error_of("radiosity patch=0.15"), off = error_of("radiosity patch=0.15 adapt=off");
+    EXPECT_LT(on, off);
+    auto with = facts_of(scene, "radiosity patch=0.15", 30),
+         without = facts_of(scene, "radiosity patch=0.15 adapt=off", 30);
+    EXPECT_GT(std::stoul(with["patches"]), std::stoul(without["patches"])) << "along the foot of the wall";
+    EXPECT_GT(std::stoul(with["vertices"]), 2 * std::stoul(without["vertices"]));
+}
+
 TEST(Radiosity, SaysHowFarItCame) {
     const auto scene = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.999")) + point_light("0.5 0 0", 1)));
     auto facts = facts_of(scene, "radiosity patch=0.2 solver=gauss_seidel", 3);

@@ -212,10 +212,10 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     }
 }
 
-// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time. The bounds are issue 8's for 1000
-// repetitions, widened by two standard errors of a proportion from 500.
+// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time, 1000 repetitions: 92 to 98.5 %. Three
+// seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
 TEST(ReplicateStatistics, IntervalsContainTheTruth) {
-    constexpr int repetitions = 500;
+    constexpr int repetitions = 1000;
     for (const int seeds : {3, 5, 8})
         for (const double bias : {0.0, 0.15, 2.0}) {
             Random random(static_cast<std::uint64_t>(100 * seeds) + 1);
@@ -231,10 +231,36 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
             for (const auto& [name, hits] : {std::pair{"bias2", bias2}, {"variance", variance}, {"mse", mse}}) {
                 const double coverage = static_cast<double>(hits) / repetitions;
                 RecordProperty(std::string(name) + "_" + std::to_string(seeds), std::to_string(coverage));
-                EXPECT_GE(coverage, 0.92 - 0.024) << name << " bias " << bias << " seeds " << seeds;
-                EXPECT_LE(coverage, 0.985 + 0.011) << name << " bias " << bias << " seeds " << seeds;
+                const double more = seeds < 5 ? 2 * std::sqrt(0.05 * 0.95 / repetitions) : 0;
+                EXPECT_GE(coverage, 0.92 - more) << name << " bias " << bias << " seeds " << seeds;
+                EXPECT_LE(coverage, 0.985 + more) << name << " bias " << bias << " seeds " << seeds;
             }
         }
+}
+
+// White noise of the same power in all channels has it in closed form: sqrt(2 / (m (m - 1) pixels)) times the variance of
+// a group, times 1.96. A perfect image seems to have more error than that against one reference
+// in forty: 25 of 1000, within 3 standard errors of 5.
+TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
+    Random random(11);
+    std::normal_distribution<double> normal;
+    const Image one = constant(32, 32, 1);
+    const double m = reference_groups, exact = 1.96 * std::sqrt(2 / (m * (m - 1) * 32 * 32)) * 0.01;
+    double mean = 0;
+    int above = 0;
+    for (int i = 0; i < 1000; ++i) {
+        std::vector<Image> groups(reference_groups, one);
+        for (Image& group : groups)
+            for (std::size_t p = 0; p < group.pixels(); ++p)
+                group.set(p, Color::Constant(1 + 0.1f * static_cast<float>(normal(random))));
+        const ReferenceLayer reference = layer_of_groups(groups);
+        const double resolved = resolved_error2(reference, one, 0);
+        mean += resolved / 1000;
+        above += image_error(one, reference, one, 0).rel_mse_corrected > resolved;
+    }
+    EXPECT_NEAR(mean, exact, 0.02 * exact);
+    EXPECT_NEAR(above, 25, 15);
+    EXPECT_EQ(resolved_error2({one, {}, {}}, one, 0), 0) << "no standard error: taken as exact";
 }
 
 TEST(TimeToError, InterpolatesInTheLogarithms) {

@@ -2,8 +2,6 @@
 
 #include "experiments/tables.h"
 
-#include "experiments/report_plot.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -35,7 +33,8 @@ Analysis small_analysis() {
     row.component = total_name;
     row.seeds = 1;
     row.seconds = 0.5;
-    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0016, {}}, 1, 1, {}, {}};
+    row.statistics =
+        ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0025, Interval{0.0018, 0.0034}}, 1, 0.0016, {}, {}, {}};
     row.effects_missing = "caustics;refraction";
     row.flip = 0.125;
     analysis.rows.push_back(row);
@@ -58,24 +57,34 @@ TEST(Tables, HaveTheFixedColumnsInOrder) {
     EXPECT_EQ(joined(stages_table(analysis).columns), "scene,method,seed,stage,seconds");
     EXPECT_THAT(joined(spectra_table(analysis).columns), StartsWith("scene,method,kind,frequency,power"));
     for (const char* further : {"variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
-                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip"})
+                                "seconds_to_0.5pct", "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip", "footing",
+                                "energy_excess", "law_slope", "law_floor_bias2", "last_halving", "next_halving_hi"})
         EXPECT_THAT(error_table(analysis).columns, ::testing::Contains(further));
 }
 
 TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     const Analysis analysis = small_analysis();
-    EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77");
+    EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77,5");
     const CsvTable table = error_table(analysis);
     const auto value = [&](const std::string& column) {
         const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
         return table.rows.at(0).at(static_cast<std::size_t>(at));
     };
-    EXPECT_EQ(value("rel_mse"), "0.0016");
+    EXPECT_EQ(value("rel_mse"), "0.0025");
     EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "caustics;refraction");
     EXPECT_EQ(value("flip"), "0.125");
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 | 0.125 |"));
+    EXPECT_THAT(markdown_table(analysis),
+                ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) | 0.125 |"));
+}
+
+TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
+    Analysis analysis = small_analysis();
+    analysis.references.push_back({"box", "path", 0.05, {}, 64, {}, {{total_name, 0.0025}}});
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| below 5.00, not resolved |"));
+    analysis.references[0].resolved[total_name] = 0.0009;
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| 4.00 (3.00 to 5.00) |"));
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
@@ -91,13 +100,6 @@ TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
 }
 
 TEST(Csv, NotANumberIsSeen) { EXPECT_EQ(csv_number(std::nan("")), "nan"); }
-
-TEST(ReportPlot, LeavesOutWhatALogarithmHasNoPlaceFor) {
-    EXPECT_EQ(log_log_plot({{"none", {{0, 1}, {1, -1}}}}, "x", "y"), "");
-    const std::string svg = log_log_plot({{"a<b", {{1, 1}, {0, 1}, {10, std::nan("")}}}}, "x", "y");
-    EXPECT_THAT(svg, ::testing::HasSubstr("a&lt;b"));
-    EXPECT_THAT(svg, ::testing::Not(::testing::HasSubstr("nan")));
-}
 
 }  // namespace
 }  // namespace gib::test

@@ -1,0 +1,191 @@
+// The charts of a scene: error against time, and the spectra of noise and bias.
+"use strict";
+report.charts = (() => {
+  const {data, element, number} = report;
+  const metrics = {
+    relative: {label: "relative RMSE %", column: 2, factor: 100},
+    absolute: {label: "RMSE", column: 5, factor: 1},
+  };
+
+  /** Ticks at powers of ten, and at 2 and 5 times these where there is room. */
+  function tickText(value, index, ticks) {
+    const mantissa = Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3));
+    const few = ticks.length < 20;
+    if (mantissa !== 1 && !(few && (mantissa === 2 || mantissa === 5))) return "";
+    return value >= 1e-3 && value < 1e5 ? String(Number(value.toPrecision(3))) : value.toExponential(0);
+  }
+
+  function axis(type, title) {
+    const grid = {color: report.color("--line"), borderColor: report.color("--muted")};
+    const made = {
+      type,
+      grid,
+      title: {display: true, text: title, color: report.color("--text")},
+      ticks: {color: report.color("--muted"), maxRotation: 0, autoSkipPadding: 8},
+    };
+    if (type === "logarithmic") {
+      made.ticks.callback = tickText;
+      made.ticks.autoSkip = false;
+    }
+    return made;
+  }
+
+  function options(xAxis, yAxis, tooltip) {
+    const narrow = innerWidth < 600;
+    return {
+      animation: false,
+      maintainAspectRatio: false,
+      scales: {x: xAxis, y: yAxis},
+      interaction: {mode: "nearest", axis: "xy", intersect: false},
+      plugins: {
+        legend: {display: false},
+        tooltip: {
+          filter: (item) => item.dataset.hover !== false,
+          callbacks: {title: () => "", label: tooltip},
+          displayColors: !narrow,
+          backgroundColor: report.color("--tip"),
+          titleColor: report.color("--text"),
+          bodyColor: report.color("--text"),
+          borderColor: report.color("--line"),
+          borderWidth: 1,
+        },
+      },
+    };
+  }
+
+  /** A colour such as #rrggbb with an opacity. */
+  const faint = (hex, alpha) => hex + Math.round(255 * alpha).toString(16).padStart(2, "0");
+
+  function line(method, points, extra = {}) {
+    const color = report.methodColor(method);
+    return {
+      label: data.methods[method],
+      method,
+      data: points,
+      showLine: true,
+      borderColor: color,
+      backgroundColor: color,
+      borderWidth: 2,
+      pointStyle: report.methodMark(method),
+      pointRadius: 3.5,
+      pointHoverRadius: 6,
+      ...extra,
+    };
+  }
+
+  /** Two lines without marks, the second of which fills up to the first. */
+  function band(method, low, high) {
+    const plain = {hover: false, borderWidth: 0, pointRadius: 0, pointHoverRadius: 0, pointHitRadius: 0};
+    const color = faint(report.methodColor(method), 0.18);
+    return [
+      line(method, low, {...plain, fill: false}),
+      line(method, high, {...plain, fill: "-1", backgroundColor: color}),
+    ];
+  }
+
+  function curveSets(scene, component, metric, hidden) {
+    const {column, factor} = metrics[metric];
+    const shown = data.scenes[scene].curves[component] ?? [];
+    const sets = [];
+    let times = [];
+    for (const {method, points} of shown) {
+      if (hidden.has(method)) continue;
+      const at = (offset) => points.filter((p) => p[column + offset] !== null)
+        .map((p) => ({x: p[1], y: factor * p[column + offset], passes: p[0],
+          low: factor * p[column + 1], high: factor * p[column + 2]}));
+      times = times.concat(points.map((p) => p[1]));
+      sets.push(line(method, at(0)), ...band(method, at(1), at(2)));
+    }
+    const floor = metric === "relative" ? data.scenes[scene].resolved[component] : 0;
+    if (floor > 0 && times.length > 0)
+      sets.push({
+        label: "what the reference resolves",
+        data: [Math.min(...times), Math.max(...times)].map((x) => ({x, y: factor * floor})),
+        showLine: true, borderColor: report.color("--muted"), backgroundColor: report.color("--muted"),
+        borderDash: [5, 4], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 6,
+      });
+    return sets;
+  }
+
+  function spectrumSets(scene, component, kind, hidden) {
+    return (data.scenes[scene].spectra[component] ?? [])
+      .filter((s) => !hidden.has(s.method) && s[kind].some(([, power]) => power > 0))
+      .map((s) => line(s.method,
+        s[kind].map(([x, power]) => ({x, y: power > 0 ? power : NaN, power})),
+        {pointRadius: 0, pointHitRadius: 4, spanGaps: false}));
+  }
+
+  function curveTip(item) {
+    const {x, y, low, high, passes} = item.raw;
+    if (passes === undefined) return `${item.dataset.label}: ${number(y, 3)}`;
+    const interval = Number.isFinite(low) && low > 0 ? ` (${number(low, 3)} to ${number(high, 3)})` : "";
+    return [item.dataset.label, `${number(y, 3)}${interval} after ${number(x, 3)} s`,
+      `${passes} pass${passes === 1 ? "" : "es"}`];
+  }
+
+  const spectrumTip = (item) => [item.dataset.label,
+    `power ${number(item.raw.power, 3)} at ${number(item.raw.x, 3)} cycles per pixel`];
+
+  /** A chart with its heading and canvas; `make` gives {data, options} or null where there is nothing to draw. */
+  class Panel {
+    constructor(place, heading, note, make) {
+      this.make = make;
+      this.canvas = element("canvas", {attributes: {role: "img", "aria-label": heading}});
+      this.empty = element("p", {className: "muted empty", hidden: true});
+      this.box = element("div", {className: "chart-box"}, this.canvas);
+      place.append(element("h3", {textContent: heading}), this.box, this.empty,
+        element("p", {className: "muted", textContent: note}));
+    }
+
+    draw() {
+      const {sets, xAxis, yAxis, tip, words, nothing} = this.make();
+      this.chart?.destroy();
+      this.chart = null;
+      const any = sets.some((set) => set.data.length > 0);
+      this.box.hidden = !any;
+      this.empty.hidden = any;
+      this.empty.textContent = nothing;
+      if (!any) return;
+      this.canvas.setAttribute("aria-label", words);
+      this.chart = new Chart(this.canvas,
+        {type: "scatter", data: {datasets: sets}, options: options(xAxis(), yAxis(), tip)});
+    }
+  }
+
+  /** The charts of one scene, which follow `state`: {component, metric, hidden}. */
+  function sceneCharts(section, scene, state) {
+    const panels = [
+      new Panel(section.querySelector(".curve-chart"), "Error against time",
+        "Mean over the seeds with its 95 % band; the reference's own error is subtracted; below the dashed line it " +
+        "resolves nothing. Time is charged wall-clock time, preparation included.", () => ({
+          sets: curveSets(scene, state.component, state.metric, state.hidden),
+          xAxis: () => axis("logarithmic", "seconds"),
+          yAxis: () => axis("logarithmic", metrics[state.metric].label),
+          tip: curveTip,
+          words: `${metrics[state.metric].label} of ${state.component} against seconds, both logarithmic`,
+          nothing: "There is no curve of this component.",
+        })),
+      new Panel(section.querySelector(".noise-chart"), "Spectrum of the noise",
+        "1 is white noise. Power at the left is blotchy noise that the eye sees easily.", () => ({
+          sets: spectrumSets(scene, state.component, "noise", state.hidden),
+          xAxis: () => axis("linear", "cycles per pixel"),
+          yAxis: () => axis("logarithmic", "power, white noise = 1"),
+          tip: spectrumTip,
+          words: `power of the noise of ${state.component} by frequency`,
+          nothing: "A spectrum of the noise needs three seeds and noise.",
+        })),
+      new Panel(section.querySelector(".bias-chart"), "Spectrum of the bias",
+        "Gaps: no bias there that the seeds and the reference could resolve.", () => ({
+          sets: spectrumSets(scene, state.component, "bias", state.hidden),
+          xAxis: () => axis("linear", "cycles per pixel"),
+          yAxis: () => axis("logarithmic", "power [radiance²]"),
+          tip: spectrumTip,
+          words: `power of the bias of ${state.component} by frequency`,
+          nothing: "No bias that the seeds and the reference could resolve.",
+        })),
+    ];
+    return {draw: () => panels.forEach((panel) => panel.draw()), panels};
+  }
+
+  return {metrics, sceneCharts};
+})();

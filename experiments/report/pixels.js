@@ -1,0 +1,66 @@
+// From values to what a screen shows: exposure and sRGB's curve, colour scales, sums of components, errors.
+"use strict";
+report.pixels = (() => {
+  const {data} = report;
+  const steps = 16384;
+  const curve = new Uint8ClampedArray(steps + 1);
+  for (let i = 0; i <= steps; ++i) {
+    const v = i / steps;
+    curve[i] = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+  }
+
+  /** sRGB bytes of a linear value; what is not a number is black here, and magenta in maps. */
+  const shown = (v) => (v > 0 ? curve[Math.min(steps, Math.round(v * steps))] : 0);
+
+  function scaleColor(scale, t) {
+    const position = Math.min(1, Math.max(0, t)) * (scale.length - 1);
+    const i = Math.min(Math.floor(position), scale.length - 2);
+    return scale[i].map((c, k) => c + (scale[i + 1][k] - c) * (position - i));
+  }
+
+  function table(scale) {
+    return Array.from({length: 256}, (_, i) => scaleColor(scale, i / 255));
+  }
+  const tables = Object.fromEntries(Object.entries(data.scales).map(([name, scale]) => [name, table(scale)]));
+
+  /** ImageData of radiance: values times 2^stops. */
+  function picture(image, stops) {
+    const out = new ImageData(image.width, image.height);
+    const factor = 2 ** stops;
+    for (let i = 0, o = 0; i < image.values.length; i += 3, o += 4) {
+      for (let k = 0; k < 3; ++k) out.data[o + k] = shown(image.values[i + k] * factor);
+      out.data[o + 3] = 255;
+    }
+    return out;
+  }
+
+  /** ImageData of one value a pixel in a colour scale from `low` to `high`. */
+  function map(image, name, low, high) {
+    const out = new ImageData(image.width, image.height);
+    for (let i = 0, o = 0; i < image.values.length; ++i, o += 4) {
+      const t = (image.values[i] - low) / (high - low);
+      const color = Number.isNaN(t) ? [255, 0, 255] : tables[name][Math.round(255 * Math.min(1, Math.max(0, t)))];
+      for (let k = 0; k < 3; ++k) out.data[o + k] = color[k];
+      out.data[o + 3] = 255;
+    }
+    return out;
+  }
+
+  /** Images of one size, added. */
+  function sum(images) {
+    const values = new Float32Array(images[0].values);
+    for (const image of images.slice(1)) for (let i = 0; i < values.length; ++i) values[i] += image.values[i];
+    return {...images[0], values};
+  }
+
+  /** |x - r| / sqrt(r_total^2 + epsilon), mean of the channels: the tables' relative error, of one pixel. */
+  function errorOf(x, r, total) {
+    const values = new Float32Array(x.width * x.height);
+    for (let i = 0; i < x.values.length; ++i)
+      values[Math.floor(i / 3)] +=
+        Math.abs(x.values[i] - r.values[i]) / Math.sqrt(total.values[i] ** 2 + data.epsilon) / 3;
+    return {width: x.width, height: x.height, channels: 1, values};
+  }
+
+  return {picture, map, sum, errorOf, scaleColor};
+})();

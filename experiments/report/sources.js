@@ -1,0 +1,49 @@
+// Which image stands for a method at a time, and its pixels as the viewer shows them.
+"use strict";
+report.sources = (() => {
+  const {data, blobs, pixels} = report;
+
+  /** Of one scene: its entry among the pictures. */
+  class Sources {
+    constructor(scene) {
+      this.pictures = data.pictures[scene];
+      this.images = this.pictures.images;
+      this.layers = this.pictures.layers;
+      const times = this.images.slice(1).flatMap((image) => [...image.frames, image].map((frame) => frame.seconds));
+      /** When some method gets a new image. */
+      this.times = [...new Set(times)].sort((a, b) => a - b);
+    }
+
+    /**
+     * What there is of image `index` after times[time]: {none: why} or {passes, seconds, isFinal, image}. Components
+     * and maps exist of the final image alone, which then stands for any time.
+     */
+    at(index, time, wantsFinal) {
+      const image = this.images[index];
+      if (index === 0) return {isFinal: true};
+      const final = {passes: image.passes, seconds: image.seconds, isFinal: true};
+      if (wantsFinal) return final;
+      const seconds = this.times[time];
+      if (image.seconds <= seconds) return final;
+      const frame = image.frames.filter((f) => f.seconds <= seconds).pop();
+      if (frame) return {...frame, isFinal: false};
+      return {none: `no image yet after ${report.number(seconds, 3)} s`};
+    }
+
+    /** The sum of a layer's parts in a final image; null if the image lacks all of them. */
+    async layer(index, layer) {
+      const {parts} = this.images[index];
+      if (layer === 0 && parts.total) return blobs.get(parts.total);
+      const found = this.layers[layer].parts.filter((name) => parts[name]);
+      if (found.length === 0) return null;
+      return pixels.sum(await Promise.all(found.map((name) => blobs.get(parts[name]))));
+    }
+
+    async radiance(index, layer, at) {
+      if (at.none) return null;
+      return at.isFinal ? this.layer(index, layer) : blobs.get(at.image);
+    }
+  }
+
+  return {Sources};
+})();

@@ -1,0 +1,212 @@
+// One viewer for all images of a scene: two of them, A and B, flipped or side by side, at the same pixel.
+"use strict";
+report.viewer = (() => {
+  const {data, element, number, pixels} = report;
+  const quantities = [
+    {name: "image", needsFinal: false},
+    {name: "error", needsFinal: false},
+    {name: "bias", needsFinal: true},
+    {name: "FLIP", needsFinal: true},
+  ];
+  const largestError = 0.25; // the brightest colour of a map that is not amplified
+  const longest = 64; // unpacked images that are kept
+
+  /** What one side shows: a bitmap with its values, or the reason why there is none. */
+  async function sideOf(sources, state, index) {
+    const quantity = quantities[state.quantity];
+    const wantsFinal = quantity.needsFinal || state.layer !== 0;
+    const at = sources.at(index, state.time, wantsFinal);
+    const side = {label: sources.images[index].label, at, image: null, map: null};
+    side.image = await sources.radiance(index, state.layer, at);
+    if (at.none) side.none = at.none;
+    else if (!side.image) side.none = `it does not simulate ${sources.layers[state.layer].name}`;
+    else if (quantity.name === "error") {
+      const [r, total] = await Promise.all([sources.layer(0, state.layer), sources.layer(0, 0)]);
+      if (r) side.map = pixels.errorOf(side.image, r, total);
+      else side.none = "the reference does not have this component";
+    } else if (quantity.name !== "image") {
+      const blob = sources.images[index][quantity.name.toLowerCase()];
+      if (blob) side.map = await report.blobs.get(blob);
+      else side.none = index === 0 ? "the reference is what others are measured against" : "it was not measured";
+    }
+    return side;
+  }
+
+  /** An off-screen canvas with what the side shows. */
+  function bitmapOf(side, state) {
+    if (side.none) return null;
+    const amplified = largestError / 2 ** state.amplification;
+    const {name} = quantities[state.quantity];
+    const shown = name === "image" ? pixels.picture(side.image, state.stops)
+      : name === "error" ? pixels.map(side.map, "error", 0, amplified)
+      : name === "bias" ? pixels.map(side.map, "bias", -amplified, amplified)
+      : pixels.map(side.map, "flip", 0, 1);
+    const canvas = element("canvas", {width: shown.width, height: shown.height});
+    canvas.getContext("2d").putImageData(shown, 0, 0);
+    return canvas;
+  }
+
+  function whenText(at) {
+    if (at.none || at.passes === undefined) return "";
+    const passes = `${at.passes} pass${at.passes === 1 ? "" : "es"}`;
+    return `${at.isFinal ? "final image, " : ""}${passes}, ${number(at.seconds, 3)} s`;
+  }
+
+  /** The stage: a canvas with zoom and position, and what it shows. */
+  class Stage {
+    constructor(sources, state, onCursor) {
+      this.sources = sources;
+      this.state = state;
+      this.onCursor = onCursor;
+      this.size = {width: sources.pictures.width, height: sources.pictures.height};
+      this.canvas = element("canvas");
+      this.labels = [element("div", {className: "stage-label left"}), element("div", {className: "stage-label right"})];
+      this.place = element("div", {className: "stage", tabIndex: 0, attributes: {role: "application",
+        "aria-label": "image viewer: arrow keys move the pixel cursor, space flips, plus and minus zoom"}},
+        this.canvas);
+      this.heading = element("div", {className: "stage-labels"}, ...this.labels);
+      this.sides = [];
+      this.bitmaps = [];
+      this.turn = 0;
+      new ResizeObserver(() => this.resize()).observe(this.place);
+    }
+
+    resize() {
+      const {clientWidth: width, clientHeight: height} = this.place;
+      const wasFit = !this.zoom || Math.abs(this.zoom - this.fitZoom) < 1e-6;
+      this.ratio = devicePixelRatio || 1;
+      this.canvas.width = Math.max(1, Math.round(width * this.ratio));
+      this.canvas.height = Math.max(1, Math.round(height * this.ratio));
+      this.fitZoom = Math.min(width / this.size.width, height / this.size.height);
+      if (wasFit) this.fit();
+      this.draw();
+    }
+
+    fit() { this.setZoom(this.fitZoom, 0, 0); this.center(); }
+
+    center() {
+      const {clientWidth: width, clientHeight: height} = this.place;
+      this.x = (width - this.zoom * this.size.width) / 2;
+      this.y = (height - this.zoom * this.size.height) / 2;
+      this.draw();
+    }
+
+    /** Zooms so that the point (x, y) of the stage stays where it is. */
+    setZoom(zoom, x, y) {
+      const next = Math.min(64, Math.max(Math.min(this.fitZoom, 1) / 2, zoom));
+      this.x = x - (x - (this.x ?? 0)) * next / (this.zoom || next);
+      this.y = y - (y - (this.y ?? 0)) * next / (this.zoom || next);
+      this.zoom = next;
+      this.place.style.touchAction = next > this.fitZoom * 1.01 ? "none" : "pan-y";
+      this.draw();
+    }
+
+    zoomBy(factor) { this.setZoom(this.zoom * factor, this.place.clientWidth / 2, this.place.clientHeight / 2); }
+
+    pan(dx, dy) { this.x += dx; this.y += dy; this.draw(); }
+
+    /** The pixel at a point of the stage, or null. */
+    pixelAt(x, y) {
+      const column = Math.floor((x - this.x) / this.zoom);
+      const row = Math.floor((y - this.y) / this.zoom);
+      const inside = column >= 0 && row >= 0 && column < this.size.width && row < this.size.height;
+      return inside ? {column, row} : null;
+    }
+
+    setCursor(pixel) { this.cursor = pixel; this.draw(); this.onCursor(pixel); }
+
+    moveCursor(dx, dy) {
+      const from = this.cursor ?? {column: Math.floor(this.size.width / 2), row: Math.floor(this.size.height / 2)};
+      const within = (v, end) => Math.min(end - 1, Math.max(0, v));
+      this.setCursor({column: within(from.column + dx, this.size.width), row: within(from.row + dy, this.size.height)});
+    }
+
+    /** Fetches what A and B show now, then draws. */
+    async update() {
+      const turn = ++this.turn;
+      this.place.setAttribute("aria-busy", "true");
+      const shown = [this.state.a, this.state.b];
+      const sides = await Promise.all(shown.map((index) => sideOf(this.sources, this.state, index)));
+      if (turn !== this.turn) return; // something newer was asked for
+      this.sides = sides;
+      report.blobs.trim(longest);
+      this.expose();
+      this.place.setAttribute("aria-busy", "false");
+    }
+
+    /** The same images with other exposure. */
+    expose() {
+      this.bitmaps = this.sides.map((side) => bitmapOf(side, this.state));
+      this.draw();
+      this.onCursor(this.cursor);
+    }
+
+    get splitX() { return this.state.split * this.place.clientWidth; }
+
+    draw() {
+      if (!this.zoom) return;
+      const context = this.canvas.getContext("2d");
+      context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+      context.imageSmoothingEnabled = false;
+      context.clearRect(0, 0, this.place.clientWidth, this.place.clientHeight);
+      const slides = this.state.mode === 1;
+      if (slides) {
+        this.drawSide(context, 0, 0, this.splitX);
+        this.drawSide(context, 1, this.splitX, this.place.clientWidth);
+        context.fillStyle = "#fff";
+        context.fillRect(this.splitX - 1, 0, 2, this.place.clientHeight);
+        context.strokeStyle = "#000";
+        context.strokeRect(this.splitX - 1.5, -1, 3, this.place.clientHeight + 2);
+      } else this.drawSide(context, this.state.side, 0, this.place.clientWidth);
+      this.drawCursor(context);
+      this.showLabels(slides);
+    }
+
+    drawSide(context, index, from, to) {
+      const {width, height} = this.size;
+      context.save();
+      context.beginPath();
+      context.rect(from, 0, to - from, this.place.clientHeight);
+      context.clip();
+      const bitmap = this.bitmaps[index];
+      if (bitmap) context.drawImage(bitmap, this.x, this.y, this.zoom * width, this.zoom * height);
+      else {
+        context.fillStyle = "#888";
+        context.fillRect(this.x, this.y, this.zoom * width, this.zoom * height);
+      }
+      context.restore();
+    }
+
+    drawCursor(context) {
+      if (!this.cursor) return;
+      const size = Math.max(this.zoom, 7);
+      const middle = (v, offset) => offset + (v + 0.5) * this.zoom - size / 2;
+      const x = middle(this.cursor.column, this.x), y = middle(this.cursor.row, this.y);
+      context.lineWidth = 1;
+      context.strokeStyle = "#000";
+      context.strokeRect(x - 1.5, y - 1.5, size + 3, size + 3);
+      context.strokeStyle = "#fff";
+      context.strokeRect(x - 0.5, y - 0.5, size + 1, size + 1);
+    }
+
+    showLabels(slides) {
+      const text = (index) => {
+        const side = this.sides[index];
+        if (!side) return ["", ""];
+        return [`${"AB"[index]}: ${side.label}`, side.none ?? whenText(side.at)];
+      };
+      const show = (place, index) => {
+        const [name, when] = text(index);
+        const key = name + when;
+        if (place.dataset.text === key) return;
+        place.dataset.text = key;
+        place.replaceChildren(element("b", {textContent: name}), element("span", {textContent: when}));
+      };
+      show(this.labels[0], slides ? 0 : this.state.side);
+      show(this.labels[1], 1);
+      this.labels[1].hidden = !slides;
+    }
+  }
+
+  return {Stage, quantities, largestError};
+})();

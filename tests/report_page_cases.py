@@ -1,0 +1,177 @@
+"""The charts, tables and layout of a report."""
+import math
+import os
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+import report_fixture as fixture
+from report_browser import BOX, LAPTOP, PATH, PHONE, PHOTONS, ReportCase
+
+
+class ChartTest(ReportCase):
+    def chart(self, place):
+        return self.driver.execute_script(
+            "const c = Chart.getChart(arguments[0].querySelector(arguments[1] + ' canvas'));"
+            "return c ? c.data.datasets.map((d) => ({label: d.label, hover: d.hover, data: d.data})) : null",
+            self.section, place)
+
+    def points(self, method, place=".curve-chart"):
+        found = [set for set in self.chart(place) if set["label"] == method and set["hover"] is not False]
+        return [(p["x"], p["y"]) for p in found[0]["data"]] if found else None
+
+    def test_curves_are_those_of_the_table(self):
+        for metric, column, factor in (("relative RMSE", "rel_mse_corrected", 100), ("RMSE", "mse_corrected", 1)):
+            self.press(metric, ".scene-controls")
+            expected = []
+            for at in zip(*(fixture.checkpoints(self.results, BOX, PATH, seed) for seed in (1, 2, 3))):
+                square = sum(checkpoint["errors"]["total"][column] for checkpoint in at) / 3
+                if square > 0:
+                    expected.append((sum(checkpoint["seconds"] for checkpoint in at) / 3, factor * math.sqrt(square)))
+            found = self.points(PATH)
+            self.assertEqual(len(found), len(expected))
+            for one, other in zip(found, expected):
+                self.assertAlmostEqual(one[0] / other[0], 1, places=6)
+                self.assertAlmostEqual(one[1] / other[1], 1, places=6)
+
+    def test_component_changes_charts_and_tables(self):
+        places = (".curve-chart", ".noise-chart")
+        before = [self.points(PATH, place) for place in places]
+        self.choose("Component", "indirect", ".scene-controls")
+        for place, old in zip(places, before):
+            self.assertTrue(self.points(PATH, place))
+            self.assertNotEqual(self.points(PATH, place), old)
+        shown = [row.get_attribute("data-component") for row in
+                 self.section.find_elements(By.CSS_SELECTOR, "tr[data-component]") if row.is_displayed()]
+        self.assertEqual(set(shown), {"indirect"})
+
+    def test_methods_can_be_left_out_of_the_charts(self):
+        self.assertIsNotNone(self.points(PHOTONS))
+        self.press(PHOTONS, ".scene-controls")
+        self.assertIsNone(self.points(PHOTONS))
+        self.assertIsNone(self.points(PHOTONS, ".noise-chart"))
+        self.assertIsNotNone(self.points(PATH))
+        self.press(PHOTONS, ".scene-controls")
+        self.assertIsNotNone(self.points(PHOTONS))
+
+    def test_hovering_says_value_interval_and_passes(self):
+        canvas = self.section.find_element(By.CSS_SELECTOR, ".curve-chart canvas")
+        self.scroll_to(canvas)
+        x, y = self.driver.execute_script("""
+            const chart = Chart.getChart(arguments[0]);
+            const point = chart.getDatasetMeta(0).data[2];
+            return [point.x - chart.width / 2, point.y - chart.height / 2]""", canvas)
+        ActionChains(self.driver).move_to_element_with_offset(canvas, round(x), round(y)).perform()
+        lines = self.driver.execute_script(
+            "const t = Chart.getChart(arguments[0]).tooltip;"
+            "return t.opacity > 0 ? t.body.flatMap((b) => b.lines) : []", canvas)
+        self.assertIn(PATH, lines)
+        self.assertRegex(" ".join(lines), r"[\d.]+ \([\d.]+ to [\d.]+\) after [\d.e-]+ s 3 passes")
+        self.shot("hover")
+
+
+class PageTest(ReportCase):
+    def test_every_size_and_scheme(self):
+        grounds = set()
+        for name, size in (("laptop", LAPTOP), ("phone", PHONE)):
+            for scheme in ("light", "dark"):
+                self.open(size, scheme)
+                self.driver.execute_script("scrollTo(0, 0)")
+                self.shot(f"{name}-{scheme}-top")
+                for place in (".scene-controls", ".curve-chart", ".viewer", ".stages"):
+                    self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
+                                               self.section.find_element(By.CSS_SELECTOR, place))
+                    self.settle()
+                    self.shot(f"{name}-{scheme}-{place[1:]}")
+                self.press("slide")
+                self.focus_stage()
+                self.shot(f"{name}-{scheme}-slide")
+                grounds.add(self.driver.execute_script("return getComputedStyle(document.body).backgroundColor"))
+                wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
+                self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+                self.assertEqual(self.clipped(), [], name)
+                lines = self.driver.execute_script(
+                    "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
+                    "return c.data.datasets[0].borderColor", self.section)
+                self.assertEqual(lines, {"light": "#1f6fd6", "dark": "#62a5ff"}[scheme])
+        self.assertEqual(len(grounds), 2)
+
+    def clipped(self):
+        """Texts that are wider than the elements that hold them, or that leave the screen."""
+        return self.driver.execute_script("""
+            const found = [];
+            const texts = "button, label, select, legend, h1, h2, h3, p, li, .stage-label";
+            for (const e of document.querySelectorAll(texts)) {
+              const box = e.getBoundingClientRect();
+              if (box.width === 0) continue;
+              const counts = getComputedStyle(e).display !== "inline" && e.tagName !== "SELECT";
+              if (counts && e.scrollWidth > e.clientWidth + 1)
+                found.push("cut: " + e.textContent);
+              if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push("outside: " + e.textContent);
+            }
+            return found""")
+
+    def test_colours_follow_a_change_of_scheme(self):
+        color = "return Chart.getChart(arguments[0].querySelector('.curve-chart canvas')).data.datasets[0].borderColor"
+        before = self.driver.execute_script(color, self.section)
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+        self.wait(lambda: self.driver.execute_script(color, self.section) != before, "charts are drawn again")
+
+    def test_the_keyboard_reaches_every_control_and_shows_where_it_is(self):
+        self.open(LAPTOP, scene=1)  # both viewers are there
+        self.driver.execute_script("document.activeElement.blur(); scrollTo(0, 0)")
+        body = self.driver.find_element(By.TAG_NAME, "body")
+        body.send_keys(Keys.TAB)
+        reached, unmarked = set(), []
+        for _ in range(200):
+            info = self.driver.execute_script("""
+                const e = document.activeElement;
+                if (!e || e === document.body) return null;
+                e.dataset.reached = "yes";
+                const mark = e.type === "radio" ? e.nextElementSibling : e;
+                const style = getComputedStyle(mark);
+                return [e.outerHTML.slice(0, 80), style.outlineStyle, parseFloat(style.outlineWidth)]""")
+            if info is None:
+                break
+            reached.add(info[0])
+            if info[1] == "none" or info[2] < 2:
+                unmarked.append(info[0])
+            self.driver.switch_to.active_element.send_keys(Keys.TAB)
+        missed = self.driver.execute_script("""
+            return [...document.querySelectorAll("button, select, input, a[href], summary, [tabindex='0']")]
+              .filter((e) => !e.dataset.reached && !e.disabled && e.checkVisibility())
+              .filter((e) => e.type !== "radio" || e.checked)
+              .map((e) => e.outerHTML.slice(0, 80))""")
+        self.assertEqual((missed, unmarked), ([], []))
+        self.assertGreater(len(reached), 20)
+
+    def test_every_control_has_a_name(self):
+        nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+        roles = {"button", "combobox", "slider", "radio", "application", "region", "link", "img", "group"}
+        nameless = [node["role"]["value"] for node in nodes if not node.get("ignored") and
+                    node.get("role", {}).get("value") in roles and not node.get("name", {}).get("value")]
+        self.assertEqual([role for role in nameless if role != "group"], [])
+        found = {node.get("role", {}).get("value") for node in nodes}
+        self.assertLessEqual({"button", "combobox", "slider", "radio", "application", "region"}, found)
+
+    def test_without_scripts_the_numbers_can_be_read(self):
+        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+        try:
+            self.driver.get("file://" + os.path.join(self.results, "report.html"))
+            text = self.driver.find_element(By.TAG_NAME, "body").text
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS,
+                      "Where the time goes"):
+            self.assertIn(words, text)
+
+    def test_the_other_scene_has_its_own_images(self):
+        self.open(LAPTOP, scene=1)
+        self.go_to(15, 18)
+        expected = fixture.pixels(os.path.join(self.images, "cornell-glass-path_spp=64.exr"))[15, 18]
+        self.assert_pixel(self.values("A"), expected)
+        self.choose("Component", "caustic")
+        self.choose("A", fixture.METHODS[2])
+        self.assertIn("does not simulate", self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)

@@ -1,0 +1,192 @@
+"""The viewer of a report: what it shows, and what its controls change."""
+import math
+import os
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+import report_fixture as fixture
+from report_browser import BOX, LAPTOP, PATH, PHOTONS, ReportCase
+
+
+class ViewerTest(ReportCase):
+    def test_values_are_those_of_the_files(self):
+        method = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"))
+        reference = fixture.pixels(os.path.join(self.images, f"{BOX}-reference.exr"))
+        for x, y in ((3, 4), (16, 2), (20, 27), (31, 31)):
+            self.go_to(x, y)
+            self.assert_pixel(self.values("A"), method[x, y])
+            self.assert_pixel(self.values("B"), reference[x, y])
+
+    def test_components_are_those_of_the_files(self):
+        seen = []
+        for component in ("direct", "indirect"):
+            self.choose("Component", component)
+            self.go_to(10, 20)
+            expected = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"), component)[10, 20]
+            self.assert_pixel(self.values("A"), expected)
+            seen.append(self.values("A"))
+        self.assertNotEqual(seen[0], seen[1])
+
+    def test_every_method_can_be_chosen_on_both_sides(self):
+        self.go_to(12, 25)
+        for method in fixture.METHODS:
+            name = method.replace(" ", "_")
+            expected = fixture.pixels(os.path.join(self.images, f"{BOX}-{name}.exr"))[12, 25]
+            for side in "AB":
+                self.choose(side, method)
+                self.assert_pixel(self.values(side), expected)
+        self.choose("A", "reference")
+        self.assertIn("reference", self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+
+    def test_flip_shows_the_other_image(self):
+        self.choose("A", PHOTONS)
+        self.go_to(14, 26)
+        shown = {}
+        for label in ("A: " + PHOTONS, "B: reference", "A: " + PHOTONS):
+            self.assertIn(label, self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+            side = label[0]
+            exposure = self.driver.execute_script("return 2 ** arguments[0].panel.state.stops", self.section)
+            found = self.canvas(14, 26)
+            for byte, value in zip(found, self.values(side)):
+                self.assertLessEqual(abs(byte - fixture.srgb(value * exposure)), 1.5)
+            self.assertEqual(shown.setdefault(side, found), found)
+            self.keys(self.stage, Keys.SPACE)
+        self.assertNotEqual(shown["A"], shown["B"])
+        self.press("Flip to A")
+        self.assertIn("A: ", self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+
+    def test_slide_shows_both_at_the_split(self):
+        self.choose("A", PHOTONS)
+        self.go_to(16, 26)
+        a = self.canvas(16, 26)
+        self.keys(self.stage, Keys.SPACE)
+        b = self.canvas(16, 26)
+        self.assertNotEqual(a, b)
+        self.press("slide")
+        split = self.control("Split")
+        for key, expected in ((Keys.HOME, b), (Keys.END, a)):
+            self.keys(split, key)
+            self.assertEqual(self.canvas(16, 26), expected)
+        self.assertEqual(split.get_attribute("aria-valuetext"), "100 %")
+        self.keys(split, Keys.ARROW_LEFT)
+        self.assertEqual(split.get_attribute("aria-valuetext"), "99 %")
+        self.focus_stage()
+        self.keys(self.stage, "[")
+        self.assertEqual(split.get_attribute("aria-valuetext"), "94 %")
+        # By hand: from where the divider is to the middle of the stage.
+        width = self.stage.size["width"]
+        ActionChains(self.driver).move_to_element_with_offset(self.stage, round(0.44 * width), 0).click_and_hold() \
+            .move_to_element(self.stage).release().perform()
+        self.assertIn(split.get_attribute("aria-valuetext"), ("49 %", "50 %", "51 %"))
+
+    def test_a_stop_doubles_what_is_shown(self):
+        self.go_to(8, 24)
+        slider = self.control("Exposure")
+        self.keys(slider, *[Keys.ARROW_LEFT] * 8)
+        dark = [fixture.linear(v) for v in self.canvas(8, 24)]
+        values = self.values("A")
+        self.keys(slider, *[Keys.ARROW_RIGHT] * 4)
+        bright = [fixture.linear(v) for v in self.canvas(8, 24)]
+        self.assertEqual(slider.get_attribute("aria-valuetext"), "-1 stop")
+        self.assertLess(max(bright), 0.99, "nothing is clipped")
+        for one, other in zip(dark, bright):
+            step = (other + 0.055) * 2.4 / 255 * 1.5  # one and a half of 8 bits, at this brightness
+            self.assertLess(abs(other - 2 * one), 1.5 * step)
+        self.assertEqual(self.values("A"), values, "values are radiance, whatever the exposure")
+        self.focus_stage()
+        self.keys(self.stage, ".")
+        self.assertEqual(slider.get_attribute("aria-valuetext"), "-0.5 stops")
+        self.press("Reset")
+        self.assertEqual(slider.get_attribute("aria-valuetext"), "0 stops")
+
+    def test_time_chooses_the_image_that_fits_into_it(self):
+        self.go_to(9, 22)
+        final = self.values("A")
+        slider = self.control("Time")
+        self.assertIn("final images", slider.get_attribute("aria-valuetext"))
+        self.choose("A", PATH)
+        times = self.driver.execute_script("return arguments[0].panel.sources.times", self.section)
+        curve = [(float(row["seconds"]), int(row["pass"])) for row in fixture.rows(self.results, "curves.csv")
+                 if (row["scene"], row["method"], row["seed"]) == (BOX, PATH, "1")]
+        kept = [(t, p) for t, p in curve if p & (p - 1) == 0]
+        folder = fixture.cell_folder(self.results, BOX, PATH, 1)
+        self.keys(slider, Keys.HOME)
+        seen = set()
+        for step, time in enumerate(times):
+            fitting = [p for t, p in kept if t <= time * (1 + 1e-6)]
+            label = self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text
+            if not fitting:
+                self.assertIn("no image yet", label)
+            else:
+                self.assertIn(f"{fitting[-1]} pass", label)
+                name = f"frames/{fitting[-1]}.exr" if fitting[-1] < 64 else "final.exr"
+                self.assert_pixel(self.values("A"), fixture.pixels(os.path.join(folder, name))[9, 22])
+                seen.add(fitting[-1])
+            if step + 1 < len(times):
+                self.keys(slider, Keys.ARROW_RIGHT)
+        self.assertEqual(seen, {1, 2, 4, 8, 16, 32, 64})
+        self.assertEqual(self.values("A"), final)
+
+    def test_maps_are_computed_from_the_images(self):
+        x, y = 11, 23
+        self.go_to(x, y)
+        image = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"))[x, y]
+        r = fixture.pixels(os.path.join(self.images, f"{BOX}-reference.exr"))[x, y]
+        scale = [math.sqrt(v * v + 0.01) for v in r]
+        self.press("error")
+        legend = self.section.find_element(By.CSS_SELECTOR, ".map-legend")
+        self.assertIn("25.0 % and more", legend.text)
+        error = sum(abs(a - b) / s for a, b, s in zip(image, r, scale)) / 3
+        self.assertAlmostEqual(self.values("A")[0], 100 * error, delta=0.2 + 1e-2 * error)
+        self.assertEqual(self.values("B"), [0])
+        plain = self.canvas(x, y)
+        self.keys(self.control("Amplification"), *[Keys.ARROW_RIGHT] * 8)
+        self.assertIn("6.25 % and more", legend.text)
+        self.assertNotEqual(self.canvas(x, y), plain)
+        self.shot("map-error")
+        self.press("bias")
+        seeds = [fixture.pixels(os.path.join(fixture.cell_folder(self.results, BOX, PATH, s), "final.exr"))[x, y]
+                 for s in (1, 2, 3)]
+        bias = sum((sum(seed[k] for seed in seeds) / 3 - r[k]) / scale[k] for k in range(3)) / 3
+        self.assertAlmostEqual(self.values("A")[0], 100 * bias, delta=0.02 + 1e-2 * abs(bias))
+        self.assertIn("measured against", self.label_of_b())
+        self.press("FLIP")
+        self.assertFalse(self.control("Amplification").is_enabled())
+        self.assertTrue(0 <= self.values("A")[0] <= 1)
+        self.shot("map-flip")
+
+    def label_of_b(self):
+        self.keys(self.stage, Keys.SPACE)
+        text = self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text
+        self.keys(self.stage, Keys.SPACE)
+        return text
+
+    def test_maps_of_flip_have_the_mean_of_the_table(self):
+        self.press("FLIP")
+        mean = self.driver.execute_script(
+            "const v = arguments[0].panel.stage.sides[0].map.values;"
+            "return v.reduce((a, b) => a + b) / v.length", self.section)
+        folder = fixture.cell_folder(self.results, BOX, PATH, 1)
+        self.assertAlmostEqual(mean, fixture.record(folder, "flip.json")["flip"], delta=1 / 255)
+
+    def test_zoom_and_pan_keep_the_pixel_under_the_pointer(self):
+        self.focus_stage()
+        stage = "const stage = arguments[0].panel.stage; return "
+        fit = self.driver.execute_script(stage + "stage.zoom", self.section)
+        self.press("+")
+        self.assertAlmostEqual(self.driver.execute_script(stage + "stage.zoom", self.section), 1.5 * fit)
+        self.focus_stage()
+        ActionChains(self.driver).move_to_element_with_offset(self.stage, 30, 20).perform()
+        before = self.where()
+        ActionChains(self.driver).move_to_element_with_offset(self.stage, 30, 20).click_and_hold() \
+            .move_by_offset(70, -40).release().perform()
+        ActionChains(self.driver).move_to_element_with_offset(self.stage, 100, -20).perform()
+        self.assertEqual(self.where(), before)
+        self.press("1:1")
+        self.assertEqual(self.driver.execute_script(stage + "stage.zoom", self.section), 1)
+        self.keys(self.stage, "0")
+        self.assertAlmostEqual(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
+        self.keys(self.stage, "-")
+        self.assertLess(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
