@@ -23,15 +23,34 @@ namespace {
 /// parallel.
 constexpr std::size_t serial_build_limit = 200'000;
 
-/// Above this many primitives, rays of neighbouring pixels hit different ones, and part ways too early for packets. The path
-/// tracer's rate over bare Embree's with and without them: 0.58 and 0.55 on 70 thousand triangles, alike on 900 thousand, 0.66
-/// and 0.69 on 10 million.
+/// Above this many primitives, rays of neighbouring pixels hit different ones, and part ways too early for packets. The
+/// path tracer's rate over bare Embree's with and without them: 0.58 and 0.55 on 70 thousand triangles, alike on 900
+/// thousand, 0.66 and 0.69 on 10 million.
 constexpr std::size_t packet_limit = 500'000;
+
+/// Embree takes a triangle's determinant (edge x edge . direction) below 1e-18 for zero and then answers u = v = 0, a
+/// point that may lie anywhere on the triangle's plane; of scenes above 1e12 its squares leave float's range. It is
+/// given scenes of an extent between these as they are, for which the determinant holds triangles down to 1e-9 of the
+/// scene, and all others multiplied by a power of two. Rays are multiplied alike, origin and direction, so that t, u
+/// and v are what they were.
+constexpr float smallest_extent = 0.25f, largest_extent = 0x1p30f;
+constexpr int scaled_exponent = 10;
+
+/// The power of two by which Embree is given what lies within these bounds.
+float embree_scale(const Bounds& bounds) {
+    const float extent = bounds.empty() ? 0.f : (bounds.upper - bounds.lower).maxCoeff();
+    if (!(extent > 0.f && std::isfinite(extent))) return 1.f;
+    if (extent >= smallest_extent && extent <= largest_extent) return 1.f;
+    return std::ldexp(1.f, std::min(scaled_exponent - std::ilogb(extent), 126));
+}
+
+Ray scaled(const Ray& ray, float scale) { return {scale * ray.o, scale * ray.d, ray.t_min, ray.t_max}; }
 
 /// What the callbacks of one user geometry read.
 struct AnalyticShape {
     const Shape* shape;
     std::uint32_t id;
+    float scale;  ///< of the coordinates that Embree knows it in
 };
 
 std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
@@ -44,11 +63,13 @@ Ray ray_of(const RTCRay& r) {
     return {Vec3(r.org_x, r.org_y, r.org_z), Vec3(r.dir_x, r.dir_y, r.dir_z), r.tnear, r.tfar};
 }
 
-/// Embree reads four numbers at a time, and a processor makes it wait where they were written one by one.
-void set_ray(RTCRay& r, const Ray& ray) {
+/// The ray, multiplied by `scale`: without a branch, since most are multiplied by 1. Embree reads four numbers at a
+/// time, and a processor makes it wait where they were written one by one.
+void set_ray(RTCRay& r, const Ray& ray, float scale) {
     using Four [[gnu::vector_size(16)]] = float;
-    const Four origin = {ray.o.x(), ray.o.y(), ray.o.z(), ray.t_min},
-               direction = {ray.d.x(), ray.d.y(), ray.d.z(), 0.f};
+    const Four factor = {scale, scale, scale, 1.f};
+    const Four origin = Four{ray.o.x(), ray.o.y(), ray.o.z(), ray.t_min} * factor,
+               direction = Four{ray.d.x(), ray.d.y(), ray.d.z(), 0.f} * factor;
     std::memcpy(&r.org_x, &origin, sizeof origin);
     std::memcpy(&r.dir_x, &direction, sizeof direction);
     r.tfar = ray.t_max;
@@ -57,7 +78,8 @@ void set_ray(RTCRay& r, const Ray& ray) {
     r.flags = 0;
 }
 
-void set_bounds(RTCBounds& bounds, const Bounds& b) {
+void set_bounds(RTCBounds& bounds, const Bounds& unscaled, float scale) {
+    const Bounds b{scale * unscaled.lower, scale * unscaled.upper};
     // Hits are found in double: the box must hold them after rounding to float.
     const Vec3 margin = 4.f * unit_roundoff * (b.lower.cwiseAbs() + b.upper.cwiseAbs() + (b.upper - b.lower));
     bounds.lower_x = b.lower.x() - margin.x();
@@ -112,21 +134,22 @@ void commit(RTCScene scene, std::size_t primitives) {
 
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
-    set_bounds(*args->bounds_o, bounds_of(*a->shape));
+    set_bounds(*args->bounds_o, bounds_of(*a->shape), a->scale);
 }
 
-/// Calls body(ray, i) for each ray that a callback is asked about: one, or some of a packet.
+/// Calls body(ray, i) for each ray that a callback is asked about, one or some of a packet, in the scene's own
+/// coordinates.
 template <typename Body>
-void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, const Body& body) {
+void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, float scale, const Body& body) {
     for (unsigned i = 0; i < n; ++i)
-        if (valid[i]) body(ray_of(rtcGetRayFromRayN(rays, n, i)), i);
+        if (valid[i]) body(scaled(ray_of(rtcGetRayFromRayN(rays, n, i)), 1.f / scale), i);
 }
 
 void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
     const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
     RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
-    for_each_valid(args->valid, rays, args->N, [&](const Ray& ray, unsigned i) {
+    for_each_valid(args->valid, rays, args->N, a->scale, [&](const Ray& ray, unsigned i) {
         const auto t = intersect_analytic(*a->shape, ray);
         if (!t) return;
         RTCRayN_tfar(rays, args->N, i) = *t;
@@ -139,20 +162,22 @@ void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
 
 void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
     const auto* a = static_cast<const AnalyticShape*>(args->geometryUserPtr);
-    for_each_valid(args->valid, args->ray, args->N, [&](const Ray& ray, unsigned i) {
+    for_each_valid(args->valid, args->ray, args->N, a->scale, [&](const Ray& ray, unsigned i) {
         if (intersect_analytic(*a->shape, ray)) RTCRayN_tfar(args->ray, args->N, i) = -infinity;
     });
 }
 
-/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree of
-/// their group. Embree's own instances invert the map in float, with an error that grows with its condition; no useful
-/// bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
+/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree
+/// of their group. Embree's own instances invert the map in float, with an error that grows with its condition; no
+/// useful bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
 struct InstanceSet {
     std::span<const Instance> instances;
+    float scale = 1.f;  ///< of the scene that they stand in
     struct Group {
         RTCScene scene;
         Bounds bounds;
         std::uint32_t first_shape;
+        float scale;  ///< of its own scene
     };
     std::vector<Group> groups;
 
@@ -162,16 +187,16 @@ struct InstanceSet {
 
 void instance_bounds(const RTCBoundsFunctionArguments* args) {
     const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
-    set_bounds(*args->bounds_o, transformed(set->at(args->primID), set->group_of(args->primID).bounds));
+    set_bounds(*args->bounds_o, transformed(set->at(args->primID), set->group_of(args->primID).bounds), set->scale);
 }
 
 void instance_intersect(const RTCIntersectFunctionNArguments* args) {
     const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
     RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
-    for_each_valid(args->valid, rays, args->N, [&](const Ray& ray, unsigned i) {
+    for_each_valid(args->valid, rays, args->N, set->scale, [&](const Ray& ray, unsigned i) {
         RTCRayHit in_group;
-        set_ray(in_group.ray, carried_to_group(set->at(args->primID), ray));
+        set_ray(in_group.ray, carried_to_group(set->at(args->primID), ray), set->group_of(args->primID).scale);
         query(set->group_of(args->primID).scene, in_group);
         if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
         in_group.hit.instID[0] = args->primID;
@@ -182,9 +207,9 @@ void instance_intersect(const RTCIntersectFunctionNArguments* args) {
 
 void instance_occluded(const RTCOccludedFunctionNArguments* args) {
     const auto* set = static_cast<const InstanceSet*>(args->geometryUserPtr);
-    for_each_valid(args->valid, args->ray, args->N, [&](const Ray& ray, unsigned i) {
+    for_each_valid(args->valid, args->ray, args->N, set->scale, [&](const Ray& ray, unsigned i) {
         RTCRay in_group;
-        set_ray(in_group, carried_to_group(set->at(args->primID), ray));
+        set_ray(in_group, carried_to_group(set->at(args->primID), ray), set->group_of(args->primID).scale);
         query(set->group_of(args->primID).scene, in_group);
         if (in_group.tfar < 0.f) RTCRayN_tfar(args->ray, args->N, i) = -infinity;
     });
@@ -196,7 +221,9 @@ struct Accelerator::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     std::vector<AnalyticShape> analytic;
+    std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< of meshes that Embree is given multiplied
     InstanceSet instanced;
+    float scale = 1.f;    ///< see embree_scale()
     bool packets = true;  ///< pay: see packet_limit
 
     ~State() {
@@ -206,11 +233,12 @@ struct Accelerator::State {
         if (device) rtcReleaseDevice(device);
     }
     RTCScene new_scene() const;
-    void attach(RTCScene to, const Mesh& mesh, unsigned id);
+    void attach(RTCScene to, const Mesh& mesh, unsigned id, float mesh_scale);
     void attach(RTCScene to, const AnalyticShape& shape);
     void attach_instances(unsigned id);
     /// Attaches shapes [begin, end), numbered from 0, and returns how many primitives they have.
-    std::size_t attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end);
+    std::size_t attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end,
+                       float shapes_scale);
     void add_group(const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end);
 };
 
@@ -222,10 +250,18 @@ RTCScene Accelerator::State::new_scene() const {
     return result;
 }
 
-void Accelerator::State::attach(RTCScene to, const Mesh& mesh, unsigned id) {
+void Accelerator::State::attach(RTCScene to, const Mesh& mesh, unsigned id, float mesh_scale) {
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(), 0,
-                               sizeof(mesh.vertices[0]), mesh.vertices.size() - 1);
+    const auto* vertices = &mesh.vertices;
+    if (mesh_scale != 1.f) {
+        auto& multiplied = scaled_vertices.emplace_back(mesh.vertices);
+        for (auto& vertex : multiplied)
+            for (float& x : vertex)
+                x *= mesh_scale;
+        vertices = &multiplied;
+    }
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices->data(), 0,
+                               sizeof((*vertices)[0]), vertices->size() - 1);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                sizeof(mesh.triangles[0]), mesh.triangles.size());
     rtcCommitGeometry(g);
@@ -258,22 +294,23 @@ void Accelerator::State::attach_instances(unsigned id) {
 }
 
 std::size_t Accelerator::State::attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin,
-                                       std::uint32_t end) {
+                                       std::uint32_t end, float shapes_scale) {
     std::size_t primitives = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
         const auto* mesh = std::get_if<Mesh>(&shapes[i]);
-        if (mesh) attach(to, *mesh, i - begin);
-        else attach(to, analytic.emplace_back(AnalyticShape{&shapes[i], i - begin}));
+        if (mesh) attach(to, *mesh, i - begin, shapes_scale);
+        else attach(to, analytic.emplace_back(AnalyticShape{&shapes[i], i - begin, shapes_scale}));
         primitives += mesh ? mesh->triangles.size() : 1;
     }
     return primitives;
 }
 
 void Accelerator::State::add_group(const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end) {
-    auto& group = instanced.groups.emplace_back(InstanceSet::Group{new_scene(), Bounds(), begin});
+    auto& group = instanced.groups.emplace_back(InstanceSet::Group{new_scene(), Bounds(), begin, 1.f});
     for (std::uint32_t i = begin; i < end; ++i)
         group.bounds.add(bounds_of(shapes[i]));
-    commit(group.scene, attach(group.scene, shapes, begin, end));
+    group.scale = embree_scale(group.bounds);
+    commit(group.scene, attach(group.scene, shapes, begin, end, group.scale));
 }
 
 Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups& groups)
@@ -282,12 +319,19 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
     s.device = rtcNewDevice(nullptr);
     if (!s.device) throw RunError("Embree could not create a device");
     s.scene = s.new_scene();
-    s.analytic.reserve(shapes.size());  // Embree keeps the addresses
+    s.analytic.reserve(shapes.size());  // Embree keeps the addresses, and those of the vertices
+    s.scaled_vertices.reserve(shapes.size());
     s.instanced.instances = groups.instances;
     for (std::size_t g = 0; g + 1 < groups.begin.size(); ++g)
         s.add_group(shapes, groups.begin[g], groups.begin[g + 1]);
     const auto top_shapes = groups.begin.empty() ? static_cast<std::uint32_t>(shapes.size()) : groups.begin[0];
-    const std::size_t primitives = s.attach(s.scene, shapes, 0, top_shapes) + groups.instances.size();
+    Bounds bounds;
+    for (std::uint32_t i = 0; i < top_shapes; ++i)
+        bounds.add(bounds_of(shapes[i]));
+    for (const Instance& instance : groups.instances)
+        bounds.add(transformed(instance, s.instanced.groups[instance.group].bounds));
+    s.scale = s.instanced.scale = embree_scale(bounds);
+    const std::size_t primitives = s.attach(s.scene, shapes, 0, top_shapes, s.scale) + groups.instances.size();
     if (!groups.instances.empty()) s.attach_instances(top_shapes);
     commit(s.scene, primitives);
     s.packets = primitives <= packet_limit;
@@ -298,7 +342,7 @@ Accelerator::~Accelerator() = default;
 
 std::optional<Intersection> Accelerator::intersect(const Ray& ray) const {
     RTCRayHit rayhit;
-    set_ray(rayhit.ray, ray);
+    set_ray(rayhit.ray, ray, state_->scale);
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -315,7 +359,7 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
     RTCRayHit8 packet;
     for (std::size_t i = 0; i < packet_size; ++i) {
         valid[i] = i < rays.size() ? -1 : 0;
-        const Ray& ray = rays[std::min(i, rays.size() - 1)];
+        const Ray ray = scaled(rays[std::min(i, rays.size() - 1)], state_->scale);
         packet.ray.org_x[i] = ray.o.x();
         packet.ray.org_y[i] = ray.o.y();
         packet.ray.org_z[i] = ray.o.z();
@@ -350,7 +394,7 @@ Intersection Accelerator::intersection_of(std::uint32_t geometry, std::uint32_t 
 
 bool Accelerator::occluded(const Ray& ray) const {
     RTCRay occluded;
-    set_ray(occluded, ray);
+    set_ray(occluded, ray, state_->scale);
     query(state_->scene, occluded);
     return occluded.tfar < 0.f;
 }

@@ -36,7 +36,7 @@ private:
             const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(hit.shading.to_local(wo).z());
             const auto share = light_.lengths.share(walk_.edges_left(), light_.longest_photon_path());
             if (reflectance && share) {
-                const auto E = light_.irradiance.at(walk_.rays(), hit, normal_towards(hit, wo),
+                const auto E = light_.irradiance.at(walk_.rays(), hit, normal_towards(hit, wo), walk_.length(),
                                                     light_.estimator.max_radius, found_);
                 if (E) return *reflectance * *E * (*share * inv_pi);
             }

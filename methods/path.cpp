@@ -14,6 +14,7 @@
 #include "methods/dispersed_path.h"
 #include "methods/method.h"
 #include "methods/pixel_samples.h"
+#include "methods/roulette.h"
 
 #include <algorithm>
 
@@ -25,18 +26,20 @@ namespace {
 /// variance than it saves time.
 constexpr int first_roulette_vertex = 3;
 
-/// The probability that a path goes on: its throughput, so that survivors weigh alike. `beta` without the radiance
-/// scaling of refractions, which is undone on the way out.
-float survival_probability(const Color& beta, float eta_scale) { return std::min(beta.maxCoeff() * eta_scale, 0.95f); }
+/// The probability that a path goes on: its throughput, so that survivors weigh alike, up to `most`. `beta` without the
+/// radiance scaling of refractions, which is undone on the way out.
+float survival_probability(const Color& beta, float eta_scale, float most) {
+    return std::min(beta.maxCoeff() * eta_scale, most);
+}
 
 /// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to
 /// `found`, where the film counts it.
-inline bool survives(Color& beta, float eta_scale, float u, Color& found) {
+inline bool survives(Color& beta, float eta_scale, float most, float u, Color& found) {
     if (!beta.isFinite().all()) {
         found += beta;
         return false;
     }
-    const float survival = survival_probability(beta, eta_scale);
+    const float survival = survival_probability(beta, eta_scale, most);
     if (!(u < survival)) return false;
     if (!injected(Fault::roulette_rescaling)) beta /= survival;
     return true;
@@ -76,7 +79,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                     const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
                     pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
                     if (vertex >= first_roulette_vertex &&
-                        !survives(beta, eta_scale, u.roulette(), sample[path.component()]))
+                        !survives(beta, eta_scale, most_survival, u.roulette(), sample[path.component()]))
                         break;
                     traced.ray = {previous, wi};
                     rays.trace(traced);
@@ -128,7 +131,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
         path.scatter(next->lobe);
 
-        if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, u.roulette(), sample[path.component()]))
+        const float most = next->delta ? most_specular_survival(vertex) : most_survival;
+        if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, most, u.roulette(), sample[path.component()]))
             break;
         previous = hit->p;
         const Vec3 wi = hit->shading.to_world(next->wi);

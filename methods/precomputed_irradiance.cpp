@@ -105,7 +105,7 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     places_ = PhotonMap(std::move(estimated));
 }
 
-std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal,
+std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
                                                float max_distance, DensityEstimator::Found& found) const {
     const auto on_surface = [&](const Photon& place, float distance2) {
         return place.surface_normal().dot(normal) > min_normal_cosine &&
@@ -115,7 +115,8 @@ std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHi
     if (found.empty()) return std::nullopt;
     const Photon place = places_[found.front().photon];
     if (found.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
-    if (is_near_obstacle(place) && !reaches(rays, hit, normal, place)) return std::nullopt;
+    const bool in_doubt = is_near_obstacle(place) || found.front().distance2 > sqr(seen);
+    if (in_doubt && !reaches(rays, hit, normal, place)) return std::nullopt;
     return place.power();
 }
 

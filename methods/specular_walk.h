@@ -4,6 +4,7 @@
 
 #include "methods/direct_light.h"
 #include "methods/dispersed_path.h"
+#include "methods/roulette.h"
 
 #include <algorithm>
 
@@ -159,7 +160,8 @@ private:
             hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, Lobes::specular);
         if (!next) return std::nullopt;
         take(*next, next->pdf_w, next->delta || !sees_lights ? infinity : next->pdf_w);
-        if (at_.vertex >= first_roulette_vertex && !survives(u.roulette(), visitor)) return std::nullopt;
+        const float most = next->delta ? most_specular_survival(at_.vertex) : most_survival;
+        if (at_.vertex >= first_roulette_vertex && !survives(most, u.roulette(), visitor)) return std::nullopt;
         return hit.shading.to_world(next->wi);
     }
 
@@ -172,13 +174,13 @@ private:
     }
 
     template <typename Visitor>
-    bool survives(float u, Visitor& visitor) {
+    bool survives(float most, float u, Visitor& visitor) {
         if (!at_.beta.isFinite().all()) {
             // Roulette would end the path in silence; the film counts it.
             visitor.emitted(at_.beta);
             return false;
         }
-        const float survival = std::min(at_.beta.maxCoeff() * at_.eta_scale, 0.95f);
+        const float survival = std::min(at_.beta.maxCoeff() * at_.eta_scale, most);
         if (!(u < survival)) return false;
         at_.beta /= survival;
         return true;

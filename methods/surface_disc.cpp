@@ -45,6 +45,11 @@ bool SurfaceDisc::find_obstacles(RayQueries& rays, float r, float max_radius) {
     return true;
 }
 
+float SurfaceDisc::end_of_rise(RayQueries& rays, const Vec3& w, float reach) const {
+    const auto found = rays.intersect({origin_, reach * (w + max_elevation_slope * frame_.n), 0.f, 1.f});
+    return found ? std::max((found->p - hit_.p).dot(w), 0.f) : infinity;
+}
+
 bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
     directions_ = directions;
     const float narrow = std::cos(pi / static_cast<float>(directions));
@@ -64,13 +69,15 @@ bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
         const auto found = rays.surface_hit({tested[at], met[at]});
         if (!found) continue;
         const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
-        const float distance = (found->p - hit_.p).dot(w);
+        // The rounding of p could put what stands at the centre behind it.
+        const float distance = std::max((found->p - hit_.p).dot(w), 0.f);
         const float cosine = normal_towards(*found, -w).dot(frame_.n);
         if (cosine > min_normal_cosine) {  // the surface curves up, or a ramp starts
             rise_[at] = distance;
             const float slope = std::sqrt(std::max(1.f - cosine * cosine, 0.f)) / cosine;
             // It is seen at more than the largest slope from where (d - distance) slope = d max_elevation_slope.
             if (slope > max_elevation_slope) free_[at] = distance * slope / (slope - max_elevation_slope);
+            free_[at] = std::min(free_[at], end_of_rise(rays, w, reach));
         } else {
             free_[at] = distance;
         }

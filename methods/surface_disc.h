@@ -68,6 +68,9 @@ private:
     bool inside(const Vec3& offset) const;
     /// False if nothing stands within r in any direction.
     bool look_around(RayQueries& rays, float r, int directions);
+    /// How far a surface that rises in this direction goes on below the largest slope: what closes above the centre, as
+    /// a dome does, hides what lies behind it.
+    float end_of_rise(RayQueries& rays, const Vec3& direction, float reach) const;
     /// Down to where the surface may be, so far from the centre.
     Ray probe(const Vec3& direction, float distance) const;
     bool is_covered(RayQueries& rays, const Vec3& direction, float distance, float rise) const;

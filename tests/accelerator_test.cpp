@@ -10,19 +10,26 @@ namespace gib {
 namespace {
 
 /// A mesh, every other kind of shape, and instances of both around and beside each other.
-LoadedScene every_shape() {
-    const std::string move = "<transform name=\"to_world\"><translate x=\"4\"/></transform>";
+LoadedScene every_shape(const std::string& scale = "1") {
+    const std::string resize = "<scale value=\"" + scale + "\"/></transform>";
+    const std::string move = "<transform name=\"to_world\"><translate x=\"4\"/>" + resize;
     const std::string tilt =
-        "<transform name=\"to_world\"><rotate x=\"1\" y=\"0.3\" angle=\"70\"/><translate y=\"3\"/></transform>";
-    return test::load("<shape type=\"cube\"/><shape type=\"sphere\">" + move + "</shape><shape type=\"disk\">" + tilt +
+        "<transform name=\"to_world\"><rotate x=\"1\" y=\"0.3\" angle=\"70\"/><translate y=\"3\"/>" + resize;
+    return test::load("<shape type=\"cube\"><transform name=\"to_world\">" + resize +
+                      "</shape><shape type=\"sphere\">" + move + "</shape><shape type=\"disk\">" + tilt +
                       "</shape><shape type=\"cylinder\"><point name=\"p0\" x=\"-3\" y=\"0\" z=\"-2\"/><point "
                       "name=\"p1\" x=\"-3\" y=\"0\" "
-                      "z=\"2\"/><float name=\"radius\" value=\"0.7\"/></shape>" +
-                      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/><shape type=\"cube\">" + move +
+                      "z=\"2\"/><float name=\"radius\" value=\"0.7\"/><transform name=\"to_world\">" +
+                      resize + "</shape>" +
+                      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/><shape type=\"cube\"><transform "
+                      "name=\"to_world\"><translate x=\"4\"/></transform>" +
                       "</shape></shape><shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><scale "
-                      "x=\"0.5\" y=\"1.5\"/><translate z=\"5\"/></transform></shape><shape type=\"instance\"><ref "
+                      "x=\"0.5\" y=\"1.5\"/><translate z=\"5\"/>" +
+                      resize +
+                      "</shape><shape type=\"instance\"><ref "
                       "id=\"g\"/><transform name=\"to_world\"><rotate z=\"1\" angle=\"30\"/><translate y=\"-5\" "
-                      "x=\"-2\"/></transform></shape>");
+                      "x=\"-2\"/>" +
+                      resize + "</shape>");
 }
 
 // Packets of every size, of rays side by side and of rays in all directions. Embree's kernels for one ray and for eight round
@@ -66,6 +73,43 @@ TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
         EXPECT_GT(hits, 100);
     EXPECT_GT(hits_of_instances, 1000);
     EXPECT_GT(misses, 1000);
+}
+
+// Where a ray meets a scene is where it meets the scene in other units. The powers of two change no digit;
+// 1e-10 leaves a determinant of 1e-20, which Embree takes for zero.
+TEST(Accelerator, FindsTheSameInAnyUnits) {
+    const LoadedScene loaded = every_shape();
+    const Scene& scene = *loaded.scene;
+    for (const auto& [text, scale] : {std::pair("1e-10", 1e-10f), std::pair("1e-6", 1e-6f), std::pair("1e-3", 1e-3f),
+                                      std::pair("1e6", 1e6f), std::pair("1e10", 1e10f)}) {
+        const LoadedScene loaded_resized = every_shape(text);
+        const Scene& resized = *loaded_resized.scene;
+        std::vector<int> hits_of_shape(scene.shapes().size());
+        int differing = 0;
+        for (std::uint64_t i = 0; i < 20000; ++i) {
+            const Sampler u(PointSet::independent, 2, i, 0);
+            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
+            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
+            const Ray ray{from, (at - from).normalized()};
+            const auto expected = scene.accelerator().intersect(ray);
+            const auto found = resized.accelerator().intersect({scale * ray.o, ray.d});
+            // Scaled coordinates are rounded: a ray may pass an edge on the other side.
+            if (found.has_value() != expected.has_value() ||
+                (found && (found->shape != expected->shape || found->primitive != expected->primitive))) {
+                ++differing;
+                continue;
+            }
+            if (!found) continue;
+            EXPECT_NEAR(found->t / scale, expected->t, 2e-5f * scene.diagonal()) << text;
+            EXPECT_NEAR(found->u, expected->u, 1e-3f) << text;
+            EXPECT_NEAR(found->v, expected->v, 1e-3f) << text;
+            EXPECT_EQ(resized.accelerator().occluded({scale * ray.o, ray.d}), true) << text;
+            ++hits_of_shape[expected->shape];
+        }
+        EXPECT_LE(differing, 4) << text;
+        for (int hits : hits_of_shape)
+            EXPECT_GT(hits, 100) << text;
+    }
 }
 
 }  // namespace

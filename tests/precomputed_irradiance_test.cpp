@@ -61,7 +61,7 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
             for (float y = -0.6f; y < 0.65f; y += 0.1f) {
                 const auto hit = rays.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)});
                 ASSERT_TRUE(hit);
-                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), 1.f, found);
+                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found);
                 ++asked;
                 if (!E) continue;  // no place as near as its disc is wide: of 7 places in a disc, e^-7
                 sum += static_cast<double>(E->x());
@@ -87,8 +87,8 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     RayQueries rays(*loaded.scene);
     DensityEstimator::Found found;
     const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), 1.f, found)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
-    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), 1.f, found)) << "the other side";
+    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
+    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f, found)) << "the other side";
 }
 
 }  // namespace
