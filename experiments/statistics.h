@@ -56,8 +56,8 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
 
 /// The relative squared error below which a reference resolves nothing: what an image without any error seems to have,
 /// its own variance subtracted, in one of forty references as noisy as this one (1.96 standard errors of the mean of
-/// the squared noise, from the scatter of its groups; noise that is correlated over many pixels exceeds it twice as often). Without groups, pixels and channels are taken as independent; 0
-/// without a standard error.
+/// the squared noise, from the scatter of its groups; noise that is correlated over many pixels exceeds it twice as
+/// often). Without groups, pixels and channels are taken as independent; 0 without a standard error.
 double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
 /// Where each replicate's falling error-against-time curve crosses `target`, interpolated between its checkpoints in

@@ -87,7 +87,8 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     RayQueries rays(*loaded.scene);
     DensityEstimator::Found found;
     const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
+    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found)->x(), 0.125,
+                0.125 * 5 / std::sqrt(2000.0));
     EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f, found)) << "the other side";
 }
 

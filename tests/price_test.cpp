@@ -128,7 +128,8 @@ TEST(FootingWarnings, NameSceneMethodAndComponent) {
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 2u);
     EXPECT_TRUE(warnings[0].differs) << "the certain ones first";
-    EXPECT_EQ(warnings[0].text, "box: quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
+    EXPECT_EQ(warnings[0].text,
+              "box: quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
     EXPECT_EQ(warnings[1].text, "box: quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
     analysis.index.seeds = 3;
     EXPECT_THAT(footing_text(analysis), HasSubstr("of 3 components 1 agree within 1 %, 1 differ, 1 cannot be told"));
