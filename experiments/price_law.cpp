@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t least_points = 4;  // three unknowns, and one to see whether they fit
 constexpr double least_slope = 0.1, largest_slope = 4;
+constexpr double end_span = 4;       // in time: half the error, if it falls as noise does
 constexpr double least_fall = 0.01;  // of the squared error over the measured span
 
 using Curve = std::vector<ErrorPoint>;
@@ -89,10 +90,20 @@ std::optional<double> halving_factor(const ErrorLaw& law, double seconds) {
     return half ? std::optional(*half / seconds) : std::nullopt;
 }
 
+/// The slope of log(error2) against log(t - start) over the last `end_span` of a curve: between its last point and the
+/// last one that is at least so much earlier, or the first.
+double end_slope(const Curve& curve, double start) {
+    const ErrorPoint& end = curve.back();
+    std::size_t i = curve.size() - 1;
+    while (i > 0 && (curve[i].seconds - start) * end_span > end.seconds - start)
+        --i;
+    return std::log(curve[i].error2 / end.error2) / std::log((end.seconds - start) / (curve[i].seconds - start));
+}
+
 /// Floors, slopes and the logarithms of halving factors of the fits without each run in turn. A list is empty where one
 /// of the fits has no such value.
 struct WithoutOne {
-    std::vector<double> floors, slopes, log_halvings;
+    std::vector<double> floors, slopes, end_slopes, log_halvings;
 };
 
 WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double resolved) {
@@ -104,6 +115,7 @@ WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double
         if (!fit) return {};
         result.floors.push_back(fit->law.floor);
         result.slopes.push_back(fit->law.slope);
+        result.end_slopes.push_back(end_slope(curve, start));
         if (const auto halving = halving_factor(fit->law, curve.back().seconds))
             result.log_halvings.push_back(std::log(*halving));
     }
@@ -121,9 +133,11 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
 }
 
 std::optional<PriceLaw::Extrapolation> PriceLaw::extrapolate(double error2) const {
-    if (const auto seconds = law.seconds_to(error2)) return Extrapolation{*seconds, false};
-    const bool resolved = floor.interval && floor.interval->lo >= error2;
-    const auto least = resolved ? std::nullopt : floorless.seconds_to(error2);
+    const double certain = floor.interval ? floor.interval->lo : 0;
+    if (law.floor == 0 || certain > 0)
+        if (const auto seconds = law.seconds_to(error2)) return Extrapolation{*seconds, false};
+    if (certain >= error2) return std::nullopt;
+    const auto least = floorless.seconds_to(error2);
     return least ? std::optional(Extrapolation{*least, true}) : std::nullopt;
 }
 
@@ -148,7 +162,8 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
     const WithoutOne without = fits_without_one(runs, start, resolved);
     if (without.slopes.empty()) return price;
     price.floor = jackknife(law.floor, without.floors);
-    price.floor.interval->lo = std::max(0.0, price.floor.interval->lo);
+    const bool bends = jackknife(end_slope(curve, start), without.end_slopes).interval->hi < 1;
+    price.floor.interval->lo = bends ? std::max(0.0, price.floor.interval->lo) : 0;
     price.slope = jackknife(law.slope, without.slopes);
     if (price.next_halving && !without.log_halvings.empty()) {
         const Estimate log_halving = jackknife(std::log(price.next_halving->value), without.log_halvings);

@@ -41,7 +41,7 @@ struct PriceLaw {
     /// What is known of the time to a squared error that was not measured.
     struct Extrapolation {
         double seconds;
-        bool at_least;  ///< the floor that was fitted is above the error, but is not resolved: the law without floor
+        bool at_least;  ///< by the law without floor, as the floor that was fitted is not resolved, or not down to here
     };
     /// Empty: never, as far as the runs' scatter can tell.
     std::optional<Extrapolation> extrapolate(double error2) const;
@@ -52,7 +52,9 @@ struct PriceLaw {
 /// squared error itself: noise of an image's error is relative). For every slope, floor >= 0 and factor are the solution
 /// of a linear problem of two unknowns; the slope is found by a search of one dimension in [0.1, 4].
 /// Intervals: delete-one jackknife over whole runs, as the points of one run are correlated, with Student's t; that of
-/// the floor is cut off at 0. No intervals below 3 runs. Empty if fewer than 4 points have a positive mean error, or if
+/// the floor is cut off at 0. No intervals below 3 runs. Noise of independent samples falls as 1 / t; what falls faster
+/// at first, as low-discrepancy points do, bends as if there were a floor. So the floor's interval begins at 0 unless
+/// the slope at the curve's end, over the last factor of 4 in t - start, is below 1 with its whole interval. Empty if fewer than 4 points have a positive mean error, or if
 /// the squared error falls by less than 1 %.
 /// `resolved`: the squared error below which the reference resolves nothing; curves end there.
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,

@@ -206,9 +206,12 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
 std::string next_halving_text(const TableRow& row) {
     if (!row.law || !law_holds(*row.law)) return "";
     const PriceLaw& price = *row.law;
-    if (price.next_halving) return with_interval(*price.next_halving);
     const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
-    return time ? "at least " + short_number(time->seconds / price.last_seconds) : "never: floor";
+    if (!time) return "never: floor";
+    const double factor = time->seconds / price.last_seconds;
+    if (factor > farthest_extrapolation) return fmt::format("over {:.0f}", farthest_extrapolation);
+    if (time->at_least) return "at least " + short_number(factor);
+    return with_interval(*price.next_halving);
 }
 
 std::string unmeasured_time(const TableRow& row, double target) {

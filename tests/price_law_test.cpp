@@ -90,6 +90,28 @@ TEST(PriceLaw, SaysNothingOfTooLittleOrOfErrorsThatDoNotFall) {
     EXPECT_FALSE(two->slope.interval.has_value()) << "two runs leave no scatter to speak of";
 }
 
+// Low-discrepancy points: t^-1.5 at first, t^-1 at last. The fit takes the bend for a floor; the end, which falls as
+// noise does, denies it. A floor that carries half of the end's error is seen.
+TEST(PriceLaw, ABendTowardsTheSlopeOfNoiseIsNoFloor) {
+    const auto price_of = [](double floor) {
+        Runs runs;
+        for (const double own : {0.97, 0.99, 1.01, 1.03}) {
+            runs.emplace_back();
+            for (const double t : checkpoint_times(0, 0.25, 1024))
+                runs.back().push_back({t, own * (floor + 4e-3 / t + 2e-2 / std::pow(t, 1.5))});
+        }
+        return *fit_price_law(runs, 0);
+    };
+    const PriceLaw bent = price_of(0);
+    ASSERT_GT(bent.floor.value, 0) << "what the fit takes it for";
+    EXPECT_EQ(bent.floor.interval->lo, 0);
+    ASSERT_TRUE(bent.extrapolate(1e-6).has_value());
+    EXPECT_TRUE(bent.extrapolate(1e-6)->at_least);
+    const PriceLaw floored = price_of(2e-5);
+    EXPECT_GT(floored.floor.interval->lo, 0);
+    EXPECT_FALSE(floored.extrapolate(1e-6).has_value());
+}
+
 /// Runs whose squared error has a fixed part of relative scatter 10 % that stays in all points of a run, and noise of
 /// relative scatter 5 % that is summed up over the passes: points of a run are correlated.
 Runs noisy_runs(const ErrorLaw& law, int seeds, std::mt19937_64& random) {
