@@ -1,6 +1,7 @@
 #include "common/accelerator.h"
 
 #include "common/error.h"
+#include "common/float_traps.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -91,6 +92,7 @@ void set_bounds(RTCBounds& bounds, const Bounds& unscaled, float scale) {
 }
 
 void query(RTCScene scene, RTCRayHit& rayhit) {
+    const FloatTrapsPaused paused;
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
@@ -103,6 +105,7 @@ void query(RTCScene scene, RTCRayHit& rayhit) {
 }
 
 void query(RTCScene scene, RTCRay& ray) {
+    const FloatTrapsPaused paused;
 #if RTC_VERSION_MAJOR >= 4
     rtcOccluded1(scene, &ray);
 #else
@@ -113,6 +116,7 @@ void query(RTCScene scene, RTCRay& ray) {
 }
 
 void query(RTCScene scene, const int* valid, RTCRayHit8& packet) {
+    const FloatTrapsPaused paused;
 #if RTC_VERSION_MAJOR >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
@@ -127,7 +131,10 @@ void query(RTCScene scene, const int* valid, RTCRayHit8& packet) {
 }
 
 void commit(RTCScene scene, std::size_t primitives) {
-    const auto build = [&] { rtcJoinCommitScene(scene); };
+    const auto build = [&] {
+        const FloatTrapsPaused paused;
+        rtcJoinCommitScene(scene);
+    };
     if (primitives <= serial_build_limit) tbb::task_arena(1).execute(build);
     else build();
 }

@@ -98,7 +98,7 @@ struct ProgramResult {
 
 /// Runs the built program in `folder`, through a shell: quote what needs quotes.
 inline ProgramResult run_gibench(const std::string& arguments, const std::string& folder) {
-    const std::string command = "cd '" + folder + "' && '" GIB_PROGRAM "' " + arguments + " >.out 2>.err";
+    const std::string command = "cd '" + folder + "' && '" + program_path() + "' " + arguments + " >.out 2>.err";
     const int status = std::system(command.c_str());
     ProgramResult result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(folder + "/.out"),
                          read_file(folder + "/.err")};

@@ -122,7 +122,7 @@ TEST(ParseTarget, TakesPercentAndFraction) {
 }
 
 TEST(ShippedExperiments, AreValid) {
-    for (const auto& file : std::filesystem::directory_iterator(GIB_SOURCE_DIR "/experiments")) {
+    for (const auto& file : std::filesystem::directory_iterator(test::source_path("experiments"))) {
         if (file.path().extension() != ".toml") continue;
         EXPECT_NO_THROW(load_experiment(file.path().string())) << file.path();
     }

@@ -163,7 +163,8 @@ class BackgroundRun {
 public:
     explicit BackgroundRun(const std::string& folder) {
         std::string shell = "/bin/sh", flag = "-c";
-        std::string command = "cd '" + folder + "' && exec '" GIB_PROGRAM "' run e.toml --threads 1 >out.txt 2>err.txt";
+        std::string command =
+            "cd '" + folder + "' && exec '" + program_path() + "' run e.toml --threads 1 >out.txt 2>err.txt";
         char* arguments[] = {shell.data(), flag.data(), command.data(), nullptr};
         EXPECT_EQ(posix_spawn(&child_, "/bin/sh", nullptr, nullptr, arguments, environ), 0);
     }

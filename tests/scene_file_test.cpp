@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "scene_text.h"
+#include "tests/source_path.h"
 
 #include <climits>
 
@@ -410,7 +411,7 @@ TEST(SceneFile, TheHashCoversWhateverTheImageDependsOn) {
 }
 
 TEST(SceneFile, ShippedScenesLoad) {
-    const std::string folder = std::string(GIB_SOURCE_DIR) + "/scenes/";
+    const std::string folder = test::source_path("scenes/");
     const auto box = load_scene(folder + "cornell-box.xml"), glass = load_scene(folder + "cornell-glass.xml");
     EXPECT_EQ(box.scene->shapes().size(), 8u);
     EXPECT_EQ(glass.scene->shapes().size(), 8u);

@@ -4,6 +4,7 @@
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "methods/method.h"
+#include "tests/source_path.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +13,11 @@
 namespace gib::test {
 
 inline LoadedScene scene_of(const std::string& xml) {
-    return parse_scene(xml, std::string(GIB_SOURCE_DIR) + "/tests/inline.xml");
+    return parse_scene(xml, source_path("tests/inline.xml"));
 }
 
 inline LoadedScene shipped_scene(const std::string& name, const SceneLoadOptions& options = {}) {
-    return load_scene(std::string(GIB_SOURCE_DIR) + "/scenes/" + name, options);
+    return load_scene(source_path("scenes/" + name), options);
 }
 
 struct Rendered {

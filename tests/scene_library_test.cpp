@@ -18,12 +18,12 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-std::string scene_path(const std::string& name) { return std::string(GIB_SOURCE_DIR) + "/scenes/" + name + ".xml"; }
+std::string scene_path(const std::string& name) { return source_path("scenes/" + name) + ".xml"; }
 
 /// Those that need no mesh of scripts/meshes, by name.
 std::vector<std::string> scene_names() {
     std::vector<std::string> names;
-    for (const auto& file : std::filesystem::directory_iterator(GIB_SOURCE_DIR "/scenes"))
+    for (const auto& file : std::filesystem::directory_iterator(source_path("scenes")))
         if (file.path().extension() == ".xml" &&
             read_file(file.path().string()).find("meshes/generated/") == std::string::npos)
             names.push_back(file.path().stem().string());
@@ -61,7 +61,7 @@ TEST_P(EveryScene, IsExposedForAMeanNearOne) {
 }
 
 TEST_P(EveryScene, HasALineInTheTable) {
-    EXPECT_THAT(read_file(GIB_SOURCE_DIR "/scenes/README.md"), testing::HasSubstr("\n| `" + GetParam() + ".xml` |"));
+    EXPECT_THAT(read_file(source_path("scenes/README.md")), testing::HasSubstr("\n| `" + GetParam() + ".xml` |"));
 }
 
 /// The scene with another camera: an orthographic one of 8 x 8 pixels that sees a square 0.002 wide around `target`.
