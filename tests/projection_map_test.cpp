@@ -33,7 +33,7 @@ std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
     const std::string texture =
         "<texture type='checkerboard' name='radiance'><rgb name='color0' value='4'/><rgb name='color1' value='0'/>"
         "<transform name='to_uv'><scale value='2'/></transform></texture>";
-    const std::string mesh = "<string name='filename' value='" + source_path("scenes/meshes/");
+    const std::string mesh = "<string name='filename' value='" + test::source_path("scenes/meshes/");
     const std::string image = test::envmap_xml(
         folder,
         test::image_of(16, 9, [](int x, int y) { return Color(test::noise(x, y) * (x == 5 && y == 2 ? 90.f : 1.f)); }),
