@@ -1,4 +1,5 @@
 #include "common/scene_file.h"
+#include "common/coincident_shapes.h"
 
 #include "common/scene_bsdf.h"
 #include "common/scene_emitter.h"
@@ -49,7 +50,11 @@ public:
         SceneParts parts;
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
+        std::vector<SourceLocation> places;
+        for (const Pending& pending : pending_)
+            places.push_back(pending.where);
         parts.objects = recentred_objects(pending_, parts.origin);
+        refuse_coincident_shapes(parts.objects, materials_, places);
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
