@@ -78,7 +78,7 @@ std::string counts_text(const HardCaseTable& table) {
     std::string text;
     for (const Verdict verdict :
          {Verdict::holds, Verdict::fails, Verdict::unresolved, Verdict::left_out, Verdict::not_judged})
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", table.count(verdict), name_of(verdict));
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", name_of(verdict), table.count(verdict));
     return text;
 }
 
@@ -188,13 +188,14 @@ std::string hard_case_html(const HardCaseTable& table) {
         html_escape(table.title), report_style(), counts_text(table), bad_html(table));
     for (const auto& method : methods)
         html += fmt::format("<th>{}</th>", html_escape(method));
-    html += "<th class=\"text\">reason</th></tr></thead>\n<tbody>\n";
+    html += "</tr></thead>\n<tbody>\n";
     for (const auto& of_case : by_case(table)) {
         const HardCaseLine& first = *of_case.lines.front();
-        html += fmt::format("<tr><th>{}</th><td>{}</td>", html_escape(of_case.name), html_escape(expected_text(first)));
+        html += fmt::format("<tr><th>{}<span class=\"interval\">{}</span></th><td>{}</td>", html_escape(of_case.name),
+                            html_escape(first.reason), html_escape(expected_text(first)));
         for (const auto& method : methods)
             html += cell_html(first.method.empty() ? &first : of_case.of(method));
-        html += fmt::format("<td class=\"text\">{}</td></tr>\n", html_escape(first.reason));
+        html += "</tr>\n";
     }
     return html + "</tbody>\n</table></div>\n</main>\n</body>\n</html>\n";
 }
