@@ -236,9 +236,10 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Sh
 float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit) {
     if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / cone->solid_angle();
     const Vec3 to_light = hit.p - p;
-    const float d2 = to_light.squaredNorm();
-    const float cos_light = -to_light.dot(hit.ng) / std::sqrt(d2);
-    return cos_light > 0.f ? d2 / (cos_light * light.surface.area()) : 0.f;
+    const float d2 = to_light.squaredNorm(), towards = -to_light.dot(hit.ng);
+    if (!(towards > 0.f && d2 > 0.f)) return 0.f;
+    const float cos_light = towards / std::sqrt(d2);
+    return d2 / (cos_light * light.surface.area());
 }
 
 Color environment_radiance(const Light& environment, const Vec3& w) {

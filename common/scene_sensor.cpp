@@ -95,7 +95,7 @@ double parse_focal_length(const std::string& text, const SourceLocation& where) 
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const std::string unit(end, text.data() + text.size());
-    if (error != std::errc() || (!unit.empty() && unit != "mm") || !(value > 0) || !std::isfinite(value))
+    if (error != std::errc() || (!unit.empty() && unit != "mm") || !std::isfinite(value) || value <= 0)
         throw InputError(where, fmt::format("bad number '{}': expected a focal length such as 50mm", text));
     return value;
 }
@@ -134,7 +134,8 @@ void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& senso
     if (!(*radius >= 0))
         throw InputError(properties.where("aperture_radius"),
                          fmt::format("'aperture_radius' must not be negative: {}", *radius));
-    if (!(static_cast<float>(1 / focus_distance) > 0 && std::isfinite(static_cast<float>(1 / focus_distance))))
+    const float per_distance = focus_distance > 0 ? static_cast<float>(1 / focus_distance) : 0.f;
+    if (!(per_distance > 0 && std::isfinite(per_distance)))
         throw InputError(properties.where("focus_distance"),
                          fmt::format("'focus_distance' must be above 0, not {}", focus_distance));
     if (!(*radius <= largest_coordinate))

@@ -30,7 +30,7 @@ Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double re
             point.seconds += runs[r][i].seconds / n;
             point.error2 += runs[r][i].error2 / n;
         }
-        if (!(point.error2 > resolved) || !std::isfinite(point.error2)) break;
+        if (!std::isfinite(point.error2) || point.error2 <= resolved) break;
         mean.push_back(point);
     }
     return mean;

@@ -130,8 +130,9 @@ std::string law_row(const TableRow& row) {
 
 /// bias^2 and variance as a share of their sum; nothing if one is not known.
 std::string split_bar(const ReplicateStatistics& s) {
+    if (!std::isfinite(s.bias2->value) || !std::isfinite(s.variance->value)) return "";
     const double bias = std::max(0.0, s.bias2->value), variance = std::max(0.0, s.variance->value);
-    if (!(bias + variance > 0) || !std::isfinite(bias + variance)) return "";
+    if (!(bias + variance > 0)) return "";
     const double share = 100 * bias / (bias + variance);
     return fmt::format(
         "<span class=\"split\" role=\"img\" aria-label=\"{0:.0f} % bias, {1:.0f} % noise\"><span class=\"bias\" "

@@ -36,10 +36,12 @@ IrradianceGradient to_world(const Weights& local, const Frame& frame, double fac
     return gradient;
 }
 
-/// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit.
+/// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit. Where they
+/// see what touches the point, that has no bound: NaN.
 Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
     const float nearer = std::min(from.distance, to.distance);
     if (nearer == infinity || (to.radiance == from.radiance).all()) return Color::Zero();
+    if (nearer == 0.f) return Color::Constant(std::numeric_limits<float>::quiet_NaN());
     return (to.radiance - from.radiance) / nearer;
 }
 
@@ -81,7 +83,7 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
         for (int j = 0; j < M; ++j) {
             const HemisphereSample& here = sample(j, k);
             sum += here.radiance.cast<double>();
-            inverse_distances += 1 / double{here.distance};
+            inverse_distances += here.distance > 0.f ? 1 / double{here.distance} : double{infinity};
             const double sine2_lower = double(j) / M, sine2_upper = double(j + 1) / M;
             add(rotation, here.radiance, mean_over_column * tangents[static_cast<std::size_t>(j)] * v);
             if (j > 0)
