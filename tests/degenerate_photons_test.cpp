@@ -357,6 +357,8 @@ TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
             ASSERT_TRUE(E);
             // Powers are rounded when stored, raised and stored as irradiance.
             EXPECT_NEAR(static_cast<double>((*E)[0]), expected, 3 * power_rounding * expected) << power << ' ' << k;
+            // It is served as far as the estimate's own disc reaches.
+            EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)).has_value(), k != 4);
         }
 }
 
