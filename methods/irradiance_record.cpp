@@ -36,12 +36,11 @@ IrradianceGradient to_world(const Weights& local, const Frame& frame, double fac
     return gradient;
 }
 
-/// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit. Where they
-/// see what touches the point, that has no bound: NaN.
+/// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit.
 Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
     const float nearer = std::min(from.distance, to.distance);
-    if (nearer == infinity || (to.radiance == from.radiance).all()) return Color::Zero();
-    if (nearer == 0.f) return Color::Constant(std::numeric_limits<float>::quiet_NaN());
+    // Of what touches the point the edge moves without bound; a record that sees it is not used away from its place.
+    if (nearer == infinity || nearer == 0.f || (to.radiance == from.radiance).all()) return Color::Zero();
     return (to.radiance - from.radiance) / nearer;
 }
 
