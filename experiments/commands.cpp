@@ -3,6 +3,7 @@
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "experiments/build_info.h"
+#include "experiments/file_lock.h"
 #include "experiments/interrupt.h"
 #include "experiments/measure.h"
 #include "experiments/reference.h"
@@ -114,6 +115,9 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     ProgressLine progress;
     FinishedReference finished;
     const ReferenceWork work{loaded, chosen.description, chosen.label, goal, options.epsilon, options.out};
+    const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
+        progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
+    });
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);

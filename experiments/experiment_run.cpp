@@ -103,6 +103,8 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     if (!any)
         throw InputError(
             fmt::format("--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only));
+    ResultFolder::make(folder_.path());
+    lock_.emplace(lock_result_folder(folder_.path()));
     for (const auto& path : {folder_.path() + "/cells", folder_.path() + "/images", std::string("results/references")})
         ResultFolder::make(path);
     // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
@@ -150,6 +152,11 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     const MethodLabel& label = experiment_.reference_method;
     const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
     const ReferenceWork work{scene.loaded, find_method(label.name), label, scene.entry.goal, experiment_.epsilon, path};
+    // Held until the folder has its own name for the file: another run may make it better at any time after.
+    const FileLock lock = lock_reference(path, [&](const std::string& owner) {
+        progress_.message(
+            fmt::format("the reference of {}: {} is making it; waiting until it has ended", scene.entry.name, owner));
+    });
     FinishedReference finished;
     with_threads(threads_, [&] { finished = make_reference(work, progress_); });
     scene.reference = finished.identity;

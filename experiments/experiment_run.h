@@ -2,12 +2,14 @@
 // The steps of `gibench run`, and what they share.
 
 #include "common/scene_file.h"
+#include "experiments/file_lock.h"
 #include "experiments/progress.h"
 #include "experiments/result_folder.h"
 #include "experiments/run_experiment.h"
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,7 @@ namespace gib {
 
 class ExperimentRun {
 public:
-    /// Reads and checks everything; writes nothing. Throws InputError.
+    /// Reads and checks everything, then takes the folder for itself until it is destroyed. Throws InputError.
     explicit ExperimentRun(const RunOptions& options);
 
     /// Brings every selected scene's reference to its goal. A scene whose reference cannot be made fails with all its
@@ -62,6 +64,7 @@ private:
     Experiment experiment_;
     int threads_;
     ResultFolder folder_;
+    std::optional<FileLock> lock_;  ///< of the folder
     std::vector<SceneState> scenes_;
     std::map<std::pair<std::string, std::string>, std::string> effects_missing_;
     std::string build_;
