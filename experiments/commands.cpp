@@ -1,5 +1,6 @@
 #include "experiments/commands.h"
 
+#include "common/files.h"
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "experiments/build_info.h"
@@ -13,7 +14,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <unistd.h>
 #include <filesystem>
 #include <iostream>
 
@@ -61,8 +61,8 @@ void check_writable(const std::string& path) {
     if (!std::filesystem::is_directory(folder))
         throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
     if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));
-    if (access(folder.c_str(), W_OK) != 0)
-        throw InputError(fmt::format("cannot write '{}': its folder is read-only", path));
+    require_writable(folder);
+    remove_leftovers(folder);
 }
 
 int render(const RenderOptions& options, std::ostream& out) {
@@ -148,6 +148,8 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     std::string report;
     with_threads(0, [&] {
         const Analysis analysis = analyse(folder);
+        for (const auto& damage : analysis.damage)
+            std::cerr << fmt::format("warning: {}; the cell is left out\n", damage);
         write_tables(analysis, folder);
         report = write_report(analysis, folder);
     });

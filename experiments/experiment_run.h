@@ -3,6 +3,7 @@
 
 #include "common/scene_file.h"
 #include "experiments/file_lock.h"
+#include "experiments/manifest.h"
 #include "experiments/progress.h"
 #include "experiments/result_folder.h"
 #include "experiments/run_experiment.h"
@@ -28,6 +29,9 @@ public:
     /// Tables, images and report from all complete cells of the experiment. Returns the report's path.
     std::string write_results();
 
+    /// In the order of the tables' seeds; with those that were complete before.
+    std::vector<ManifestCell> complete_cells();
+
     const ResultFolder& folder() const { return folder_; }
     /// What failed, one line each.
     const std::vector<std::string>& failures() const { return failures_; }
@@ -50,6 +54,8 @@ private:
     bool selected(const SceneState& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
     void make_reference_of(SceneState& scene);
+    /// Takes the reference that a run to repeat was measured with, if it is intact.
+    bool take_reference_of(SceneState& scene);
     /// All cells of the experiment, seeds outermost: costs are known after the first seed, and a machine that slows
     /// down treats all methods alike.
     std::vector<Cell> cells();
