@@ -5,6 +5,7 @@
 #include <OpenImageIO/hash.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -36,12 +37,24 @@ private:
     int fd_;
 };
 
-/// A file that is deleted unless it was renamed to where it belongs.
+constexpr std::string_view temporary_mark = ".tmp-";
+constexpr std::size_t temporary_letters = 6;  // mkstemp's
+
+/// A file that is deleted unless it was renamed to where it belongs. Its writer holds a lock on it: what nobody holds
+/// was left by a process that died.
 class TemporaryFile {
 public:
-    explicit TemporaryFile(const std::string& target) : path_(target + ".XXXXXX") {
-        descriptor_ = std::make_unique<Descriptor>(::mkstemp(path_.data()));
-        if (descriptor_->get() < 0) fail(target, "cannot create a file in its folder");
+    explicit TemporaryFile(const std::string& target) {
+        struct stat status {};
+        do {  // again, if it was taken for such a left-over before it was locked
+            path_ = target + std::string(temporary_mark) + std::string(temporary_letters, 'X');
+            descriptor_ = std::make_unique<Descriptor>(::mkostemp(path_.data(), O_CLOEXEC));
+            if (descriptor_->get() < 0) {
+                path_.clear();
+                fail(target, "cannot create a file in its folder");
+            }
+            ::flock(descriptor_->get(), LOCK_EX | LOCK_NB);
+        } while (::fstat(descriptor_->get(), &status) == 0 && status.st_nlink == 0);
     }
     ~TemporaryFile() {
         if (!path_.empty()) ::unlink(path_.c_str());
@@ -119,6 +132,19 @@ void write_file(const std::string& path, std::string_view content) {
     const std::string folder = std::filesystem::path(path).parent_path().string();
     const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (directory.get() >= 0) ::fsync(directory.get());
+}
+
+void remove_leftovers(const std::string& folder) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        const std::size_t tail = temporary_mark.size() + temporary_letters;
+        if (name.size() <= tail || name.compare(name.size() - tail, temporary_mark.size(), temporary_mark) != 0)
+            continue;
+        const Descriptor file(::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+        if (file.get() >= 0 && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
+    }
 }
 
 void ContentHash::add(std::string_view piece) { pieces_ += binary_digest(piece); }

@@ -1,5 +1,9 @@
 #include "common/film.h"
 
+#include "common/memory_limit.h"
+
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <tuple>
 
@@ -7,6 +11,11 @@ namespace gib {
 
 Film::Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black)
     : width_(width), height_(height), black_(black) {
+    const auto summed = static_cast<double>(accumulated.size());
+    const double shown = summed + static_cast<double>(black.size());
+    // Sums in double; the image in float, its layers with their total, and these twice as a file that is written.
+    const double of_a_value = sizeof(double) * summed + sizeof(float) * (shown + 3 * (shown + 1));
+    require_memory(3.0 * width * height * of_a_value, fmt::format("a film of {} x {} pixels", width, height));
     for (Component c : accumulated)
         sums_[static_cast<std::size_t>(index_of(c))].assign(
             static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 0.0);

@@ -14,7 +14,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -141,10 +143,11 @@ void write_exr(const std::string& path, const LayeredImage& image) {
 
 void write_scratch_exr(const std::string& path, const LayeredImage& image) {
     const std::string content = encoded_for(path, image, Imf::NO_COMPRESSION);
+    errno = 0;
     std::ofstream file(path, std::ios::binary);
     file.write(content.data(), static_cast<std::streamsize>(content.size()));
     file.close();
-    if (!file) throw RunError(path + ": cannot write");
+    if (!file) throw RunError(path + ": cannot write" + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
 }
 
 LayeredImage read_image(const std::string& path) {

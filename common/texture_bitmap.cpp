@@ -3,6 +3,7 @@
 #include "common/error.h"
 #include "common/image_library.h"
 #include "common/linear_file.h"
+#include "common/memory_limit.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -46,6 +47,9 @@ Bitmap::~Bitmap() {
 
 /// Reads every row in the file's order, so that the cache never seeks backwards while it fills.
 void Bitmap::measure(const LinearFile& file, const std::string& path) {
+    // A damaged header may announce rows that no memory holds.
+    require_memory(1.0 * sizeof(float) * width_ * tile_size * channels_,
+                   fmt::format("a texture of {} x {} pixels", width_, height_), {path, 0, 0});
     std::vector<float> values(static_cast<std::size_t>(width_) * tile_size * static_cast<std::size_t>(channels_));
     Colord sum = Colord::Zero();
     minimum_ = Color::Constant(infinity);

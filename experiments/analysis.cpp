@@ -157,7 +157,9 @@ Analysis analyse(const ResultFolder& folder) {
             for (int seed = 1; seed <= index.seeds; ++seed) {
                 const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
                 const auto key = index.cell_keys.find(name);
-                auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second);
+                std::string damage;
+                auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second, &damage);
+                if (!damage.empty()) analysis.damage.push_back(damage);
                 if (cell) {
                     kept.emplace_back(analysis.cells.size(), name);
                     analysis.cells.push_back(*std::move(cell));
@@ -166,7 +168,7 @@ Analysis analyse(const ResultFolder& folder) {
                 }
             }
     for (const auto& scene : index.scenes) {
-        if (!std::filesystem::exists(folder.reference_image(scene.name))) continue;
+        if (scene.reference.empty() || !std::filesystem::exists(folder.reference_image(scene.name))) continue;
         const Reference reference = read_reference(folder.reference_image(scene.name));
         const Judgement judgement(reference);
         analysis.references.push_back(quality_of(scene, reference, judgement, index.epsilon));

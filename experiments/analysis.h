@@ -54,7 +54,8 @@ struct Analysis {
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
     std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
-    std::size_t missing_cells = 0;  ///< of the experiment, not complete
+    std::vector<std::string> damage;  ///< records and images that cannot be believed; their cells are missing
+    std::size_t missing_cells = 0;    ///< of the experiment, not complete
 
     /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
     double resolved(const std::string& scene, const std::string& component) const;

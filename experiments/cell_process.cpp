@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <chrono>
 #include <cstdio>
 #include <sstream>
@@ -22,7 +23,8 @@ namespace {
 json to_json(const CellRequest& r) {
     json j = {{"scene", r.scene_path}, {"scene_hash", r.scene_hash}, {"method", r.method},
               {"seed", r.seed},        {"threads", r.threads},       {"work_folder", r.work_folder},
-              {"resolution", nullptr}, {"seconds", nullptr},         {"passes", nullptr}};
+              {"resolution", nullptr}, {"seconds", nullptr},         {"passes", nullptr},
+              {"parent", getpid()}};
     if (r.resolution) j["resolution"] = {r.resolution->first, r.resolution->second};
     if (r.budget.seconds) j["seconds"] = *r.budget.seconds;
     if (r.budget.passes) j["passes"] = *r.budget.passes;
@@ -102,10 +104,11 @@ CellTiming timing_from(const std::string& path) {
 }  // namespace
 
 void measure_cell(const std::string& request_file) {
-    die_with_parent();
     const CellRequest request = [&] {
         try {
-            return request_from(json::parse(read_file(request_file)));
+            const json j = json::parse(read_file(request_file));
+            die_with_parent(j.at("parent"));
+            return request_from(j);
         } catch (const json::exception& error) {
             throw InputError({request_file}, fmt::format("not a request: {}", error.what()));
         }
@@ -116,13 +119,12 @@ void measure_cell(const std::string& request_file) {
 CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer) {
     const std::string request_file = request.work_folder + "/request.json";
     write_file(request_file, to_json(request).dump(1) + "\n");
-    run_child({program, "measure-cell", request_file}, request.work_folder + "/messages.txt",
-              [&](const std::string& line) {
-                  std::istringstream words(line);
-                  std::uint32_t passes = 0;
-                  double seconds = 0;
-                  if (observer && words >> passes >> seconds) observer(passes, seconds);
-              });
+    run_child({program, "measure-cell", request_file}, [&](const std::string& line) {
+        std::istringstream words(line);
+        std::uint32_t passes = 0;
+        double seconds = 0;
+        if (observer && words >> passes >> seconds) observer(passes, seconds);
+    });
     return timing_from(request.work_folder + "/timing.json");
 }
 

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,7 +46,30 @@ private:
     int ends_[2];
 };
 
-pid_t spawn(const std::vector<std::string>& arguments, int output, const std::string& messages_file) {
+/// Where the child's messages go: memory, so that a full disk cannot lose the message that says so.
+class Messages {
+public:
+    Messages() : fd_(memfd_create("messages", MFD_CLOEXEC)) {
+        if (fd_ < 0) throw RunError(fmt::format("no memory file: {}", std::strerror(errno)));
+    }
+    ~Messages() { close(fd_); }
+    Messages(const Messages&) = delete;
+    Messages& operator=(const Messages&) = delete;
+
+    int fd() const { return fd_; }
+    std::string last_line() const {
+        std::ifstream file(fmt::format("/proc/self/fd/{}", fd_));
+        std::string last;
+        for (std::string line; std::getline(file, line);)
+            if (!line.empty()) last = line;
+        return last;
+    }
+
+private:
+    int fd_;
+};
+
+pid_t spawn(const std::vector<std::string>& arguments, int output, int messages) {
     std::vector<char*> argv;
     for (const auto& argument : arguments)
         argv.push_back(const_cast<char*>(argument.c_str()));
@@ -54,8 +78,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int output, const std::st
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, messages_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                     0644);
+    posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
     pid_t child = 0;
     const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
@@ -92,20 +115,12 @@ bool read_lines(int fd, std::string& pending, const std::function<void(const std
     return count > 0;
 }
 
-std::string last_line_of(const std::string& path) {
-    std::ifstream file(path);
-    std::string last;
-    for (std::string line; std::getline(file, line);)
-        if (!line.empty()) last = line;
-    return last;
-}
-
 }  // namespace
 
-void run_child(const std::vector<std::string>& arguments, const std::string& messages_file,
-               const std::function<void(const std::string& line)>& on_line) {
+void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line) {
     Pipe pipe;
-    const pid_t child = spawn(arguments, pipe.writer(), messages_file);
+    const Messages messages;
+    const pid_t child = spawn(arguments, pipe.writer(), messages.fd());
     pipe.close_writer();
     std::string pending;
     std::optional<int> status;
@@ -123,7 +138,7 @@ void run_child(const std::vector<std::string>& arguments, const std::string& mes
     }
     if (InterruptGuard::requested()) throw Interrupted();  // Ctrl-C reaches the child too
     if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) return;
-    const std::string said = last_line_of(messages_file);
+    const std::string said = messages.last_line();
     const std::string how =
         WIFSIGNALED(*status)
             ? fmt::format("its process was killed by signal {} ({})", WTERMSIG(*status), strsignal(WTERMSIG(*status)))
@@ -131,6 +146,9 @@ void run_child(const std::vector<std::string>& arguments, const std::string& mes
     throw RunError(said.empty() ? how : said + " (" + how + ")");
 }
 
-void die_with_parent() { prctl(PR_SET_PDEATHSIG, SIGKILL); }
+void die_with_parent(int parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) throw RunError("the run that started this process has ended");
+}
 
 }  // namespace gib

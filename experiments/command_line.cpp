@@ -7,6 +7,7 @@
 #include "experiments/compare.h"
 #include "experiments/hard_case_run.h"
 #include "experiments/interrupt.h"
+#include "experiments/repeat.h"
 #include "experiments/run_experiment.h"
 
 #include <fmt/format.h>
@@ -54,15 +55,29 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     auto options = std::make_shared<RunOptions>();
     options->command_line = command_line;
     CLI::App* command = app.add_subcommand("run", "run an experiment file: references, cells, tables, report");
-    command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)")->required();
-    command->add_option("--out", options->out, "folder of the results; else results/<experiment's name>");
+    auto repeated = std::make_shared<std::string>();
+    CLI::Option* file = command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)");
+    command->add_option("--out", options->out,
+                        "folder of the results; else results/<experiment's name>, or RESULT_DIR-repeat");
     add_threads(command, options->threads);
     command->add_option("--seeds", options->seeds, "seeds 1 to this, instead of the file's")
         ->check(CLI::Range(1, 100000));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
     command->add_flag("--fresh", options->fresh,
                       "measure complete cells again (references are kept: they follow the scene's content)");
-    command->callback([options, &action] { action = [options] { return run_experiment(*options, std::cout); }; });
+    CLI::Option* repeat = command->add_option(
+        "--repeat", *repeated,
+        "RESULT_DIR: instead of an experiment file, render every complete cell of these results again, with the passes "
+        "that it made, and compare the images bit for bit; exit 0 if all are identical");
+    for (CLI::Option* other : command->get_options())
+        if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
+    command->callback([=, &action] {
+        if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
+        action = [=] {
+            if (!*repeat) return run_experiment(*options, std::cout);
+            return repeat_run({*repeated, options->out, options->program, options->command_line}, std::cout);
+        };
+    });
 }
 
 /// Whole numbers below 2^63: the rest belong to references, and CLI11 would take -1 for the largest of them.
@@ -228,6 +243,7 @@ int perform(const Action& action) {
     try {
         const int code = action();
         std::cout.flush();
+        if (!std::cout) throw RunError("cannot write to standard output");
         return code;
     } catch (const InputError& error) {
         std::cerr << error.what() << "\n";

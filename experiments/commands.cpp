@@ -1,8 +1,10 @@
 #include "experiments/commands.h"
 
+#include "common/files.h"
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "experiments/build_info.h"
+#include "experiments/file_lock.h"
 #include "experiments/hard_case_run.h"
 #include "experiments/interrupt.h"
 #include "experiments/measure.h"
@@ -13,7 +15,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <unistd.h>
 #include <filesystem>
 #include <iostream>
 
@@ -61,8 +62,8 @@ void check_writable(const std::string& path) {
     if (!std::filesystem::is_directory(folder))
         throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
     if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));
-    if (access(folder.c_str(), W_OK) != 0)
-        throw InputError(fmt::format("cannot write '{}': its folder is read-only", path));
+    require_writable(folder);
+    remove_leftovers(folder);
 }
 
 int render(const RenderOptions& options, std::ostream& out) {
@@ -115,6 +116,9 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     ProgressLine progress;
     FinishedReference finished;
     const ReferenceWork work{loaded, chosen.description, chosen.label, goal, options.epsilon, options.out};
+    const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
+        progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
+    });
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);
@@ -149,6 +153,8 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     std::string report;
     with_threads(0, [&] {
         const Analysis analysis = analyse(folder);
+        for (const auto& damage : analysis.damage)
+            std::cerr << fmt::format("warning: {}; the cell is left out\n", damage);
         write_tables(analysis, folder);
         report = write_report(analysis, folder);
     });

@@ -1,6 +1,7 @@
 #include "experiments/experiment_run.h"
 
 #include "common/files.h"
+#include "common/image_digest.h"
 #include "common/image_file.h"
 #include "common/parallel.h"
 #include "experiments/build_info.h"
@@ -11,6 +12,7 @@
 #include "experiments/judgement.h"
 #include "experiments/manifest.h"
 #include "experiments/reference.h"
+#include "experiments/repeat.h"
 #include "experiments/report.h"
 #include "experiments/tables.h"
 
@@ -65,7 +67,7 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
 }  // namespace
 
 void link_file(const std::string& from, const std::string& to) {
-    const std::string fresh = to + ".new";
+    const std::string fresh = to + ".tmp-linked";  // remove_leftovers() knows it by its ending
     std::error_code error;
     fs::remove(fresh, error);
     fs::create_hard_link(from, fresh, error);
@@ -77,7 +79,8 @@ void link_file(const std::string& from, const std::string& to) {
 
 ExperimentRun::ExperimentRun(const RunOptions& options)
     : options_(options),
-      experiment_(with_options(load_experiment(options.experiment), options)),
+      experiment_(
+          with_options(options.repeat ? options.repeat->experiment : load_experiment(options.experiment), options)),
       threads_(options.threads > 0 ? options.threads
                                    : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
       folder_(options.out.value_or("results/" + experiment_.name)),
@@ -86,6 +89,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
         const auto start = std::chrono::steady_clock::now();
         scenes_.push_back({entry, load_scene(entry.path, {{}, experiment_.resolution}), "", {}, false});
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        if (options.repeat) options.repeat->check_scene(entry, scenes_.back().loaded.content_hash);
         progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
     }
     plan_methods();
@@ -95,12 +99,24 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     if (!any)
         throw InputError(
             fmt::format("--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only));
-    for (const auto& path : {folder_.path() + "/cells", folder_.path() + "/images", std::string("results/references")})
-        ResultFolder::make(path);
+    folder_.prepare();
+    lock_.emplace(lock_result_folder(folder_.path()));
+    const std::string references = fs::path(cached_reference_path("")).parent_path().string();
+    ResultFolder::make(references);
+    require_writable(references);
+    folder_.remove_leftovers();
+    remove_leftovers(references);
     // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
     // with.
-    for (auto& scene : scenes_)
-        scene.reference = stored_reference_identity(folder_.reference_image(scene.entry.name));
+    for (auto& scene : scenes_) {
+        const std::string image = folder_.reference_image(scene.entry.name);
+        scene.reference = stored_reference_identity(image);
+        if (scene.reference.empty() && fs::exists(image))
+            progress_.message(
+                fmt::format("warning: {} is damaged; without a new reference, no cell of {} is in the "
+                            "tables",
+                            image, scene.entry.name));
+    }
 }
 
 void ExperimentRun::plan_methods() {
@@ -115,6 +131,7 @@ void ExperimentRun::plan_methods() {
 }
 
 bool ExperimentRun::selected(const SceneState& scene, const MethodLabel& label) const {
+    if (options_.repeat) return options_.repeat->has_cells_of(scene.entry.name, label.text());
     return scene.entry.name.find(options_.only) != std::string::npos ||
            label.text().find(options_.only) != std::string::npos;
 }
@@ -139,9 +156,15 @@ void ExperimentRun::make_references() {
 }
 
 void ExperimentRun::make_reference_of(SceneState& scene) {
+    if (take_reference_of(scene)) return;
     const MethodLabel& label = experiment_.reference_method;
     const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
     const ReferenceWork work{scene.loaded, find_method(label.name), label, scene.entry.goal, experiment_.epsilon, path};
+    // Held until the folder has its own name for the file: another run may make it better at any time after.
+    const FileLock lock = lock_reference(path, [&](const std::string& owner) {
+        progress_.message(
+            fmt::format("the reference of {}: {} is making it; waiting until it has ended", scene.entry.name, owner));
+    });
     FinishedReference finished;
     with_threads(threads_, [&] { finished = make_reference(work, progress_); });
     scene.reference = finished.identity;
@@ -151,6 +174,17 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
                                   100 * finished.relative_error, finished.rounds_added == 0 ? " (stored)" : ""));
     for (const auto& warning : finished.warnings)
         progress_.message("warning: " + warning);
+}
+
+bool ExperimentRun::take_reference_of(SceneState& scene) {
+    if (!options_.repeat) return false;
+    const std::string image = options_.repeat->original.reference_image(scene.entry.name);
+    const std::string identity = stored_reference_identity(image);
+    if (identity.empty() || identity != options_.repeat->reference_of(scene.entry.name)) return false;
+    link_file(image, folder_.reference_image(scene.entry.name));
+    scene.reference = identity;
+    progress_.message(fmt::format("reference of {}: {}", scene.entry.name, image));
+    return true;
 }
 
 std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
@@ -169,7 +203,13 @@ std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
                 identity.epsilon = experiment_.epsilon;
                 identity.threads = threads_;
                 identity.reference = scene.reference;
-                cells.push_back({&scene, &label, identity, identity.folder_name()});
+                const std::string name = identity.folder_name();
+                if (options_.repeat) {
+                    const auto passes = options_.repeat->passes.find(name);
+                    if (passes == options_.repeat->passes.end()) continue;
+                    identity.budget = {std::nullopt, passes->second};
+                }
+                cells.push_back({&scene, &label, identity, name});
             }
     return cells;
 }
@@ -179,8 +219,10 @@ std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::ve
     std::size_t kept = 0, of_other_builds = 0;
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
-        const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key());
+        std::string damage;
+        const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {
+            if (!damage.empty()) progress_.message(fmt::format("warning: {}; the cell is done again", damage));
             to_do.push_back(&cell);
             continue;
         }
@@ -238,7 +280,7 @@ void ExperimentRun::run_cells() {
 
 void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const PassObserver& observer) {
     const std::string folder = folder_.cell_folder(cell.name);
-    const std::string work = folder + "/work";
+    const std::string work = folder_.work_folder(cell.name);
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
@@ -249,7 +291,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
                               cell.identity.scene_hash,
                               cell.identity.method,
                               cell.identity.seed,
-                              experiment_.budget,
+                              cell.identity.budget,
                               threads_,
                               work};
     const CellTiming timing = run_cell_process(options_.program, request, observer);
@@ -271,7 +313,10 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
             write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
     }
     const auto last = components_in(read_image(checkpoint_image(work, record.last().passes)));
-    write_exr(folder_.cell_image(cell.name), layers_of(last));
+    const LayeredImage image = layers_of(last);
+    write_exr(folder_.cell_image(cell.name), image);
+    record.image = image_digest(image);
+    record.image_file = file_hash(folder_.cell_image(cell.name));
     folder_.write_cell(cell.name, record);
     fs::remove_all(work);
     if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
@@ -317,10 +362,21 @@ void ExperimentRun::link_images(const ResultIndex& index) {
         }
 }
 
+std::vector<ManifestCell> ExperimentRun::complete_cells() {
+    std::vector<ManifestCell> complete;
+    for (const auto& cell : cells())
+        if (const auto stored = folder_.read_cell(cell.name, cell.identity.key()))
+            complete.push_back(
+                {stored->scene, stored->method, stored->seed, stored->last().passes,
+                 stored->image.empty() ? image_digest(read_image(folder_.cell_image(cell.name))) : stored->image});
+    return complete;
+}
+
 std::string ExperimentRun::write_results() {
     const ResultIndex now = index();
     folder_.write_index(now);
-    write_file(folder_.file("manifest.json"), manifest_text(now, options_.command_line));
+    write_file(folder_.file("manifest.json"),
+               manifest_text(now, {options_.command_line, experiment_.path, experiment_.resolution, complete_cells()}));
     std::string report;
     with_threads(threads_, [&] {
         const Analysis analysis = analyse(folder_);

@@ -2,12 +2,15 @@
 // The steps of `gibench run`, and what they share.
 
 #include "common/scene_file.h"
+#include "experiments/file_lock.h"
+#include "experiments/manifest.h"
 #include "experiments/progress.h"
 #include "experiments/result_folder.h"
 #include "experiments/run_experiment.h"
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +18,7 @@ namespace gib {
 
 class ExperimentRun {
 public:
-    /// Reads and checks everything; writes nothing. Throws InputError.
+    /// Reads and checks everything, then takes the folder for itself until it is destroyed. Throws InputError.
     explicit ExperimentRun(const RunOptions& options);
 
     /// Brings every selected scene's reference to its goal. A scene whose reference cannot be made fails with all its
@@ -25,6 +28,9 @@ public:
     void run_cells();
     /// Tables, images and report from all complete cells of the experiment. Returns the report's path.
     std::string write_results();
+
+    /// In the order of the tables' seeds; with those that were complete before.
+    std::vector<ManifestCell> complete_cells();
 
     const ResultFolder& folder() const { return folder_; }
     /// What failed, one line each.
@@ -48,6 +54,8 @@ private:
     bool selected(const SceneState& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
     void make_reference_of(SceneState& scene);
+    /// Takes the reference that a run to repeat was measured with, if it is intact.
+    bool take_reference_of(SceneState& scene);
     /// All cells of the experiment, seeds outermost: costs are known after the first seed, and a machine that slows
     /// down treats all methods alike.
     std::vector<Cell> cells();
@@ -62,6 +70,7 @@ private:
     Experiment experiment_;
     int threads_;
     ResultFolder folder_;
+    std::optional<FileLock> lock_;  ///< of the folder
     std::vector<SceneState> scenes_;
     std::map<std::pair<std::string, std::string>, std::string> effects_missing_;
     std::string build_;

@@ -1,10 +1,13 @@
 #include "experiments/manifest.h"
 
+#include "common/files.h"
 #include "experiments/build_info.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -21,6 +24,10 @@ std::string utc_date() {
     return text;
 }
 
+std::string commit_text(const std::string& commit, bool modified) {
+    return commit + (modified ? " and uncommitted changes" : "");
+}
+
 }  // namespace
 
 std::string cpu_model() {
@@ -32,7 +39,7 @@ std::string cpu_model() {
     return "unknown";
 }
 
-std::string manifest_text(const ResultIndex& index, const std::string& command_line) {
+std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     const BuildInfo& build = build_info();
     nlohmann::ordered_json j;
     j["title"] = index.title;
@@ -58,9 +65,60 @@ std::string manifest_text(const ResultIndex& index, const std::string& command_l
     j["seeds"] = index.seeds;
     j["epsilon"] = index.epsilon;
     j["date"] = utc_date();
-    j["command_line"] = command_line;
+    j["command_line"] = run.command_line;
+    j["working_folder"] = std::filesystem::current_path().string();
+    j["experiment_file"] = run.experiment_file;
     j["experiment"] = index.experiment_text;
+    j["resolution"] = nullptr;  // the scenes' own
+    if (run.resolution) j["resolution"] = {run.resolution->first, run.resolution->second};
+    j["cells"] = nlohmann::ordered_json::array();
+    for (const auto& cell : run.cells)
+        j["cells"].push_back({{"scene", cell.scene},
+                              {"method", cell.method},
+                              {"seed", cell.seed},
+                              {"passes", cell.passes},
+                              {"image", cell.image}});
     return j.dump(2) + "\n";
+}
+
+Manifest read_manifest(const std::string& path) {
+    using nlohmann::json;
+    const json j = json::parse(read_file(path), nullptr, false);
+    if (!j.is_object() || !j.contains("experiment")) throw InputError({path}, "not a manifest of results");
+    if (!j.contains("cells"))
+        throw InputError({path}, "written by an earlier gibench, which did not say how many passes each cell made");
+    try {
+        Manifest m;
+        m.experiment_file = j.at("experiment_file");
+        m.working_folder = j.at("working_folder");
+        m.experiment_text = j.at("experiment");
+        m.threads = j.at("threads");
+        m.seeds = j.at("seeds");
+        for (const auto& s : j.at("scenes"))
+            m.scenes.push_back({s.at("name"), s.at("file"), s.at("content_hash"), s.at("reference")});
+        for (const auto& c : j.at("cells"))
+            m.cells.push_back({c.at("scene"), c.at("method"), c.at("seed"), c.at("passes"), c.at("image")});
+        const auto text = [&](const char* key) { return j.at(key).get<std::string>(); };
+        m.machine = {{"program", text("program")},       {"commit", commit_text(text("commit"), j.at("modified"))},
+                     {"compiler", text("compiler")},     {"flags", text("flags")},
+                     {"build type", text("build_type")}, {"processor", text("cpu")}};
+        for (const auto& [name, version] : j.at("libraries").items())
+            m.machine[name] = version.get<std::string>();
+        return m;
+    } catch (const json::exception& error) {
+        throw InputError({path}, fmt::format("not a manifest that can be repeated: {}", error.what()));
+    }
+}
+
+std::map<std::string, std::string> this_machine() {
+    const BuildInfo& build = build_info();
+    std::map<std::string, std::string> machine = {
+        {"program", program_version()},   {"commit", commit_text(build.commit, build.modified)},
+        {"compiler", build.compiler},     {"flags", build.flags},
+        {"build type", build.build_type}, {"processor", cpu_model()}};
+    for (const auto& [name, version] : build.libraries)
+        machine[name] = version;
+    return machine;
 }
 
 }  // namespace gib

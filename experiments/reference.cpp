@@ -1,6 +1,7 @@
 #include "experiments/reference.h"
 
 #include "common/files.h"
+#include "common/memory_limit.h"
 #include "common/sampler.h"
 #include "experiments/build_info.h"
 #include "experiments/interrupt.h"
@@ -43,6 +44,7 @@ public:
           unresolved_(method_->plan(*work.scene.scene).unresolved) {}
 
     FinishedReference make() {
+        require_memory_for_groups();
         open();
         while (!good_enough()) {
             try {
@@ -61,13 +63,27 @@ public:
     }
 
 private:
+    /// The groups, a batch of each and what they are together: at least that stands in memory at once.
+    void require_memory_for_groups() const {
+        const auto& sensor = work_.scene.scene->sensor();
+        const double layers = (3.0 * reference_groups + 2) * static_cast<double>(work_.method.components.size() + 1);
+        require_memory(3.0 * sizeof(float) * sensor.width() * sensor.height() * layers,
+                       fmt::format("a reference of {} x {} pixels", sensor.width(), sensor.height()));
+    }
+
     void open() {
         saved_at_ = now();
         if (!std::filesystem::exists(work_.path)) return;
         const auto& sensor = work_.scene.scene->sensor();
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
-        } catch (const InputError& error) {
+            if (!groups_.verified)
+                result_.warnings.push_back(
+                    fmt::format("{}: written before references had digests, so damage to it would not be seen; remove "
+                                "it to have it "
+                                "made again",
+                                work_.path));
+        } catch (const std::exception& error) {  // of whatever kind: a damaged file can say anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
             groups_ = ReferenceGroups();
@@ -166,7 +182,7 @@ private:
 
     void save() {
         result_.reference.metadata = metadata();
-        write_exr(work_.path, layers_of(result_.reference, true));
+        write_reference(work_.path, result_.reference);
         saved_at_ = now();
         unsaved_ = false;
     }
@@ -240,7 +256,7 @@ FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progre
 std::string stored_reference_identity(const std::string& path) {
     if (!std::filesystem::exists(path)) return "";
     try {
-        const auto metadata = read_image(path).metadata;
+        const auto metadata = read_reference(path).metadata;
         const auto key = metadata.find("reference_key");
         const auto passes = metadata.find("passes");
         if (key == metadata.end() || passes == metadata.end()) return "";

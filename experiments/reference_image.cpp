@@ -1,6 +1,7 @@
 #include "experiments/reference_image.h"
 
 #include "common/error.h"
+#include "common/image_digest.h"
 
 #include <cmath>
 #include <cstdio>
@@ -9,6 +10,9 @@ namespace gib {
 
 namespace {
 
+constexpr const char* digest_key = "digest";
+/// What a top-up believes of a file besides its pixels.
+const std::vector<std::string> digested_keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
 constexpr const char* unresolved_key = "unresolved";  // names of components, separated by ';'
 
 std::string joined(const std::string& name, const std::string& what) { return name.empty() ? what : name + "_" + what; }
@@ -50,7 +54,21 @@ std::vector<Component> components_named(const std::string& names) {
 
 }  // namespace
 
-Reference read_reference(const std::string& path) { return reference_in(read_image(path), path); }
+Reference read_reference(const std::string& path) {
+    const LayeredImage file = read_image(path);
+    if (const auto digest = file.metadata.find(digest_key);
+        digest != file.metadata.end() && digest->second != image_digest(file, digested_keys))
+        throw InputError({path, 0, 0}, "its content is not what its digest says: the file is damaged or was edited");
+    return reference_in(file, path);
+}
+
+void write_reference(const std::string& path, const Reference& reference) {
+    LayeredImage file = layers_of(reference, true);
+    file.metadata[digest_key] = image_digest(file, digested_keys);
+    write_exr(path, file);
+}
+
+bool is_verified(const Reference& reference) { return reference.metadata.count(digest_key) > 0; }
 
 Reference reference_in(const LayeredImage& file, const std::string& path) {
     auto total = take_layer(file, "");

@@ -79,6 +79,7 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     groups.passes = number_in<std::uint64_t>(file, "passes", path);
     groups.seconds = number_in<double>(file, "seconds", path);
     if (groups.rounds == 0 || groups.passes == 0) throw InputError({path}, "it holds no samples");
+    groups.verified = is_verified(file);
     groups.groups_.resize(reference_groups);
     for (auto& group : groups.groups_) {
         group.width = width;

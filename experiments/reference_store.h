@@ -15,6 +15,7 @@ public:
     std::uint32_t rounds = 0;
     std::uint64_t passes = 0;  ///< of each group
     double seconds = 0;        ///< wall-clock, all rounds together
+    bool verified = true;      ///< false: read from a file without a digest
 
     /// Adds a round: for each group the image of a batch of `batch_passes`. Throws RunError if the batches' components
     /// differ.

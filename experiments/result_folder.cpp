@@ -5,7 +5,12 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 namespace gib {
@@ -41,6 +46,8 @@ json to_json(const Cell& cell) {
             {"seed", cell.seed},
             {"key", cell.key},
             {"build", cell.build},
+            {"image", cell.image},
+            {"image_file", cell.image_file},
             {"load_seconds", cell.load_seconds},
             {"prepare_seconds", cell.prepare_seconds},
             {"converged", cell.converged},
@@ -55,6 +62,8 @@ Cell cell_from(const json& j) {
     cell.seed = j.at("seed");
     cell.key = j.at("key");
     cell.build = j.at("build");
+    cell.image = j.value("image", "");
+    cell.image_file = j.value("image_file", "");
     cell.load_seconds = j.at("load_seconds");
     cell.prepare_seconds = j.at("prepare_seconds");
     cell.converged = j.at("converged");
@@ -65,6 +74,13 @@ Cell cell_from(const json& j) {
     }
     cell.stages = stages_from_json(j.at("stages"));
     return cell;
+}
+
+/// Numbers are read back as they were written, and keys are sorted: the text of a record says all of it.
+std::string digest_of(const json& record) {
+    ContentHash hash;
+    hash.add(record.dump());
+    return hash.hex();
 }
 
 json to_json(const IndexScene& s) {
@@ -107,9 +123,44 @@ std::string CellIdentity::folder_name() const {
 void ResultFolder::make(const std::string& path) {
     std::error_code error;
     std::filesystem::create_directories(path, error);
+    if (error == std::errc::no_space_on_device)
+        throw RunError(fmt::format("cannot make the folder '{}': {}", path, error.message()));
     if (error || !std::filesystem::is_directory(path))
         throw InputError(
             fmt::format("cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way"));
+}
+
+void require_writable(const std::string& folder) {
+    std::string file = folder + "/.gibench-XXXXXX";
+    const int fd = ::mkostemp(file.data(), O_CLOEXEC);
+    if (fd < 0) {
+        const int error = errno;
+        const auto message = fmt::format("cannot write in the folder '{}': {}", folder, std::strerror(error));
+        if (error == ENOSPC || error == EDQUOT) throw RunError(message);
+        throw InputError(message);
+    }
+    ::unlink(file.c_str());
+    ::close(fd);
+}
+
+void ResultFolder::prepare() const {
+    for (const auto& folder : {path_, path_ + "/cells", path_ + "/images"}) {
+        make(folder);
+        require_writable(folder);
+    }
+}
+
+void ResultFolder::remove_leftovers() const {
+    namespace fs = std::filesystem;
+    gib::remove_leftovers(path_);
+    gib::remove_leftovers(path_ + "/images");
+    if (!fs::is_directory(path_ + "/cells")) return;
+    for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
+        const std::string name = cell.path().filename().string();
+        fs::remove_all(work_folder(name));
+        gib::remove_leftovers(cell.path().string());
+        gib::remove_leftovers((cell.path() / "frames").string());
+    }
 }
 
 std::string ResultFolder::method_file(const std::string& scene, const std::string& method,
@@ -161,21 +212,44 @@ ResultIndex ResultFolder::read_index() const {
 }
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
-    write_file(cell_folder(folder_name) + "/cell.json", to_json(cell).dump(1) + "\n");
+    json record = to_json(cell);
+    record["digest"] = digest_of(record);
+    write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
 
-std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, const std::string& key) const {
+std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, const std::string& key,
+                                            std::string* damage) const {
     const std::string path = cell_folder(folder_name) + "/cell.json";
-    if (!std::filesystem::exists(path) || !std::filesystem::exists(cell_image(folder_name))) return std::nullopt;
+    if (!std::filesystem::exists(path)) return std::nullopt;
+    const auto damaged = [&](const std::string& file, const char* how) {
+        if (damage) *damage = fmt::format("{}: {}", file, how);
+        return std::nullopt;
+    };
     try {
-        const json j = json::parse(read_file(path));
+        json j = json::parse(read_file(path));
+        const std::string digest = j.value("digest", "");
+        j.erase("digest");
+        // Records of earlier versions have no digests and are believed.
+        if (!digest.empty() && digest != digest_of(j)) return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key || j.at("complete") != true) return std::nullopt;
         Cell cell = cell_from(j);
-        if (cell.checkpoints.empty()) return std::nullopt;
+        if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");
+        const std::string image = cell_image(folder_name);
+        if (!std::filesystem::exists(image)) return damaged(image, "the file is missing");
+        if (!cell.image_file.empty() && cell.image_file != file_hash(image))
+            return damaged(image, "its content is not that of the image that was rendered");
         return cell;
     } catch (const json::exception&) {
-        return std::nullopt;  // damaged: the cell is done again
+        return damaged(path, "it is not a record of a cell");
+    } catch (const InputError&) {
+        return damaged(path, "it cannot be read");
     }
+}
+
+std::string file_hash(const std::string& path) {
+    ContentHash hash;
+    hash.add(read_file(path));
+    return hash.hex();
 }
 
 std::string file_name_of(const std::string& text) {

@@ -45,6 +45,8 @@ struct Cell {
     std::uint64_t seed = 1;
     std::string key;
     std::string build;        ///< of the program that measured it
+    std::string image;        ///< digest of the final image's pixels (image_digest.h)
+    std::string image_file;   ///< SHA-1 of its file; empty in records of earlier versions
     double load_seconds = 0;  ///< scene file and tree; shown, not charged
     double prepare_seconds = 0;
     bool converged = false;
@@ -84,6 +86,8 @@ public:
     const std::string& path() const { return path_; }
     std::string file(const std::string& name) const { return path_ + "/" + name; }
     std::string cell_folder(const std::string& folder_name) const { return path_ + "/cells/" + folder_name; }
+    /// What its process leaves for the run; gone once the cell is complete.
+    std::string work_folder(const std::string& folder_name) const { return cell_folder(folder_name) + "/work"; }
     std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
     /// The final image's map of FLIP, if it has one.
     std::string flip_map(const std::string& folder_name) const { return cell_folder(folder_name) + "/flip.png"; }
@@ -99,15 +103,22 @@ public:
         return method_file(scene, method, "-flip.png");
     }
 
-    /// Makes a folder and its parents. Throws InputError if that is impossible.
+    /// Makes a folder and its parents. Throws InputError if that is impossible, RunError on a full disk.
     static void make(const std::string& path);
+
+    /// Makes the folder and those in it and sees that files can be made there. Throws InputError.
+    void prepare() const;
+    /// Removes what a killed run left unfinished. The caller must have locked the folder.
+    void remove_leftovers() const;
 
     void write_index(const ResultIndex& index) const;
     /// Throws InputError if the folder holds no results.
     ResultIndex read_index() const;
     void write_cell(const std::string& folder_name, const Cell& cell) const;
-    /// Empty if there is no complete cell with this key, or if its record cannot be read.
-    std::optional<Cell> read_cell(const std::string& folder_name, const std::string& key) const;
+    /// Empty if there is no complete cell with this key, or if its record or image is damaged: `damage`, if given, then
+    /// says so.
+    std::optional<Cell> read_cell(const std::string& folder_name, const std::string& key,
+                                  std::string* damage = nullptr) const;
 
 private:
     /// One of the images that show a method on a scene.
@@ -115,6 +126,13 @@ private:
 
     std::string path_;
 };
+
+/// Throws InputError, with the reason, if no file can be made in a folder (RunError on a full disk). Asking for permissions would not do: they do
+/// not bind root, and know nothing of read-only file systems.
+void require_writable(const std::string& folder);
+
+/// SHA-1 of a file's bytes.
+std::string file_hash(const std::string& path);
 
 /// A label or a name as part of a file's name.
 std::string file_name_of(const std::string& text);

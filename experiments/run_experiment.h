@@ -7,6 +7,8 @@
 
 namespace gib {
 
+struct RepeatPlan;
+
 struct RunOptions {
     std::string experiment;                  ///< path of the file
     std::optional<std::string> out;          ///< folder of the results; else results/<experiment's name>
@@ -16,6 +18,7 @@ struct RunOptions {
     bool fresh = false;                      ///< complete cells are done again
     std::string program = "/proc/self/exe";  ///< that measures a cell
     std::string command_line;                ///< as typed, for the manifest
+    const RepeatPlan* repeat = nullptr;      ///< instead of an experiment file
 };
 
 /// Exit code: 0 done, 1 a cell failed (said on stderr), 130 interrupted; what is complete is kept and in the tables.

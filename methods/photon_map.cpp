@@ -1,8 +1,11 @@
 #include "methods/photon_map.h"
 
+#include "common/error.h"
 #include "common/parallel.h"
 
 #include <algorithm>
+#include <limits>
+#include <string>
 
 namespace gib {
 
@@ -46,6 +49,8 @@ int longest_axis(const PhotonPayload* begin, const PhotonPayload* end) {
 
 PhotonMap::PhotonMap(std::vector<Photon> photons) {
     if (photons.empty()) return;
+    if (photons.size() > std::numeric_limits<std::uint32_t>::max())
+        throw InputError("a photon map holds 4294967295 photons at most, not " + std::to_string(photons.size()));
     const std::size_t leaves = (photons.size() + leaf_size - 1) / leaf_size;
     payloads_.resize(photons.size());
     parallel_blocks(photons.size(), leaves_per_block * leaf_size, [&](std::size_t begin, std::size_t end, std::size_t) {

@@ -1,8 +1,8 @@
 #include "methods/photon_walk.h"
 
-#include "common/parallel.h"
 #include "common/sampler.h"
 #include "common/scene.h"
+#include "methods/blocks_within_memory.h"
 #include "methods/dispersed_path.h"
 #include "methods/method.h"
 #include "methods/projection_map.h"
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace gib {
@@ -21,6 +22,23 @@ namespace {
 constexpr std::size_t photons_per_block = 4096;
 /// More of them lie closer together.
 constexpr std::size_t aimed_photons_per_block = 16384;
+/// While the map is built: the photon and its 29 bytes there (see PhotonMap).
+constexpr double bytes_per_photon = sizeof(Photon) + 29;
+
+/// The parameter that says how many photons are emitted for a map.
+const char* name_of(PhotonMapKind kind) {
+    switch (kind) {
+        case PhotonMapKind::caustic:
+            return "caustic_photons";
+        case PhotonMapKind::volume:
+            return "volume_photons";
+        case PhotonMapKind::global:
+        case PhotonMapKind::full:
+            break;
+    }
+    return "photons";
+}
+
 /// From this hit on survival is capped, so that walks among white surfaces end; the rescaling keeps them unbiased. Among
 /// specular ones they are longer: see roulette.h.
 constexpr int first_capped_hit = 64;
@@ -251,17 +269,18 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     const float share = static_cast<float>(1.0 / static_cast<double>(count));
 
     const std::size_t per_block = aim ? aimed_photons_per_block : photons_per_block;
-    std::vector<PhotonWalkResult> blocks((count + per_block - 1) / per_block);
-    parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
         RayQueries rays(scene);
         const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
-            PhotonPath(rays, kind, longest, sampler, blocks[block]).trace(start, first, share);
+            PhotonPath(rays, kind, longest, sampler, block).trace(start, first, share);
         };
         if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
         else emit(rays, key, begin, end, trace);
-        blocks[block].rays = rays.count();
+        block.rays = rays.count();
         if (progress) progress->add(end - begin);
-    });
+    };
+    auto blocks = blocks_within_memory(count, per_block, &PhotonWalkResult::photons, bytes_per_photon,
+                                       std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
 
     result.photons = joined(blocks, &PhotonWalkResult::photons);
     for (const PhotonWalkResult& block : blocks) {

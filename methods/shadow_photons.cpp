@@ -1,14 +1,15 @@
 #include "methods/shadow_photons.h"
 
 #include "common/light_choice.h"
-#include "common/parallel.h"
 #include "common/sampler.h"
+#include "methods/blocks_within_memory.h"
 #include "methods/method.h"
 #include "methods/ray_queries.h"
 #include "methods/surface_disc.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace gib {
 
@@ -96,8 +97,7 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
         std::vector<ShadowPhoton> photons;
         std::uint64_t rays = 0;
     };
-    std::vector<Block> blocks((count + photons_per_block - 1) / photons_per_block);
-    parallel_blocks(count, photons_per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    const auto trace_block = [&](Block& block, std::size_t begin, std::size_t end) {
         RayQueries rays(scene);
         for (std::size_t i = begin; i < end; ++i) {
             const auto light = static_cast<std::uint32_t>(std::upper_bound(begin_of.begin(), begin_of.end() - 1, i) -
@@ -108,12 +108,13 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
                 sample_emission(scene.lights()[light], scene.shapes(), sampler.get_2d(dimension::emission_position),
                                 sampler.get_2d(dimension::emission_direction));
             const float power = start.power.mean() / static_cast<float>(emitted);
-            if (power > 0.f)
-                cross_surfaces(rays, start.ray, {Vec3::Zero(), power, 1.f, light, 0}, blocks[block].photons);
+            if (power > 0.f) cross_surfaces(rays, start.ray, {Vec3::Zero(), power, 1.f, light, 0}, block.photons);
         }
-        blocks[block].rays = rays.count();
+        block.rays = rays.count();
         if (progress) progress->add(end - begin);
-    });
+    };
+    auto blocks = blocks_within_memory(count, photons_per_block, &Block::photons, sizeof(ShadowPhoton),
+                                       "shadow_photons=" + std::to_string(count), trace_block);
 
     result.photons = joined(blocks, &Block::photons);
     for (const Block& block : blocks)

@@ -2,6 +2,7 @@
 
 #include "experiments/reference.h"
 
+#include "common/image_digest.h"
 #include "common/sampler.h"
 
 #include "driver_fixtures.h"
@@ -10,6 +11,9 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <functional>
+#include <limits>
+#include <random>
 #include <set>
 
 namespace gib::test {
@@ -86,6 +90,84 @@ TEST_F(ReferenceCacheTest, MissingLayersAndOtherScenesAreNoticed) {
     EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("groups")));
     scene_.content_hash[0] = scene_.content_hash[0] == '0' ? '1' : '0';
     EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("not the reference of this scene")));
+}
+
+/// What a top-up goes on from.
+std::string content_of(const Reference& reference) {
+    return image_digest(layers_of(reference, true), {"passes", "rounds", "unresolved"});
+}
+
+/// As it was written: OpenImageIO adds attributes of its own, which OpenEXR does not take as text.
+LayeredImage writable_image(const std::string& path) {
+    LayeredImage image = read_image(path);
+    image.metadata.erase("compression");
+    return image;
+}
+
+TEST_F(ReferenceCacheTest, NoFlippedBitIsBelieved) {
+    const std::string good = content_of(make(0.05).reference);
+    const std::string file = read_file(path_);
+    std::mt19937 random(1);
+    int found = 0;
+    for (int i = 0; i < 100; ++i) {
+        std::string damaged = file;
+        const std::size_t at = random() % file.size();
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
+        std::ofstream(path_, std::ios::binary) << damaged;
+        const FinishedReference r = make(0.05);
+        EXPECT_EQ(content_of(r.reference), good) << "byte " << at;
+        if (r.rounds_added == 0) continue;  // the bit does not matter, such as in the program's name
+        ++found;
+        ASSERT_FALSE(r.warnings.empty()) << "byte " << at;
+        EXPECT_THAT(r.warnings.front(), ::testing::HasSubstr("made again"));
+    }
+    EXPECT_GT(found, 80);
+}
+
+TEST_F(ReferenceCacheTest, ValuesThatStillDecodeAreCompared) {
+    Reference reference = make(0.05).reference;
+    const std::string good = content_of(reference);
+    const LayeredImage written = writable_image(path_);
+    LayeredImage edited = written;
+    edited.layers.back().second.rgb[7] *= 1.0000002f;
+    write_exr(path_, edited);
+    EXPECT_THROW(read_reference(path_), InputError);
+    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
+    EXPECT_EQ(content_of(read_reference(path_)), good);
+    edited = written;
+    edited.metadata["passes"] = "1000000";
+    write_exr(path_, edited);
+    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
+}
+
+TEST_F(ReferenceCacheTest, FilesThatAreNoReferenceAreMadeAgain) {
+    Reference reference = make(0.05).reference;
+    const std::string good = content_of(reference);
+    reference.components[static_cast<std::size_t>(index_of(Component::direct))]->groups[3].rgb[5] =
+        std::numeric_limits<float>::quiet_NaN();
+    const std::vector<std::function<void()>> damages = {[&] { std::ofstream(path_, std::ios::trunc); },
+                                                        [&] { std::ofstream(path_) << "no image\n"; },
+                                                        [&] {
+                                                            write_exr(path_, {{{"", Image(8, 8)}}, {}});
+                                                        },
+                                                        [&] { write_reference(path_, reference); }};
+    for (std::size_t i = 0; i < damages.size(); ++i) {
+        damages[i]();
+        const FinishedReference r = make(0.05);
+        EXPECT_THAT(r.warnings, ::testing::Contains(::testing::HasSubstr("made again"))) << i;
+        EXPECT_EQ(content_of(read_reference(path_)), good) << i;
+    }
+}
+
+TEST_F(ReferenceCacheTest, OneWithoutADigestIsTakenWithAWarning) {
+    const FinishedReference first = make(0.05);
+    LayeredImage file = writable_image(path_);
+    file.metadata.erase("digest");
+    write_exr(path_, file);
+    const FinishedReference again = make(0.05);
+    EXPECT_EQ(again.rounds_added, 0u);
+    EXPECT_EQ(again.identity, first.identity);
+    EXPECT_THAT(again.warnings, ::testing::Contains(::testing::HasSubstr("before references had digests")));
 }
 
 TEST_F(ReferenceCacheTest, TimeThatIsUpIsSaidOnceAndForAll) {

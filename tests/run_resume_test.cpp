@@ -1,48 +1,17 @@
 // `gibench run` as a whole: what it writes, that complete cells are kept, that a failing cell is said, and Ctrl-C.
 
-#include "driver_fixtures.h"
-#include "experiments/csv.h"
 #include "experiments/result_folder.h"
+#include "run_fixtures.h"
 
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <spawn.h>
 #include <nlohmann/json.hpp>
-
-extern char** environ;
 
 namespace gib::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-class RunResumeTest : public ::testing::Test {
-protected:
-    RunResumeTest() {
-        folder_.write("tiny.xml", tiny_scene_xml());
-        write_experiment("[4, 8]");
-    }
-    void write_experiment(const std::string& spp, const std::string& reference = "target = '40%'\n") {
-        folder_.write("e.toml", "title = 'Tiny'\nscenes = ['tiny.xml']\nseeds = 2\n[reference]\n" + reference +
-                                    "[[method]]\nname = 'path'\nspp = " + spp + "\n");
-    }
-    ProgramResult run(const std::string& options = "") {
-        return run_gibench("run e.toml --threads 1 " + options, folder_ / "");
-    }
-    /// cell.json by folder, with the time of its writing.
-    std::map<std::string, fs::file_time_type> cells() const {
-        std::map<std::string, fs::file_time_type> times;
-        if (!fs::exists(folder_ / "results/e/cells")) return times;
-        for (const auto& cell : fs::directory_iterator(folder_ / "results/e/cells"))
-            if (fs::exists(cell.path() / "cell.json"))
-                times[cell.path().filename()] = fs::last_write_time(cell.path() / "cell.json");
-        return times;
-    }
-    CsvTable table(const std::string& name) const {
-        return parse_csv(read_file(folder_ / ("results/e/" + name)), name);
-    }
-    TemporaryFolder folder_;
-};
+class RunResumeTest : public ::testing::Test, protected ExperimentFolder {};
 
 TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
     const ProgramResult result = run();
@@ -51,7 +20,7 @@ TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
     for (const char* name :
          {"manifest.json", "curves.csv", "table.csv", "table.md", "spectra.csv", "stages.csv", "report.html",
           "images/tiny-reference.exr", "images/tiny-path_spp=4.exr", "images/tiny-path_spp=4-flip.png"})
-        EXPECT_TRUE(fs::exists(folder_ / ("results/e/" + std::string(name)))) << name;
+        EXPECT_TRUE(fs::exists(results(name))) << name;
     EXPECT_EQ(cells().size(), 4u);
     EXPECT_EQ(table("curves.csv").rows.size(), 2u * (4 + 6)) << "passes 1 2 3 4, and 6 8 besides, for two seeds";
     const auto manifest = nlohmann::json::parse(read_file(folder_ / "results/e/manifest.json"));
@@ -158,40 +127,9 @@ TEST_F(RunResumeTest, AFailingCellIsSaidAndTheOthersGoOn) {
     EXPECT_EQ(table("table.csv").rows.at(0).at(1), "path spp=4");
 }
 
-/// A run that goes on by itself, to be interrupted.
-class BackgroundRun {
-public:
-    explicit BackgroundRun(const std::string& folder) {
-        std::string shell = "/bin/sh", flag = "-c";
-        std::string command =
-            "cd '" + folder + "' && exec '" + program_path() + "' run e.toml --threads 1 >out.txt 2>err.txt";
-        char* arguments[] = {shell.data(), flag.data(), command.data(), nullptr};
-        EXPECT_EQ(posix_spawn(&child_, "/bin/sh", nullptr, nullptr, arguments, environ), 0);
-    }
-    /// Sends the signal; returns the exit code, -1 if it did not exit.
-    int interrupt(int signal) const {
-        kill(child_, signal);
-        int status = 0;
-        waitpid(child_, &status, 0);
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    }
-
-private:
-    pid_t child_ = 0;
-};
-
-template <typename Condition>
-bool comes_true(const Condition& condition) {
-    for (int i = 0; i < 600; ++i) {
-        if (condition()) return true;
-        sleep_seconds(0.05);
-    }
-    return false;
-}
-
 TEST_F(RunResumeTest, InterruptedRunsKeepWhatIsCompleteAndGoOn) {
     write_experiment("[1, 100000000]");  // the second cell would take hours
-    const BackgroundRun first(folder_ / "");
+    BackgroundRun first(folder_ / "");
     ASSERT_TRUE(comes_true([&] { return cells().size() == 1; }));
     sleep_seconds(0.3);
     EXPECT_EQ(first.interrupt(SIGINT), 130);
@@ -200,7 +138,7 @@ TEST_F(RunResumeTest, InterruptedRunsKeepWhatIsCompleteAndGoOn) {
 
     const auto before = cells();
     const std::string curves = read_file(folder_ / "results/e/curves.csv");
-    const BackgroundRun second(folder_ / "");
+    BackgroundRun second(folder_ / "");
     EXPECT_TRUE(
         comes_true([&] { return read_file(folder_ / "err.txt").find("complete already") != std::string::npos; }));
     sleep_seconds(0.3);

@@ -2,6 +2,7 @@
 #include "common/image_library.h"
 
 #include "common/error.h"
+#include "common/memory_limit.h"
 #include "common/openimageio/linear_reader.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -102,6 +103,10 @@ public:
         const auto file = open_file(path);
         const SourceLocation where{path, 0, 0};
         const OIIO::ImageSpec& spec = file->spec();
+        // As it is read, and as layers. A damaged header may announce more than the file can hold.
+        require_memory(
+            2.0 * sizeof(float) * static_cast<double>(spec.image_pixels()) * spec.nchannels,
+            fmt::format("an image of {} x {} pixels and {} channels", spec.width, spec.height, spec.nchannels), where);
         StoredImage image{{spec.x, spec.y, spec.width, spec.height},
                           {spec.full_x, spec.full_y, spec.full_width, spec.full_height},
                           spec.channelnames,

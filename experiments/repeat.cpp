@@ -1,0 +1,181 @@
+#include "experiments/repeat.h"
+
+#include "common/image_file.h"
+#include "experiments/analysis.h"
+#include "experiments/experiment_run.h"
+#include "experiments/interrupt.h"
+#include "experiments/manifest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <tuple>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int exit_failed = 1, exit_interrupted = 130;
+
+std::string without_last_slash(const std::string& folder) {
+    const fs::path path = fs::path(folder).lexically_normal();
+    return (path.has_filename() ? path : path.parent_path()).string();
+}
+
+/// Its scenes are found from here as they were found from where the run was started, or else there.
+std::string experiment_path(const Manifest& manifest) {
+    const bool here = std::all_of(manifest.scenes.begin(), manifest.scenes.end(),
+                                  [](const Manifest::Scene& scene) { return fs::exists(scene.file); });
+    return here ? manifest.experiment_file : (fs::path(manifest.working_folder) / manifest.experiment_file).string();
+}
+
+RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
+    RepeatPlan plan{
+        parse_experiment(manifest.experiment_text, experiment_path(manifest)), ResultFolder(folder), {}, {}, {}};
+    plan.experiment.seeds = manifest.seeds;
+    for (const auto& cell : manifest.cells) {
+        plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
+        for (const auto& scene : manifest.scenes)
+            if (scene.name == cell.scene) plan.scene_hashes[scene.name] = scene.content_hash;
+    }
+    for (const auto& scene : manifest.scenes)
+        plan.references[scene.name] = scene.reference;
+    return plan;
+}
+
+void warn_of_differences(const std::map<std::string, std::string>& then) {
+    const auto now = this_machine();
+    const auto of = [](const std::map<std::string, std::string>& machine, const std::string& what) {
+        const auto found = machine.find(what);
+        return found == machine.end() ? std::string("none") : found->second;
+    };
+    auto all = then;
+    all.insert(now.begin(), now.end());
+    for (const auto& [what, version] : all)
+        if (of(then, what) != of(now, what))
+            std::cerr << fmt::format("warning: the {} is another one: '{}' then, '{}' now; images may differ\n", what,
+                                     of(then, what), of(now, what));
+}
+
+/// How far two images are apart; empty if they cannot be compared.
+std::string difference(const std::string& path, const std::string& other_path) {
+    try {
+        const LayeredImage a = read_image(path), b = read_image(other_path);
+        std::size_t values = 0, different = 0;
+        double largest = 0;
+        for (const auto& [name, layer] : a.layers) {
+            const Image* other = b.find(name);
+            if (!other || !other->same_size(layer)) return ": they have different layers or sizes";
+            values += layer.rgb.size();
+            for (std::size_t i = 0; i < layer.rgb.size(); ++i) {
+                if (std::bit_cast<std::uint32_t>(layer.rgb[i]) == std::bit_cast<std::uint32_t>(other->rgb[i])) continue;
+                ++different;
+                largest = std::max(largest, std::abs(static_cast<double>(layer.rgb[i]) - other->rgb[i]));
+            }
+        }
+        return fmt::format(": {} of {} values, by {:.3g} at most", different, values, largest);
+    } catch (const InputError&) {
+        return "";
+    }
+}
+
+/// Why a cell is not among the results.
+std::string reason(const ManifestCell& cell, const std::vector<std::string>& failures) {
+    for (const auto& start : {fmt::format("{}, {}, seed {}: ", cell.scene, cell.method, cell.seed),
+                              fmt::format("the reference of {}: ", cell.scene)})
+        for (const auto& failure : failures)
+            if (failure.rfind(start, 0) == 0) return failure.substr(start.size());
+    return "the experiment in the manifest does not have it";
+}
+
+/// Prints a line for each cell. Returns whether all are identical.
+bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan, ExperimentRun& run,
+                   std::ostream& out) {
+    const auto now = run.complete_cells();
+    std::size_t identical = 0;
+    for (const auto& cell : then) {
+        const auto name = fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.passes);
+        const auto again = std::find_if(now.begin(), now.end(), [&](const ManifestCell& other) {
+            return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
+        });
+        if (again == now.end()) {
+            out << fmt::format("not repeated  {}: {}\n", name, reason(cell, run.failures()));
+        } else if (again->passes == cell.passes && again->image == cell.image) {
+            out << fmt::format("identical     {}\n", name);
+            ++identical;
+        } else {
+            const auto folder = cell_folder_name(cell.scene, cell.method, cell.seed);
+            const std::string how = again->passes != cell.passes
+                                        ? fmt::format(": it ended after {}", again->passes)
+                                        : difference(plan.original.cell_image(folder), run.folder().cell_image(folder));
+            out << fmt::format("differs       {}{}\n", name, how);
+        }
+    }
+    out << fmt::format("{} of {} identical\n", identical, then.size());
+    return identical == then.size();
+}
+
+}  // namespace
+
+bool RepeatPlan::has_cells_of(const std::string& scene, const std::string& method) const {
+    for (int seed = 1; seed <= experiment.seeds; ++seed)
+        if (passes.count(cell_folder_name(scene, method, static_cast<std::uint64_t>(seed))) > 0) return true;
+    return false;
+}
+
+std::string RepeatPlan::reference_of(const std::string& scene) const {
+    const auto found = references.find(scene);
+    return found == references.end() ? "" : found->second;
+}
+
+void RepeatPlan::check_scene(const ExperimentScene& scene, const std::string& content_hash) const {
+    const auto then = scene_hashes.find(scene.name);
+    if (then != scene_hashes.end() && then->second != content_hash)
+        throw InputError(
+            {scene.path},
+            "the scene was changed since the run (the file itself, or one that it uses): its images cannot "
+            "be repeated");
+}
+
+int repeat_run(const RepeatOptions& options, std::ostream& out) {
+    const InterruptGuard guard;
+    const std::string folder = without_last_slash(options.folder);
+    const Manifest manifest = read_manifest(folder + "/manifest.json");
+    if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
+    const RepeatPlan plan = plan_of(manifest, folder);
+    RunOptions run_options;
+    run_options.out = options.out.value_or(folder + "-repeat");
+    std::error_code error;
+    if (fs::equivalent(*run_options.out, folder, error))
+        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
+    run_options.threads = manifest.threads;
+    run_options.fresh = true;  // what an earlier repetition left proves nothing
+    run_options.program = options.program;
+    run_options.command_line = options.command_line;
+    run_options.repeat = &plan;
+    warn_of_differences(manifest.machine);
+
+    ExperimentRun run(run_options);
+    bool interrupted = false;
+    try {
+        run.make_references();
+        run.run_cells();
+    } catch (const Interrupted&) {
+        interrupted = true;
+    }
+    const std::string report = run.write_results();
+    if (interrupted) {
+        std::cerr << "interrupted: no image was compared\n";
+        return exit_interrupted;
+    }
+    const bool identical = compare_cells(manifest.cells, plan, run, out);
+    out << "Report: " << report << "\n";
+    return identical ? 0 : exit_failed;
+}
+
+}  // namespace gib

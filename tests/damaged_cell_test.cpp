@@ -1,0 +1,86 @@
+// Records and images of complete cells that were damaged: found, said, and done again.
+
+#include "run_content.h"
+#include "run_fixtures.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class DamagedCellTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// Replaces a file in place, as no program that writes whole files does.
+    static void damage(const std::string& file, const std::string& content) {
+        std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
+    }
+    std::string file_of_cell(const std::string& name) const {
+        return results("cells/" + cells().begin()->first + "/" + name);
+    }
+};
+
+TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    const std::string image = file_of_cell("final.exr"), record = file_of_cell("cell.json");
+    const std::string pixels = read_file(image), text = read_file(record);
+
+    std::string flipped = pixels, other_number = text;
+    flipped[flipped.size() / 2] ^= 1;
+    const std::size_t digit = other_number.find_first_of("12345678", other_number.find("\"rel_mse\": 0.") + 13);
+    ++other_number[digit];
+    const std::vector<std::tuple<std::string, std::string, std::string>> damages = {
+        {image, flipped, "not that of the image that was rendered"},
+        {image, pixels.substr(0, 100), "not that of the image that was rendered"},
+        {record, other_number, "not what its digest says"},
+        {record, text.substr(0, text.size() / 2), "not a record of a cell"},
+        {record, "", "not a record of a cell"}};
+    for (const auto& [file, content, said] : damages) {
+        damage(file, content);
+        const ProgramResult again = run();
+        EXPECT_EQ(again.code, 0) << again.err;
+        EXPECT_THAT(again.err, HasSubstr("warning: results/e/cells/")) << said;
+        EXPECT_THAT(again.err, HasSubstr(said + "; the cell is done again"));
+        EXPECT_THAT(again.err, HasSubstr("not done again: 3"));
+        EXPECT_TRUE(content_of(results("")) == good) << said;
+    }
+    fs::remove(image);
+    EXPECT_THAT(run().err, HasSubstr("the file is missing; the cell is done again"));
+}
+
+TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
+    ASSERT_EQ(run().code, 0);
+    std::string pixels = read_file(file_of_cell("final.exr"));
+    pixels[pixels.size() / 2] ^= 1;
+    damage(file_of_cell("final.exr"), pixels);
+    const ProgramResult report = run_gibench("report results/e", path());
+    EXPECT_EQ(report.code, 0);
+    EXPECT_THAT(report.err,
+                HasSubstr("final.exr: its content is not that of the image that was rendered; the cell is left "
+                          "out"));
+    const CsvTable rows = table("table.csv");
+    EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
+}
+
+TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("images/tiny-reference.exr");
+    std::string pixels = read_file(file);
+    pixels[pixels.size() * 9 / 10] ^= 1;  // behind the header
+    damage(file, pixels);                 // the cached one too: they are one file
+    const ProgramResult report = run_gibench("report results/e", path());
+    EXPECT_EQ(report.code, 2);
+    EXPECT_THAT(report.err, HasSubstr("tiny-reference.exr"));
+    const ProgramResult again = run();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("made again"));
+    EXPECT_EQ(run_gibench("report results/e", path()).code, 0);
+}
+
+}  // namespace
+}  // namespace gib::test

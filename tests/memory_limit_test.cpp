@@ -1,0 +1,139 @@
+// Requests for more memory than there is: refused with both numbers before the memory is taken.
+
+#include "common/memory_limit.h"
+
+#include "run_fixtures.h"
+#include "source_path.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <cmath>
+
+namespace gib::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+class MemoryLimitTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    double available() const { return available_memory(path("proc"), path("groups")); }
+    /// `number needed, and number available`.
+    static ::testing::Matcher<std::string> refusal(const std::string& what) {
+        return ContainsRegex(what + ".* needs [0-9]+ bytes, and [0-9]+ are available");
+    }
+};
+
+TEST_F(MemoryLimitTest, IsTheLeastOfWhatTheSystemAndTheGroupsLeave) {
+    EXPECT_TRUE(std::isinf(available())) << "nothing says so";
+    write("proc/meminfo", "MemTotal:       2000 kB\nMemFree:   10 kB\nMemAvailable:    1000 kB\n");
+    EXPECT_EQ(available(), 1000 * 1024);
+    write("proc/self/cgroup", "0::/outer/inner\n");
+    EXPECT_EQ(available(), 1000 * 1024) << "the group's files are not there";
+    write("groups/outer/inner/memory.max", "max\n");
+    EXPECT_EQ(available(), 1000 * 1024);
+    write("groups/outer/memory.max", "500000\n");
+    EXPECT_EQ(available(), 500000) << "the limit of a group above";
+    write("groups/outer/memory.current", "300000\n");
+    EXPECT_EQ(available(), 200000);
+    write("groups/outer/memory.stat", "anon 200000\ninactive_file 100000\n");
+    EXPECT_EQ(available(), 300000) << "pages of files are given up";
+    write("groups/outer/inner/memory.max", "1000\n");
+    write("groups/outer/inner/memory.current", "4000\n");
+    EXPECT_EQ(available(), 0);
+}
+
+TEST_F(MemoryLimitTest, KnowsTheOlderControlGroups) {
+    write("proc/self/cgroup", "5:cpu,cpuacct:/other\n3:memory:/box\n");
+    write("groups/memory/box/memory.limit_in_bytes", "10000\n");
+    write("groups/memory/box/memory.usage_in_bytes", "7000\n");
+    write("groups/memory/box/memory.stat", "inactive_file 5\ntotal_inactive_file 500\n");
+    EXPECT_EQ(available(), 3500);
+}
+
+TEST_F(MemoryLimitTest, RefusalsHaveBothNumbers) {
+    EXPECT_NO_THROW(require_memory(100e6, "a little"));
+    try {
+        require_memory(1e18, "the thing", {"file.xml", 3, 4});
+        FAIL() << "an exabyte was granted";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("file.xml:3:4: the thing needs 1000000000000000000 bytes, and "));
+        EXPECT_THAT(error.what(), refusal("the thing"));
+    }
+}
+
+/// While it lives, programs that the test starts have that much address space.
+class AddressSpace {
+public:
+    explicit AddressSpace(rlim_t bytes) {
+        getrlimit(RLIMIT_AS, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(RLIMIT_AS, &limit);
+    }
+    ~AddressSpace() { setrlimit(RLIMIT_AS, &before_); }
+    AddressSpace(const AddressSpace&) = delete;
+    AddressSpace& operator=(const AddressSpace&) = delete;
+
+private:
+    rlimit before_;
+};
+
+TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    const std::string many = "=4000000000";  // the most that the parameters take
+    const std::vector<std::pair<std::string, std::string>> requests = {
+        {"photon_mapper photons" + many, "photons" + many},
+        {"photon_mapper gather=4 photons" + many, "photons" + many},
+        {"photon_mapper photons=1000 shadow_photons" + many, "shadow_photons" + many},
+        {"photon_view photons" + many, "photons" + many},
+        {"radiosity patch=1e-5", "radiosity"},
+        {"radiosity patch=0.002 solver=direct", "radiosity"}};
+    for (const auto& [method, what] : requests) {
+        const ProgramResult result = run_gibench(
+            "render '" + source_path("scenes/cornell-box.xml") + "' --method '" + method + "' -o out.exr", path());
+        EXPECT_EQ(result.code, 2) << method << ": " << result.err;
+        EXPECT_THAT(result.err, ContainsRegex(what + ".* [0-9]+ bytes")) << method;
+        EXPECT_FALSE(std::filesystem::exists(path("out.exr"))) << method;
+    }
+}
+
+TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    std::string large = tiny_scene_xml(30000);
+    large.replace(large.find("'sample_count' value='4'"), 24, "'sample_count' value='1'");
+    write("large.xml", large);
+    const ProgramResult render = run_gibench("render large.xml --method 'path spp=1' -o out.exr", path());
+    EXPECT_EQ(render.code, 2);
+    EXPECT_THAT(render.err, refusal("a film of 30000 x 30000 pixels"));
+    const ProgramResult reference = run_gibench("reference large.xml -o out.exr", path());
+    EXPECT_EQ(reference.code, 2);
+    EXPECT_THAT(reference.err, refusal("a reference of 30000 x 30000 pixels"));
+    write("e.toml", "scenes = ['" + source_path("scenes/cornell-box.xml") +
+                        "']\nresolution = [8, 8]\n[reference]\ntarget = '90%'\n[[method]]\nname = 'path'\nspp = 1\n"
+                        "[[method]]\nname = 'photon_mapper'\nphotons = 4000000000\n");
+    const ProgramResult result = run();
+    EXPECT_EQ(result.code, 1);
+    EXPECT_THAT(result.err, refusal("cornell-box, photon_mapper photons=4000000000, seed 1: photons=4000000000"));
+    EXPECT_EQ(cells().size(), 1u) << "the other cell is complete";
+}
+
+TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    write("large.pfm", "PF\n50000 50000\n-1.0\n");
+    const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
+    EXPECT_EQ(result.code, 2);
+    EXPECT_THAT(result.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
+}
+
+}  // namespace
+}  // namespace gib::test

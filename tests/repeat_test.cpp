@@ -1,0 +1,119 @@
+// `gibench run --repeat`: the same images, or a plain word on why not.
+
+#include "run_fixtures.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RepeatTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    ProgramResult repeat(const std::string& options = "results/e") const {
+        return run_gibench("run --repeat " + options, path());
+    }
+    nlohmann::json manifest(const std::string& folder = "results/e") const {
+        return nlohmann::json::parse(read_file(path(folder + "/manifest.json")));
+    }
+    void set_manifest(const nlohmann::json& manifest) { write("results/e/manifest.json", manifest.dump()); }
+};
+
+TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
+    write_experiment("[4, 8]", "target = '40%'\n", "resolution = [12, 6]\n");
+    ASSERT_EQ(run("--only spp=4").code, 0);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"
+                                     "identical     tiny, path spp=4, seed 2, 4 passes\n2 of 2 identical\n"));
+    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    for (const char* name : {"table.csv", "report.html", "images/tiny-path_spp=4.exr", "images/tiny-reference.exr"})
+        EXPECT_TRUE(fs::exists(path("results/e-repeat/" + std::string(name)))) << name;
+    EXPECT_EQ(read_image(path("results/e-repeat/images/tiny-path_spp=4.exr")).layers[0].second.width, 12);
+    EXPECT_EQ(manifest("results/e-repeat").at("cells"), manifest().at("cells"));
+    EXPECT_EQ(manifest().at("resolution"), nlohmann::json({12, 6}));
+    // A repetition can be repeated, and is told from what stands in its folder.
+    EXPECT_EQ(repeat("results/e-repeat/ --out elsewhere").code, 0);
+    EXPECT_EQ(run_gibench("report elsewhere", path()).code, 0);
+}
+
+TEST_F(RepeatTest, ABudgetOfTimeBecomesItsPasses) {
+    write_experiment("[100000000]", "target = '40%'\n", "budget = { seconds = 0.03 }\n");
+    ASSERT_EQ(run().code, 0);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.out << again.err;
+    for (const auto& cell : manifest().at("cells"))
+        EXPECT_THAT(again.out,
+                    HasSubstr("seed " + cell.at("seed").dump() + ", " + cell.at("passes").dump() + " passes"));
+    EXPECT_EQ(manifest("results/e-repeat").at("cells"), manifest().at("cells"));
+}
+
+TEST_F(RepeatTest, AChangedSceneIsNamedBeforeAnythingIsDone) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    write("tiny.xml", tiny_scene_xml(9));
+    const ProgramResult again = repeat("results/e --out b");
+    EXPECT_EQ(again.code, 2);
+    EXPECT_THAT(again.err, HasSubstr("tiny.xml:1:1: the scene was changed"));
+    EXPECT_FALSE(fs::exists(path("b")));
+}
+
+TEST_F(RepeatTest, OtherImagesAreToldApart) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    auto changed = manifest();
+    changed["cells"][0]["image"] = std::string(40, '0');
+    set_manifest(changed);
+    ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out, HasSubstr("differs       tiny, path spp=4, seed 1, 4 passes: 0 of "));
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=8, seed 1, 8 passes\n1 of 2 identical"));
+
+    changed = manifest();
+    changed["cells"][0]["passes"] = 3;  // the image is that of 4
+    changed["cells"][1]["method"] = "path spp=16";
+    set_manifest(changed);
+    again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out,
+                ::testing::ContainsRegex("differs       tiny, path spp=4, seed 1, 3 passes: [1-9][0-9]* of 1"));
+    EXPECT_THAT(again.out, HasSubstr("not repeated  tiny, path spp=16"));
+}
+
+TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    auto changed = manifest();
+    changed["compiler"] = "Other 1.0";
+    changed["libraries"]["Embree"] = "0.1";
+    set_manifest(changed);
+    write("elsewhere/x", "");
+    const ProgramResult again = run_gibench("run --repeat ../results/e", path("elsewhere"));
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("warning: the compiler is another one: 'Other 1.0' then"));
+    EXPECT_THAT(again.err, HasSubstr("warning: the Embree is another one: '0.1' then"));
+    EXPECT_THAT(again.err, Not(HasSubstr("the processor is another")));
+}
+
+TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
+    const auto refused = [&](const std::string& arguments, const std::string& said) {
+        const ProgramResult result = run_gibench("run " + arguments, path());
+        EXPECT_EQ(result.code, 2) << arguments;
+        EXPECT_THAT(result.err, HasSubstr(said)) << arguments;
+    };
+    refused("", "EXPERIMENT or --repeat");
+    refused("--repeat results/e e.toml", "excludes");
+    refused("--repeat results/e --threads 2", "excludes");
+    refused("--repeat results/e --seeds 2", "excludes");
+    refused("--repeat results/e", "manifest.json");
+    write("results/e/manifest.json", "{}");
+    refused("--repeat results/e", "not a manifest");
+    write("results/e/manifest.json", "{\"experiment\": \"\"}");
+    refused("--repeat results/e", "earlier gibench");
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    refused("--repeat results/e --out results/../results/e", "a folder of its own");
+}
+
+}  // namespace
+}  // namespace gib::test
