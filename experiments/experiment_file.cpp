@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <set>
 
 namespace gib {
 
@@ -15,6 +16,8 @@ namespace {
 
 /// A relative error that is taken for good enough where an experiment says nothing about its references.
 constexpr double default_target = 0.01;
+/// Lists of values multiply: a few lines could ask for more labels than memory holds.
+constexpr std::size_t most_labels = 10000;
 
 /// The checked label of a table of parameters; each list of values makes a sweep, several a grid (the last varies
 /// fastest).
@@ -34,6 +37,9 @@ public:
         } else {
             values.push_back(checked(entry, *entry.value));
         }
+        if (labels_.size() * values.size() > most_labels)
+            throw InputError(entry.key_at, fmt::format("the lists up to '{}' make more than {} combinations of values",
+                                                       entry.key, most_labels));
         std::vector<MethodLabel> grid;
         for (const auto& label : labels_)
             for (const auto& value : values) {
@@ -89,7 +95,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         const std::filesystem::path written(scene.written);
         scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
         scene.name = written.stem().string();
-        if (!std::filesystem::is_regular_file(scene.path))
+        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
             throw InputError(scene.where, fmt::format("there is no scene file '{}'", scene.path));
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
@@ -171,6 +177,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
 }
 
 void read_methods(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+    std::set<std::string> texts;
     for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
         const auto& table = reader.table(item, "method");
         const SourceLocation where = reader.at(item);
@@ -180,9 +187,10 @@ void read_methods(const TomlReader& reader, const toml::node& node, Experiment& 
         for (const auto& entry : reader.entries(table))
             if (entry.key != "name") sweep.add(entry);
         for (auto& label : sweep.labels(where)) {
-            for (const auto& other : experiment.methods)
-                if (other.text() == label.text())
-                    throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
+            if (!texts.insert(label.text()).second)
+                throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
+            if (texts.size() > most_labels)
+                throw InputError(where, fmt::format("more than {} methods and combinations of values", most_labels));
             experiment.methods.push_back(std::move(label));
         }
     }
