@@ -54,7 +54,8 @@ void compute_normals(MeshData& mesh) {
         for (std::size_t i = 0; i < 3; ++i) {
             const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
             // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
-            sums[triangle[i]] += std::atan2(length, a.dot(b)) / length * n;
+            // The angle over a length near double's smallest number would be infinite.
+            sums[triangle[i]] += std::atan2(length, a.dot(b)) * (n / length);
         }
     }
     mesh.normals.resize(mesh.positions.size(), Vec3::Zero());

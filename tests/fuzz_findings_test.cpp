@@ -149,6 +149,17 @@ TEST(FuzzFindings, NormalsSurviveScalesWhoseProductsDoNot) {
     EXPECT_LT((mesh.normals[0] - Vec3::UnitX()).norm(), 1e-6f);
 }
 
+TEST(FuzzFindings, NormalsOfFacesOfNearlyNoArea) {
+    for (const double side : {1e-150, 1e-160, 1e-161}) {
+        MeshData mesh;
+        mesh.positions = {{0, 0, 0}, {side, 0, 0}, {0, side, 0}};
+        mesh.triangles = {{0, 1, 2}};
+        compute_normals(mesh);
+        for (const Vec3& n : mesh.normals)
+            EXPECT_LT((n - Vec3::UnitZ()).norm(), 1e-6f) << side;
+    }
+}
+
 TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     // Along its axis a disk has no extent: any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {

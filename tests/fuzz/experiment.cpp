@@ -1,6 +1,5 @@
 // Experiment files. Their scenes are looked for, not read.
 
-#include "common/error.h"
 #include "experiments/experiment_file.h"
 #include "tests/fuzz/harness.h"
 
@@ -37,10 +36,7 @@ void run_input(std::string_view input) {
         return true;
     }();
     require(written, "there are scenes");
-    try {
-        check_experiment(parse_experiment(std::string(input), folder / "input.toml"));
-    } catch (const InputError&) {
-    }
+    unless_refused([&] { check_experiment(parse_experiment(std::string(input), folder / "input.toml")); });
 }
 
 }  // namespace gib::fuzz

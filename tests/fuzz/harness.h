@@ -2,6 +2,7 @@
 // What a fuzz target is: one reader, fed with any bytes. The same functions run under libFuzzer (preset `fuzz`) and, in every
 // other build, over the files of tests/fuzz/corpus (the tests FuzzCorpus.*).
 
+#include "common/error.h"
 #include "common/mesh_data.h"
 
 #include <string>
@@ -9,9 +10,18 @@
 
 namespace gib::fuzz {
 
-/// Each target's program has its own. Reads the input; to be refused with InputError is all right and ends here. Whatever else is thrown,
-/// and whatever require() finds in what was read, is a finding.
+/// Each target's program has its own. Reads the input, which may be refused; whatever else is thrown, and whatever require() finds in what
+/// was read, is a finding.
 void run_input(std::string_view input);
+
+/// Runs it. InputError is a refusal and ends here.
+template <typename Read>
+void unless_refused(const Read& read) {
+    try {
+        read();
+    } catch (const InputError&) {
+    }
+}
 
 /// Throws std::logic_error, which no reader throws on purpose.
 void require(bool holds, const std::string& what);

@@ -1,7 +1,6 @@
 // Scene files. An input is the scene, and after a line `%% name` another file of its folder: an include, a mesh, a spectrum, a
 // volume. What loads is planned by every method and rendered in a few pixels.
 
-#include "common/error.h"
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "methods/method.h"
@@ -119,13 +118,12 @@ void run_input(std::string_view input) {
     require(written, "there are images");
     const SceneInput files(input, folder);
     with_threads(1, [&] {
-        try {
+        unless_refused([&] {
             check_scene(load_scene(files.path()));
             // A film may be of any size that is allowed: here it has four pixels.
             const LoadedScene small = load_scene(files.path(), {{}, std::pair(2, 2)});
             render(*small.scene, small.max_edges);
-        } catch (const InputError&) {
-        }
+        });
     });
 }
 
