@@ -106,8 +106,15 @@ private:
         const Vec3 wi = to_light * per_d;
         const float cos_light = towards * per_d;
         const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
-        return std::optional<LightSample>(std::in_place, wi, d, Le, d2 / (cosine * light.surface.area()), false,
-                                          shadow_ray_target(q, p));
+        // Built where it is returned, member by member: an aggregate in parentheses is more than clang 14 knows.
+        std::optional<LightSample> sample(std::in_place);
+        sample->wi = wi;
+        sample->distance = d;
+        sample->Le = Le;
+        sample->pdf_w = d2 / (cosine * light.surface.area());
+        sample->delta = false;
+        sample->target = shadow_ray_target(q, p);
+        return sample;
     }
 
     template <typename Intensity>

@@ -173,8 +173,13 @@ private:
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
             SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance, p.media};
-            if (p.radiance && !(area_of(object.shape) > 0))
-                throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            const double area = p.radiance ? area_of(object.shape) : 1;
+            if (!(area > 0)) throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            // Densities are inverse areas in float.
+            if (!(area >= 1e-37 && area <= 1e37))
+                throw InputError(p.emitter_where, fmt::format("an area emitter on a shape of area {:g}: it must be "
+                                                              "between 1e-37 and 1e+37",
+                                                              area));
             objects.push_back(std::move(object));
         }
         return objects;

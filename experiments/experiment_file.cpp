@@ -24,7 +24,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         const std::filesystem::path written(scene.written);
         scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
         scene.name = written.stem().string();
-        if (!std::filesystem::is_regular_file(scene.path))
+        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
             throw InputError(scene.where, fmt::format("there is no scene file '{}'", scene.path));
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)

@@ -69,6 +69,9 @@ std::vector<std::pair<std::string, std::map<std::string, std::string>>> paramete
         } else {
             values.push_back(reader.text_of(*entry.value));
         }
+        if (grid.size() * values.size() > most_combinations)
+            throw InputError(entry.key_at, fmt::format("the lists up to '{}' make more than {} combinations of values",
+                                                       entry.key, most_combinations));
         auto smaller = std::move(grid);
         grid.clear();
         for (const auto& [name, parameters] : smaller)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 namespace gib {
 
@@ -17,6 +18,9 @@ void MethodSweep::add(const TomlReader::Entry& entry) {
     } else {
         values.push_back(checked(entry, *entry.value));
     }
+    if (labels_.size() * values.size() > most_combinations)
+        throw InputError(entry.key_at, fmt::format("the lists up to '{}' make more than {} combinations of values",
+                                                   entry.key, most_combinations));
     std::vector<MethodLabel> grid;
     for (const auto& label : labels_)
         for (const auto& value : values) {
@@ -57,6 +61,7 @@ std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::nod
 
 std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node) {
     std::vector<MethodLabel> methods;
+    std::set<std::string> texts;
     for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
         const auto& table = reader.table(item, "method");
         const SourceLocation where = reader.at(item);
@@ -66,9 +71,11 @@ std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node
         for (const auto& entry : reader.entries(table))
             if (entry.key != "name") sweep.add(entry);
         for (auto& label : sweep.labels(where)) {
-            for (const auto& other : methods)
-                if (other.text() == label.text())
-                    throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
+            if (!texts.insert(label.text()).second)
+                throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
+            if (texts.size() > most_combinations)
+                throw InputError(where,
+                                 fmt::format("more than {} methods and combinations of values", most_combinations));
             methods.push_back(std::move(label));
         }
     }

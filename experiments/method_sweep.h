@@ -9,6 +9,9 @@
 
 namespace gib {
 
+/// Lists of values multiply: a few lines could ask for more combinations than memory holds.
+inline constexpr std::size_t most_combinations = 10000;
+
 /// The checked label of a table of parameters; each list of values makes a sweep, several a grid (the last varies
 /// fastest).
 class MethodSweep {
