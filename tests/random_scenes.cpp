@@ -45,15 +45,17 @@ bool transmits(MaterialKind kind) {
            kind == MaterialKind::rough_glass || kind == MaterialKind::mask || kind == MaterialKind::nothing;
 }
 
+bool is_matt(SceneMood mood) { return mood == SceneMood::matt || mood == SceneMood::polygons; }
+
 /// Of a surface with two sides in the same space (`closed` false), or one that holds something.
 MaterialKind random_kind(Dice& dice, SceneMood mood, bool closed) {
     using enum SceneMaterial::Kind;
-    if (mood == SceneMood::matt || dice.chance(0.35)) return diffuse;
-    const std::array solid = {mirror, conductor, rough_conductor, thin_glass, plastic, rough_plastic, phong,
-                              mask,   blend};
+    if (is_matt(mood) || dice.chance(0.35)) return diffuse;
+    const std::array solid = {mirror, conductor, rough_conductor, thin_glass, plastic, phong, mask, blend};
     const std::array hollow = {glass, dispersive_glass, rough_glass};
     if (closed && dice.chance(0.45)) return hollow[static_cast<std::size_t>(dice.below(hollow.size()))];
     if (mood == SceneMood::any && dice.chance(0.08)) return dice.chance(0.5) ? normal_map : nothing;
+    if (dice.chance(0.02)) return rough_plastic;  // seldom: its table takes 60 ms
     return solid[static_cast<std::size_t>(dice.below(solid.size()))];
 }
 
@@ -122,11 +124,16 @@ public:
         if (closed) add_room();
         else add_ground();
         add_camera();
-        const int things = 1 + dice_.below(mood_ == SceneMood::matt ? 4 : 7);
+        const int things = 1 + dice_.below(is_matt(mood_) ? 4 : 7);
         for (int i = 0; i < things; ++i)
             add_thing();
-        if (mood_ != SceneMood::reciprocal) add_lights(closed);
-        if (mood_ != SceneMood::matt && dice_.chance(0.15)) add_fog(closed);
+        if (mood_ == SceneMood::reciprocal) {
+            add_patch(0.7);
+            add_patch(0.4);
+        } else {
+            add_lights(closed);
+            if (!is_matt(mood_) && dice_.chance(0.15)) add_fog(closed);
+        }
         scene_.max_depth = dice_.chance(0.4) ? -1 : 2 + dice_.below(7);
         return std::move(scene_);
     }
@@ -145,10 +152,10 @@ private:
         return static_cast<int>(scene_.materials.size()) - 1;
     }
     int wall_material() {
-        const bool plain = mood_ == SceneMood::matt || dice_.chance(0.8);
+        const bool plain = is_matt(mood_) || dice_.chance(0.8);
         const auto kind = plain ? MaterialKind::diffuse
-                                : std::array{MaterialKind::plastic, MaterialKind::rough_plastic, MaterialKind::phong,
-                                             MaterialKind::rough_conductor}[static_cast<std::size_t>(dice_.below(4))];
+                                : std::array{MaterialKind::plastic, MaterialKind::phong,
+                                             MaterialKind::rough_conductor}[static_cast<std::size_t>(dice_.below(3))];
         const int material = add_material(kind);
         scene_.materials.back().two_sided = true;
         return material;
@@ -211,6 +218,8 @@ private:
     SceneShape random_shape(double smallest, double largest) {
         SceneShape shape;
         shape.kind = static_cast<ShapeKind>(dice_.below(6));
+        if (mood_ == SceneMood::polygons)
+            shape.kind = std::array{ShapeKind::rectangle, ShapeKind::cube, ShapeKind::mesh}[dice_.bits() % 3];
         const double size = dice_.between(smallest, largest) * 0.3 * extent_.minCoeff();
         Eigen::Matrix3d linear = random_rotation(dice_);
         if (shape.kind == ShapeKind::disk) linear.col(1) *= dice_.between(0.4, 1);
@@ -231,7 +240,7 @@ private:
         const MaterialKind kind = random_kind(dice_, mood_, closed);
         shape.material = add_material(kind);
         const bool hollow = transmits(kind) && kind != MaterialKind::thin_glass && kind != MaterialKind::mask;
-        if (mood_ != SceneMood::matt && closed && (hollow || kind == MaterialKind::nothing) && dice_.chance(0.3)) {
+        if (!is_matt(mood_) && closed && (hollow || kind == MaterialKind::nothing) && dice_.chance(0.3)) {
             scene_.media.push_back(random_medium());
             shape.interior = static_cast<int>(scene_.media.size()) - 1;
         }
@@ -263,6 +272,21 @@ private:
         lamp.radiance = dice_.between(1, 20) * random_color(dice_, 0.3, 1);
         lamp.flip_normals = !is_closed(lamp.kind) && dice_.chance(0.3);
         scene_.shapes.push_back(lamp);
+    }
+    /// A rectangle that looks towards the middle.
+    void add_patch(double reflectance) {
+        SceneShape patch;
+        patch.kind = ShapeKind::rectangle;
+        const Vec3d at = free_place();
+        patch.to_world = looking(at, 0.3 * random_direction(dice_) - at);
+        patch.to_world.col(0) *= 0.25 * dice_.between(0.5, 1);
+        patch.to_world.col(1) *= 0.25 * dice_.between(0.5, 1);
+        patch.material = add_material(MaterialKind::diffuse);
+        SceneMaterial& material = scene_.materials.back();
+        material.color = Colord::Constant(reflectance);
+        material.two_sided = false;
+        material.tiles = 0;
+        scene_.shapes.push_back(patch);
     }
     void add_lights(bool closed) {
         const int count = 1 + dice_.below(3);

@@ -100,8 +100,10 @@ struct RandomScene {
 enum class SceneMood {
     any,        ///< all that the scene language supports without image files
     matt,       ///< diffuse surfaces without media, which every method simulates
+    polygons,   ///< the same without curved shapes, of which radiosity makes many patches
     reciprocal  ///< f(wo, wi) = f(wi, wo) but for refraction's eta^2, and refraction only on closed shapes: no smooth
-                ///< normals, no normal maps; in a closed room
+                ///< normals, no normal maps; in a closed room without lights. The last two shapes are diffuse
+                ///< rectangles
 };
 
 /// Numbers of a seed, the same on every platform.
