@@ -128,8 +128,7 @@ public:
         for (int i = 0; i < things; ++i)
             add_thing();
         if (mood_ == SceneMood::reciprocal) {
-            add_patch(0.7);
-            add_patch(0.4);
+            add_patches();
         } else {
             add_lights(closed);
             if (!is_matt(mood_) && dice_.chance(0.15)) add_fog(closed);
@@ -273,14 +272,26 @@ private:
         lamp.flip_normals = !is_closed(lamp.kind) && dice_.chance(0.3);
         scene_.shapes.push_back(lamp);
     }
-    /// A rectangle that looks towards the middle.
-    void add_patch(double reflectance) {
+    /// Two rectangles that look towards the middle, small enough for their cells.
+    void add_patches() {
+        const Vec3d first = free_place(), second = free_place();
+        const bool in_glass = dice_.chance(0.4);
+        if (in_glass) {
+            SceneShape shell;
+            shell.to_world = placed(0.18 * random_rotation(dice_), first);
+            shell.material = add_material(dice_.chance(0.5) ? MaterialKind::glass : MaterialKind::rough_glass);
+            scene_.index_around_patch = scene_.materials.back().ior;
+            scene_.shapes.push_back(shell);
+        }
+        add_patch(first, in_glass ? 0.1 : 0.18, 0.7);
+        add_patch(second, 0.18, 0.4);
+    }
+    void add_patch(const Vec3d& at, double size, double reflectance) {
         SceneShape patch;
         patch.kind = ShapeKind::rectangle;
-        const Vec3d at = free_place();
         patch.to_world = looking(at, 0.3 * random_direction(dice_) - at);
-        patch.to_world.col(0) *= 0.25 * dice_.between(0.5, 1);
-        patch.to_world.col(1) *= 0.25 * dice_.between(0.5, 1);
+        patch.to_world.col(0) *= size * dice_.between(0.5, 1);
+        patch.to_world.col(1) *= size * dice_.between(0.5, 1);
         patch.material = add_material(MaterialKind::diffuse);
         SceneMaterial& material = scene_.materials.back();
         material.color = Colord::Constant(reflectance);

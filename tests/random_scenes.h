@@ -94,6 +94,8 @@ struct RandomScene {
     int camera_medium = -1;
     SceneCamera camera;
     int max_depth = -1;  ///< as in scene files: -1 is unlimited
+    double index_around_patch =
+        1;  ///< index of refraction that the last shape but one stands in (SceneMood::reciprocal)
 };
 
 /// What scenes are made of.
@@ -103,7 +105,7 @@ enum class SceneMood {
     polygons,   ///< the same without curved shapes, of which radiosity makes many patches
     reciprocal  ///< f(wo, wi) = f(wi, wo) but for refraction's eta^2, and refraction only on closed shapes: no smooth
                 ///< normals, no normal maps; in a closed room without lights. The last two shapes are diffuse
-                ///< rectangles
+                ///< rectangles, the first of them perhaps in a sphere of glass
 };
 
 /// Numbers of a seed, the same on every platform.

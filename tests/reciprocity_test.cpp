@@ -5,8 +5,9 @@
 //   P(A, B) = L * integral over x in A, y in B of G(x, y) dA dA,
 // where G sums over all paths from x to y: products of f, cosines over squared distances, visibility, and transmittances
 // and phase functions in media. The product of a path is that of the reversed path: every f is symmetric, but for
-// refractions, where f(i, o) / eta_o^2 is (Veach 1997, section 5.3); these factors cancel along a path whose ends are
-// in the same medium. So P(A, B) = P(B, A), and since reversed paths are in the same component (x S+ y, x y, the
+// refractions, where f(i, o) / n_o^2 is (Veach 1997, section 5.2); along a path these factors leave the indices at its
+// ends. So P(A, B) / n_B^2 = P(B, A) / n_A^2, where n_A is that of a sphere of glass around A, if there is one: a lamp
+// in glass sends n^2 times less out than comes in from one outside. And since reversed paths are in the same component (x S+ y, x y, the
 // rest), for each component alone; and for each length, so that max_depth cuts both off alike.
 // B reflects its irradiance P / area evenly: the mean radiance of an image that shows B and nothing else is
 //   Lo(B) = rho_B / pi * P(A, B) / area_B,
@@ -27,6 +28,10 @@ namespace gib {
 namespace {
 
 using namespace test;
+
+/// Whether both sides find the light in each seed. Where one of them meets a small lamp in glass by chance, or not at all,
+/// its means are far from normal, and nothing follows from one component; the sums of all are compared in any case.
+bool both_find(const Moments& a, const Moments& b) { return a.zeros() + b.zeros() == 0; }
 
 /// Of the table, half for single numbers, half for all scenes together. The two sides have different laws, whose means
 /// must be nearly normal for the t-test: some 10^4 samples of a large lamp at least.
@@ -85,6 +90,8 @@ public:
     const LoadedScene& backward() const { return backward_; }
     const SceneShape& first() const { return scene_.shapes[first_]; }
     const SceneShape& second() const { return scene_.shapes[second_]; }
+    /// P(second, first) / P(first, second).
+    double ratio() const { return scene_.index_around_patch * scene_.index_around_patch; }
     /// [m^2] P over the mean radiance of an image of the first (second) patch.
     double power_per_radiance(bool first) const {
         const SceneShape& patch = first ? this->first() : second();
@@ -123,6 +130,7 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
     const double least = 0.5 * alpha / static_cast<double>(scenes * (7 + 2 + 6));
     const TemporaryFolder folder;
     std::vector<double> probabilities;
+    std::size_t compared = 0;
     for (std::uint64_t seed = 0; probabilities.size() < scenes; ++seed) {
         SCOPED_TRACE("scene " + std::to_string(seed));
         const BothWays ways(random_scene(seed, SceneMood::reciprocal), folder);
@@ -131,12 +139,16 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
         const auto there = replicates(ways.forward(), label, passes, 1000 * seed + 1, seeds),
                    back = replicates(ways.backward(), label, passes, 1000 * seed + 501, seeds);
         const double to_second = ways.power_per_radiance(false), to_first = ways.power_per_radiance(true);
-        for (const std::size_t i : numbers)
-            EXPECT_GT(welch_probability(there[i], back[i], to_first / to_second), least)
+        const double expected_ratio = to_first / to_second / ways.ratio();  // of radiances
+        for (const std::size_t i : numbers) {
+            if (i >= 3 && !both_find(there[i], back[i])) continue;
+            ++compared;
+            EXPECT_GT(welch_probability(there[i], back[i], expected_ratio), least)
                 << "number " << i << ": " << described(there[i], to_second) << ", back "
                 << described(back[i], to_first);
+        }
         EXPECT_EQ(there[3].mean() + back[3].mean(), 0) << "emission is seen";
-        probabilities.push_back(welch_probability(there[numbers[0]], back[numbers[0]], to_first / to_second));
+        probabilities.push_back(welch_probability(there[numbers[0]], back[numbers[0]], expected_ratio));
         if (!follows_photons) continue;
         const auto power_there = power_of_photons(ways.forward(), ways.second(), 1000 * seed + 1),
                    power_back = power_of_photons(ways.backward(), ways.first(), 1000 * seed + 501);
@@ -147,10 +159,11 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
                 << "channel " << c << ": " << described(power_back[c]) << ", paths " << described(back[c], to_first);
         }
         if (std::getenv("GIB_PROPERTY_PRINT"))
-            std::printf("scene %2d: paths %s, back %s; photons %s, back %s\n", static_cast<int>(seed),
-                        described(there[1], to_second).c_str(), described(back[1], to_first).c_str(),
+            std::printf("scene %2d (n^2 = %.4g): paths %s, back %s; photons %s, back %s\n", static_cast<int>(seed),
+                        ways.ratio(), described(there[1], to_second).c_str(), described(back[1], to_first).c_str(),
                         described(power_there[1]).c_str(), described(power_back[1]).c_str());
     }
+    EXPECT_GE(compared, scenes * numbers.size() / 2);
     const double together = fisher_probability(probabilities);
     EXPECT_GT(together, 0.25 * alpha);
     if (std::getenv("GIB_PROPERTY_PRINT")) std::printf("Reciprocity %s p = %.3g\n", name.c_str(), together);
