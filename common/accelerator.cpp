@@ -148,6 +148,7 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
 /// coordinates.
 template <typename Body>
 void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, float scale, const Body& body) {
+    const FloatTrapsResumed resumed;
     for (unsigned i = 0; i < n; ++i)
         if (valid[i]) body(scaled(ray_of(rtcGetRayFromRayN(rays, n, i)), 1.f / scale), i);
 }

@@ -38,6 +38,13 @@ std::vector<Effect> Effects::list() const {
     return effects;
 }
 
+std::string Effects::names() const {
+    std::string names;
+    for (const Effect e : list())
+        names += (names.empty() ? "" : ";") + std::string(name_of(e));
+    return names;
+}
+
 Effects effects_of(const Scene& scene) {
     LobeTraits lobes;
     Effects effects;

@@ -47,6 +47,8 @@ public:
     bool has(Effect e) const { return (bits_ & bit(e)) != 0; }
     /// In the order of effect_descriptions().
     std::vector<Effect> list() const;
+    /// Their names in that order, with `;` between them.
+    std::string names() const;
     friend Effects operator&(Effects a, Effects b) { return Effects(a.bits_ & b.bits_); }
     friend Effects operator-(Effects a, Effects b) { return Effects(a.bits_ & ~b.bits_); }
     friend bool operator==(Effects, Effects) = default;

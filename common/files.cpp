@@ -108,6 +108,9 @@ std::string read_file(const std::string& path) {
     struct stat status {};
     if (file.get() < 0 || ::fstat(file.get(), &status) != 0)
         throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
+    // /dev/zero never ends.
+    if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode))
+        throw InputError({path, 0, 0}, "cannot read the file: it is a device");
     if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
     std::string content(static_cast<std::size_t>(status.st_size), '\0');
     std::size_t size = 0;

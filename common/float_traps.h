@@ -17,11 +17,13 @@ inline void trap_floating_point_errors() {
 #endif
 }
 
-/// While it lives, they do not: around libraries that compute in lanes that they do not use.
+/// While it lives, they do not: around libraries that compute in lanes that they do not use, and where values that are not
+/// finite are given and passed on. With `paused` false it changes nothing.
 class FloatTrapsPaused {
 public:
 #if GIB_FLOAT_TRAPS
-    FloatTrapsPaused() : before_(::fedisableexcept(FE_ALL_EXCEPT)) {}
+    explicit FloatTrapsPaused(bool paused = true)
+        : before_(paused ? ::fedisableexcept(FE_ALL_EXCEPT) : ::fegetexcept()) {}
     ~FloatTrapsPaused() {
         std::feclearexcept(FE_ALL_EXCEPT);
         ::feenableexcept(before_);
@@ -32,7 +34,29 @@ public:
 private:
     int before_;
 #else
-    FloatTrapsPaused() {}  // not trivial: an unused variable would be warned about
+    explicit FloatTrapsPaused(bool = true) {}  // not trivial: an unused variable would be warned about
+#endif
+};
+
+/// While it lives, they do again: in our own functions that such a library calls.
+class FloatTrapsResumed {
+public:
+#if GIB_FLOAT_TRAPS
+    FloatTrapsResumed() : before_(::fegetexcept()) {
+        std::feclearexcept(FE_ALL_EXCEPT);
+        trap_floating_point_errors();
+    }
+    ~FloatTrapsResumed() {
+        ::fedisableexcept(FE_ALL_EXCEPT);
+        ::feenableexcept(before_);
+    }
+    FloatTrapsResumed(const FloatTrapsResumed&) = delete;
+    FloatTrapsResumed& operator=(const FloatTrapsResumed&) = delete;
+
+private:
+    int before_;
+#else
+    FloatTrapsResumed() {}
 #endif
 };
 

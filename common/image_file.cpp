@@ -191,8 +191,8 @@ std::vector<std::uint8_t> encode_png(const Image& image, float exposure) {
     std::vector<std::uint8_t> bytes(image.rgb.size());
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         const float v = image.rgb[i] * exposure;
-        // Written so that NaN becomes black: a picture shows what is there, the tables count it.
-        const float clipped = v > 0 ? std::min(v, 1.f) : 0.f;
+        // NaN becomes black: a picture shows what is there, the tables count it.
+        const float clipped = std::isgreater(v, 0.f) ? std::min(v, 1.f) : 0.f;
         bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * srgb_from_linear(clipped)));
     }
     return image_library().encode_png(image.width, image.height, bytes);

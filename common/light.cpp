@@ -106,8 +106,15 @@ private:
         const Vec3 wi = to_light * per_d;
         const float cos_light = towards * per_d;
         const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
-        return std::optional<LightSample>(std::in_place, wi, d, Le, d2 / (cosine * light.surface.area()), false,
-                                          shadow_ray_target(q, p));
+        // Built where it is returned, member by member: an aggregate in parentheses is more than clang 14 knows.
+        std::optional<LightSample> sample(std::in_place);
+        sample->wi = wi;
+        sample->distance = d;
+        sample->Le = Le;
+        sample->pdf_w = d2 / (cosine * light.surface.area());
+        sample->delta = false;
+        sample->target = shadow_ray_target(q, p);
+        return sample;
     }
 
     template <typename Intensity>
@@ -236,9 +243,10 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Sh
 float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit) {
     if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / cone->solid_angle();
     const Vec3 to_light = hit.p - p;
-    const float d2 = to_light.squaredNorm();
-    const float cos_light = -to_light.dot(hit.ng) / std::sqrt(d2);
-    return cos_light > 0.f ? d2 / (cos_light * light.surface.area()) : 0.f;
+    const float d2 = to_light.squaredNorm(), towards = -to_light.dot(hit.ng);
+    if (!(towards > 0.f && d2 > 0.f)) return 0.f;
+    const float cos_light = towards / std::sqrt(d2);
+    return d2 / (cos_light * light.surface.area());
 }
 
 Color environment_radiance(const Light& environment, const Vec3& w) {

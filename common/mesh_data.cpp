@@ -4,11 +4,32 @@
 
 namespace gib {
 
+namespace {
+
+/// The inverse transpose of the linear part, times a positive number: only the directions of its images count.
+Eigen::Matrix3d normal_matrix(const Mat4d& to_world) {
+    const Eigen::Matrix3d unit = unit_columns(to_world);
+    Vec3d lengths;
+    for (int i = 0; i < 3; ++i)
+        lengths[i] = to_world.block<3, 1>(0, i).stableNorm();
+    // (U D)^-T = U^-T D^-1, where the inverse of D may leave double's range and its multiple does not.
+    return unit.inverse().transpose() * Vec3d(lengths.minCoeff() / lengths.array()).asDiagonal();
+}
+
+}  // namespace
+
+Eigen::Matrix3d unit_columns(const Mat4d& to_world) {
+    Eigen::Matrix3d unit = to_world.topLeftCorner<3, 3>();
+    for (int i = 0; i < 3; ++i)
+        unit.col(i).stableNormalize();
+    return unit;
+}
+
 void transform_mesh(MeshData& mesh, const Mat4d& to_world) {
     if (!to_world.isIdentity(0)) {
         const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
         const Vec3d translation = to_world.topRightCorner<3, 1>();
-        const Eigen::Matrix3d for_normals = linear.inverse().transpose();
+        const Eigen::Matrix3d for_normals = normal_matrix(to_world);
         for (auto& p : mesh.positions)
             p = linear * p + translation;
         for (auto& n : mesh.normals)
@@ -33,7 +54,8 @@ void compute_normals(MeshData& mesh) {
         for (std::size_t i = 0; i < 3; ++i) {
             const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
             // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
-            sums[triangle[i]] += std::atan2(length, a.dot(b)) / length * n;
+            // The angle over a length near double's smallest number would be infinite.
+            sums[triangle[i]] += std::atan2(length, a.dot(b)) * (n / length);
         }
     }
     mesh.normals.resize(mesh.positions.size(), Vec3::Zero());

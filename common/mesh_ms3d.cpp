@@ -85,7 +85,7 @@ private:
             remember(reference("a bone"), last_bone_);
         });
         std::vector<Vec3> normals;
-        items([&] { normals.push_back(vector("a normal").cast<float>()); });
+        items([&] { normals.push_back(float_vector("a normal")); });
 
         // A vertex of the mesh is a pair of a position and a normal.
         std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_pair;
@@ -227,9 +227,10 @@ private:
     float number(const char* what) {
         cursor_.skip_blanks();
         cursor_.mark();
-        const auto value = static_cast<float>(cursor_.number());
+        const double value = cursor_.number();
         if (!std::isfinite(value)) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
-        return value;
+        if (!fits_float(value)) throw InputError(cursor_.marked(), fmt::format("{} is too large: {:g}", what, value));
+        return static_cast<float>(value);
     }
     Vec3d vector(const char* what) {
         Vec3d v;
@@ -239,6 +240,12 @@ private:
             v[i] = cursor_.number();
             if (!std::isfinite(v[i])) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
         }
+        return v;
+    }
+    Vec3 float_vector(const char* what) {
+        Vec3 v;
+        for (int i = 0; i < 3; ++i)
+            v[i] = number(what);
         return v;
     }
     float ranged(const char* what, float lowest, float highest) {

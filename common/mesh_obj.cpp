@@ -43,12 +43,12 @@ private:
         } else if (keyword == "vn") {
             Vec3 n;
             for (int i = 0; i < 3; ++i)
-                n[i] = static_cast<float>(finite_number("normal"));
+                n[i] = float_number("normal");
             normals_.push_back(n);
         } else if (keyword == "vt") {
             Vec2 uv;
             for (int i = 0; i < 2; ++i)
-                uv[i] = static_cast<float>(finite_number("texture coordinate"));
+                uv[i] = float_number("texture coordinate");
             uvs_.push_back(uv);
         } else if (keyword == "f") {
             parse_face();
@@ -61,6 +61,12 @@ private:
         const double x = cursor_.number();
         if (!std::isfinite(x)) throw InputError(cursor_.marked(), fmt::format("a {} is not finite", what));
         return x;
+    }
+
+    float float_number(const char* what) {
+        const double x = finite_number(what);
+        if (!fits_float(x)) throw InputError(cursor_.marked(), fmt::format("a {} is too large: {:g}", what, x));
+        return static_cast<float>(x);
     }
 
     void parse_face() {

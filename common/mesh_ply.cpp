@@ -124,6 +124,9 @@ private:
         const SourceLocation where = cursor_.location();
         const std::int64_t count = cursor_.integer();
         if (count < 0) throw InputError(where, "a negative count in the PLY header");
+        // A second list of vertices could have other properties than the first.
+        if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; }))
+            throw InputError(where, fmt::format("the element '{}' is given twice", name));
         elements_.push_back({name, static_cast<std::uint64_t>(count), {}});
     }
 
@@ -306,6 +309,11 @@ private:
                 const double value = reader_.read(property.type);
                 if (!std::isfinite(value))
                     throw InputError(reader_.location(), fmt::format("vertex {} is not finite{}", i, reader_.place()));
+                // Positions stay in double.
+                if (property.role > Role::z && !fits_float(value))
+                    throw InputError(reader_.location(), fmt::format("vertex {}: a normal or texture coordinate is too "
+                                                                     "large: {:g}{}",
+                                                                     i, value, reader_.place()));
                 values[static_cast<std::size_t>(property.role)] = value;
             }
             mesh_.positions.emplace_back(values[0], values[1], values[2]);
@@ -333,7 +341,7 @@ private:
         std::uint32_t first = 0, previous = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
             const double index = reader_.read(property.type);
-            if (index < 0 || index >= 4294967295.0) index_out_of_range(static_cast<std::int64_t>(index));
+            if (index < 0 || index >= 4294967295.0) index_out_of_range(index);
             const auto vertex = static_cast<std::uint32_t>(index);
             if (!mesh_.positions.empty() && vertex >= mesh_.positions.size()) index_out_of_range(vertex);
             largest_index_ = std::max(largest_index_, vertex);
@@ -343,8 +351,8 @@ private:
         }
     }
 
-    [[noreturn]] void index_out_of_range(std::int64_t index) const {
-        throw InputError(reader_.location(), fmt::format("vertex index {} is out of range: there are {} vertices",
+    [[noreturn]] void index_out_of_range(double index) const {
+        throw InputError(reader_.location(), fmt::format("vertex index {:.0f} is out of range: there are {} vertices",
                                                          index, mesh_.positions.size()));
     }
 

@@ -110,8 +110,8 @@ void read_items(Inflater& stream, std::uint64_t count, std::size_t width, const 
     }
 }
 
-/// Vectors of N finite numbers in either precision, appended by `add`.
-template <int N, typename Add>
+/// Vectors of N finite numbers in either precision, appended by `add`; `in_float`: which keeps them in float.
+template <int N, bool in_float, typename Add>
 void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std::string& file, const char* what,
                   const Add& add) {
     const auto read = [&]<typename T>(T) {
@@ -120,6 +120,8 @@ void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std
             for (int k = 0; k < N; ++k)
                 v[k] = static_cast<double>(load<T>(bytes + static_cast<std::size_t>(k) * sizeof(T)));
             if (!v.allFinite()) fail(file, fmt::format("the {} of vertex {} is not finite", what, index));
+            if (in_float && !std::all_of(v.begin(), v.end(), fits_float))
+                fail(file, fmt::format("the {} of vertex {} is too large", what, index));
             add(v);
         });
     };
@@ -134,14 +136,15 @@ MeshData read_mesh(Inflater& stream, std::uint32_t flags, const std::string& fil
     if (triangles == 0) fail(file, "the mesh is empty: it has no faces");
     const bool doubles = flags & double_precision;
     MeshData mesh;
-    read_vectors<3>(stream, vertices, doubles, file, "position", [&](const Vec3d& p) { mesh.positions.push_back(p); });
+    read_vectors<3, false>(stream, vertices, doubles, file, "position",
+                           [&](const Vec3d& p) { mesh.positions.push_back(p); });
     if (flags & has_normals)
-        read_vectors<3>(stream, vertices, doubles, file, "normal",
-                        [&](const Vec3d& n) { mesh.normals.push_back(n.cast<float>()); });
+        read_vectors<3, true>(stream, vertices, doubles, file, "normal",
+                              [&](const Vec3d& n) { mesh.normals.push_back(n.cast<float>()); });
     if (flags & has_uvs)
-        read_vectors<2>(stream, vertices, doubles, file, "texture coordinate",
-                        [&](const Vec2d& uv) { mesh.uvs.push_back(uv.cast<float>()); });
-    if (flags & has_colors) read_vectors<3>(stream, vertices, doubles, file, "colour", [](const Vec3d&) {});
+        read_vectors<2, true>(stream, vertices, doubles, file, "texture coordinate",
+                              [&](const Vec2d& uv) { mesh.uvs.push_back(uv.cast<float>()); });
+    if (flags & has_colors) read_vectors<3, false>(stream, vertices, doubles, file, "colour", [](const Vec3d&) {});
     read_items<std::uint32_t>(stream, triangles, 3, [&](std::uint64_t index, const char* bytes) {
         auto& triangle = mesh.triangles.emplace_back();
         for (std::size_t k = 0; k < 3; ++k) {

@@ -1,5 +1,7 @@
 #include "common/parallel.h"
 
+#include "common/thread_order.h"
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -16,23 +18,35 @@ void with_threads(int threads, const std::function<void()>& body) {
     // The control lets the pool grow past the processors; the arena holds this body to n of the pool's threads.
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
     tbb::task_arena arena(n);
-    arena.execute(body);
+    LoopOrder order;
+    arena.execute([&] {
+        const LoopOrder::Block block(order);
+        body();
+    });
 }
 
 void parallel_blocks(std::size_t count, std::size_t block_size,
                      const std::function<void(std::size_t, std::size_t, std::size_t)>& body) {
     const std::size_t blocks = (count + block_size - 1) / block_size;
+    LoopOrder order;
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, blocks, 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
-            for (std::size_t b = range.begin(); b != range.end(); ++b)
+            for (std::size_t b = range.begin(); b != range.end(); ++b) {
+                const LoopOrder::Block block(order);
                 body(b * block_size, std::min(count, (b + 1) * block_size), b);
+            }
         },
         tbb::simple_partitioner());
 }
 
 void parallel_pair(const std::function<void()>& first, const std::function<void()>& second) {
-    tbb::parallel_invoke(first, second);
+    LoopOrder order;
+    const auto run = [&](const std::function<void()>& body) {
+        const LoopOrder::Block block(order);
+        body();
+    };
+    tbb::parallel_invoke([&] { run(first); }, [&] { run(second); });
 }
 
 }  // namespace gib

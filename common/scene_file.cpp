@@ -1,4 +1,5 @@
 #include "common/scene_file.h"
+#include "common/coincident_shapes.h"
 
 #include "common/scene_bsdf.h"
 #include "common/scene_emitter.h"
@@ -49,7 +50,11 @@ public:
         SceneParts parts;
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
+        std::vector<SourceLocation> places;
+        for (const Pending& pending : pending_)
+            places.push_back(pending.where);
         parts.objects = recentred_objects(pending_, parts.origin);
+        refuse_coincident_shapes(parts.objects, materials_, places);
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
@@ -168,8 +173,13 @@ private:
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
             SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance, p.media};
-            if (p.radiance && !(area_of(object.shape) > 0))
-                throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            const double area = p.radiance ? area_of(object.shape) : 1;
+            if (!(area > 0)) throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            // Densities are inverse areas in float.
+            if (!(area >= 1e-37 && area <= 1e37))
+                throw InputError(p.emitter_where, fmt::format("an area emitter on a shape of area {:g}: it must be "
+                                                              "between 1e-37 and 1e+37",
+                                                              area));
             objects.push_back(std::move(object));
         }
         return objects;

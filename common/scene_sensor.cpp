@@ -95,7 +95,7 @@ double parse_focal_length(const std::string& text, const SourceLocation& where) 
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const std::string unit(end, text.data() + text.size());
-    if (error != std::errc() || (!unit.empty() && unit != "mm") || !(value > 0) || !std::isfinite(value))
+    if (error != std::errc() || (!unit.empty() && unit != "mm") || !std::isfinite(value) || value <= 0)
         throw InputError(where, fmt::format("bad number '{}': expected a focal length such as 50mm", text));
     return value;
 }
@@ -134,7 +134,8 @@ void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& senso
     if (!(*radius >= 0))
         throw InputError(properties.where("aperture_radius"),
                          fmt::format("'aperture_radius' must not be negative: {}", *radius));
-    if (!(static_cast<float>(1 / focus_distance) > 0 && std::isfinite(static_cast<float>(1 / focus_distance))))
+    const float per_distance = focus_distance > 0 ? static_cast<float>(1 / focus_distance) : 0.f;
+    if (!(per_distance > 0 && std::isfinite(per_distance)))
         throw InputError(properties.where("focus_distance"),
                          fmt::format("'focus_distance' must be above 0, not {}", focus_distance));
     if (!(*radius <= largest_coordinate))
@@ -159,6 +160,19 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
     if (properties.has("far_clip")) sensor.far_clip = static_cast<float>(far_clip);
     if (!(sensor.near_clip < sensor.far_clip))
         throw InputError(properties.where("near_clip"), "'near_clip' must be below 'far_clip'");
+}
+
+/// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next to 180 degrees,
+/// an offset or a filter can be so large that float cannot hold their lengths' squares.
+bool has_sound_rays(const Sensor& sensor) {
+    for (const int x : {0, sensor.width() - 1})
+        for (const int y : {0, sensor.height() - 1})
+            for (const float u : {0.f, 1.f})
+                for (const float v : {0.f, 1.f}) {
+                    const Ray ray = sensor.generate_ray(x, y, {u, v});
+                    if (!ray.o.allFinite() || !(std::abs(ray.d.norm() - 1.f) < 1e-3f)) return false;
+                }
+    return true;
 }
 
 int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
@@ -212,7 +226,10 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
         throw InputError(film ? film->where : sensor.where,
                          fmt::format("an image of {} x {} pixels with {} samples each is above {:g} samples",
                                      parameters.width, parameters.height, sample_count.value_or(1), most_samples));
-    return {Sensor(parameters), sample_count, medium};
+    const Sensor result(parameters);
+    if (!has_sound_rays(result))
+        throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");
+    return {result, sample_count, medium};
 }
 
 int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }

@@ -9,7 +9,7 @@ namespace {
 /// Embree takes geometry up to this coordinate (its FLT_LARGE).
 constexpr double largest_coordinate = 1.8e18;
 
-bool mirrors(const Mat4d& to_world) { return to_world.topLeftCorner<3, 3>().determinant() < 0; }
+bool mirrors(const Mat4d& to_world) { return unit_columns(to_world).determinant() < 0; }
 
 /// Mitsuba's rectangle, disk and vertex normals follow the inverse transpose of to_world, triangles their vertices:
 /// under a mirroring transform those that have a normal of their own keep it. For a mesh whose uv are given.
@@ -81,7 +81,7 @@ ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
     const Vec3d du = linear.col(0), dv = linear.col(1);
     if (std::abs(du.stableNormalized().dot(dv.stableNormalized())) > 1e-6)
         throw InputError(properties.where("to_world"), "the to_world of a disk must not shear");
-    const Vec3d normal = (linear.inverse().transpose() * Vec3d::UnitZ()).stableNormalized();
+    const Vec3d normal = (unit_columns(to_world).inverse().transpose() * Vec3d::UnitZ()).normalized();
     return {to_world.topRightCorner<3, 1>(), du, dv,
             properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
 }
@@ -157,7 +157,8 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
 }
 
 void check_range(const Vec3d& p, const SourceLocation& where) {
-    if (!(p.cwiseAbs().maxCoeff() <= largest_coordinate))
+    // Each by itself: a largest coefficient may leave out NaN.
+    if (!(p.array().abs() <= largest_coordinate).all())
         throw InputError(where, fmt::format("the shape has coordinates above {:g}", largest_coordinate));
 }
 

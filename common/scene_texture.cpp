@@ -4,9 +4,22 @@
 
 namespace gib {
 
+namespace {
+
+constexpr std::size_t deepest_part = 64, most_parts = 1000;  ///< of a material or texture
+
+}  // namespace
+
 OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
-    if (!files.open_.insert(element_).second)
+    if (files.open_.contains(element_))
         throw InputError(object.where, fmt::format("the {} holds itself", element_->tag));
+    if (files.open_.size() == deepest_part)
+        throw InputError(object.where,
+                         fmt::format("materials and textures are nested deeper than {} levels", deepest_part));
+    files.parts_ = files.open_.empty() ? 1 : files.parts_ + 1;
+    if (files.parts_ > most_parts)
+        throw InputError(object.where, fmt::format("a material or texture of more than {} parts", most_parts));
+    files.open_.insert(element_);
 }
 
 OpenElement::~OpenElement() { files_.open_.erase(element_); }

@@ -94,10 +94,12 @@ struct Roots {
 /// Where |f + t d|^2 = r2, in the form of Haines et al. that does not cancel. Empty for d = 0 too.
 std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
     const double a = d.squaredNorm(), b = -f.dot(d);
+    if (a == 0) return std::nullopt;
     const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
     if (!(discriminant >= 0)) return std::nullopt;
     const double q = b + std::copysign(std::sqrt(a * discriminant), b);
-    const double first = (f.squaredNorm() - r2) / q, second = q / a;
+    // The product of the roots over the one that does not cancel. A line that touches in its origin meets there twice.
+    const double first = q == 0 ? 0 : (f.squaredNorm() - r2) / q, second = q / a;
     return first > second ? Roots{second, first} : Roots{first, second};
 }
 
@@ -123,7 +125,9 @@ void Mesh::prepare() {
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
     const Vec3 n = t.e1.cross(t.e2);
-    const float scale = 1.f / length_of(n);
+    const float length = length_of(n);
+    // A triangle without an area has no normal, and no ray finds it.
+    const float scale = length > 0.f ? 1.f / length : std::numeric_limits<float>::quiet_NaN();
     const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
     const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
                  a1.x() * a2.y() + a1.y() * a2.x());

@@ -35,6 +35,7 @@ SurfaceDerivatives derivatives_of(const Mesh& mesh, std::uint32_t triangle, cons
     const Vec2d uv0 = mesh.uvs[t[0]].cast<double>();
     const Vec2d a = mesh.uvs[t[1]].cast<double>() - uv0, b = mesh.uvs[t[2]].cast<double>() - uv0;
     const double determinant = a.x() * b.y() - a.y() * b.x();
+    if (determinant == 0) return fallback();
     const Vec3d v0 = mesh.vertex(t[0]).cast<double>();
     const Vec3d e1 = mesh.vertex(t[1]).cast<double>() - v0, e2 = mesh.vertex(t[2]).cast<double>() - v0;
     const SurfaceDerivatives d{((b.y() * e1 - a.y() * e2) / determinant).cast<float>(),

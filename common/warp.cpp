@@ -30,7 +30,8 @@ double PolarRamp::sample(double u) const {
     for (int i = 0; i < 60; ++i) {
         const double excess = PolarRamp{theta0, theta, f0, f(theta)}.integral() - target;
         (excess > 0 ? high : low) = theta;
-        double next = theta - excess / (f(theta) * std::sin(theta));
+        const double density = f(theta) * std::sin(theta);
+        double next = density == 0 ? low : theta - excess / density;
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (std::abs(next - theta) <= 1e-12 * width) return next;
         theta = next;
@@ -56,7 +57,8 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
     // The probability is that of the rounded interval, which is what is sampled.
     float begin = 0.f;
     for (float end : ends) {
-        items_.push_back({begin, end - begin, 1.f / (end - begin)});
+        const float probability = end - begin;
+        items_.push_back({begin, probability, probability > 0.f ? 1.f / probability : 0.f});
         begin = end;
     }
 }

@@ -87,6 +87,9 @@ void XmlElement::check_no_children() const {
 
 XmlElement parse_xml(const std::string& text, const std::string& file) {
     const Converter converter(text, file);
+    // For pugixml the text ends there, whatever follows.
+    if (const std::size_t zero = text.find('\0'); zero != text.npos)
+        throw InputError(converter.location(zero), "malformed XML: a byte of value zero");
     pugi::xml_document document;
     const auto result = document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!result)

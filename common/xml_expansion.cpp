@@ -11,6 +11,9 @@ namespace gib {
 namespace {
 
 constexpr int deepest_include = 15;
+/// Files that include each other several times, and parameters made of parameters, grow without bound from a few lines.
+constexpr int most_includes = 1000;
+constexpr std::size_t most_substituted = 1 << 24;
 
 bool is_name_character(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -37,7 +40,12 @@ public:
             } else if (text[i] == '$') {
                 const std::string& name = name_at(attribute, i + 1);
                 known_.insert(name);
-                result += values_.at(name);
+                const std::string& value = values_.at(name);
+                substituted_ += value.size();
+                if (substituted_ > most_substituted)
+                    throw InputError(attribute.where,
+                                     fmt::format("parameters of more than {} characters in all", most_substituted));
+                result += value;
                 i += 1 + name.size();
             } else {
                 result += text[i++];
@@ -73,6 +81,7 @@ private:
     const std::map<std::string, std::string>& given_;
     std::map<std::string, std::string> values_;
     std::set<std::string> known_;
+    std::size_t substituted_ = 0;  ///< characters that took the place of parameters
 };
 
 void check_version(const XmlElement& root) {
@@ -157,7 +166,7 @@ private:
         element.check_attributes({"value"});
         element.check_no_children();
         const std::string folder = files_.find(element.required("value").value, element.where, folders_);
-        if (!std::filesystem::is_directory(folder))
+        if (std::error_code error; !std::filesystem::is_directory(folder, error))
             throw InputError(element.where, fmt::format("'{}' is not a folder", folder));
         files_.add_path(folder);
     }
@@ -168,6 +177,8 @@ private:
         if (depth == deepest_include)
             throw InputError(element.where,
                              fmt::format("includes are nested deeper than {} files: circular?", deepest_include));
+        if (++includes_ > most_includes)
+            throw InputError(element.where, fmt::format("a scene of more than {} includes", most_includes));
         const std::string path = files_.find(element.required("filename").value, element.where, folders_);
         const std::string text = read_file(path);
         hash_.add(text);
@@ -199,6 +210,7 @@ private:
     FileFinder& files_;
     Parameters& parameters_;
     ContentHash& hash_;
+    int includes_ = 0;                  ///< so far
     std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
 };
 

@@ -59,6 +59,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
                     double resolved) {
     TableRow row = plain_row(replicates, index, component);
     row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
+    row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);

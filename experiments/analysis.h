@@ -4,6 +4,7 @@
 #include "experiments/equal_footing.h"
 #include "experiments/price_law.h"
 #include "experiments/result_folder.h"
+#include "experiments/robust_error.h"
 #include "experiments/spectrum.h"
 
 #include <array>
@@ -24,6 +25,7 @@ struct TableRow {
     double seconds = 0;                             ///< mean charged seconds of the final images
     double prepare_seconds = 0;                     ///< mean
     std::optional<ReplicateStatistics> statistics;  ///< empty: left out of judgement
+    std::optional<RobustError> robust;
     std::optional<NoiseSpectrum> noise;
     std::vector<SpectrumPoint> bias;
     std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]

@@ -5,6 +5,7 @@
 #include "common/scene_file.h"
 #include "experiments/build_info.h"
 #include "experiments/file_lock.h"
+#include "experiments/hard_case_run.h"
 #include "experiments/interrupt.h"
 #include "experiments/measure.h"
 #include "experiments/reference.h"
@@ -144,6 +145,10 @@ int print_plan(const std::string& scene, const std::string& method,
 }
 
 int rebuild_report(const std::string& folder_path, std::ostream& out) {
+    if (holds_hard_case_results(folder_path)) {
+        out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
+        return 0;
+    }
     const ResultFolder folder(folder_path);
     std::string report;
     with_threads(0, [&] {

@@ -4,6 +4,7 @@
 #include "experiments/compare_z_test.h"
 #include "experiments/flip.h"
 #include "experiments/judgement.h"
+#include "experiments/robust_error.h"
 #include "experiments/spectrum.h"
 
 #include <fmt/format.h>
@@ -84,6 +85,10 @@ Json metrics(const Subject& subject, double epsilon, Flip flip) {
     put(json, "rel_rmse", s.rel_mse, true);
     json["rmse_corrected"] = number(s.rmse_corrected);
     json["rel_mse_corrected"] = number(s.rel_mse_corrected);
+    const RobustError robust = robust_error(subject.tests, subject.reference.mean, subject.r_total, epsilon);
+    json["rel_mse_median"] = number(robust.median);
+    json["rel_mse_trimmed"] = number(robust.trimmed);
+    json["rel_mse_top_share"] = number(robust.share);
     put(json, "bias2", s.bias2);
     put(json, "variance", s.variance);
     json["noise_centroid"] = noise ? number(noise->centroid) : Json(nullptr);
@@ -129,7 +134,7 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
 }
 
 void require_consistent(const CompareOptions& options) {
-    if (!(options.epsilon > 0) || !std::isfinite(options.epsilon))
+    if (!std::isfinite(options.epsilon) || options.epsilon <= 0)
         throw InputError(fmt::format("epsilon must be a number above 0, not {:g}", options.epsilon));
     if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
     const bool has_variance = !options.variance.empty(), has_spp = options.test_spp > 0;

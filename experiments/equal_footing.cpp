@@ -28,7 +28,7 @@ MeanEnergy mean_energies(const std::vector<Image>& images) {
         energies.push_back(mean_energy(image));
         mean.value += energies.back() / n;
     }
-    if (images.size() < 2) return mean;
+    if (images.size() < 2 || !std::isfinite(mean.value)) return mean;
     double scatter = 0;
     for (const double energy : energies)
         scatter += sqr(energy - mean.value);

@@ -1,11 +1,10 @@
 #include "experiments/experiment_file.h"
 
 #include "common/files.h"
-#include "experiments/toml_reader.h"
+#include "experiments/method_sweep.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <filesystem>
 
@@ -16,70 +15,6 @@ namespace {
 /// A relative error that is taken for good enough where an experiment says nothing about its references.
 constexpr double default_target = 0.01;
 
-/// The checked label of a table of parameters; each list of values makes a sweep, several a grid (the last varies
-/// fastest).
-class LabelSweep {
-public:
-    LabelSweep(const TomlReader& reader, const MethodDescription& method)
-        : reader_(reader),
-          method_(method),
-          parameters_(all_parameters(method)),
-          labels_{MethodLabel{method.name, {}}} {}
-
-    void add(const TomlReader::Entry& entry) {
-        std::vector<std::string> values;
-        if (const auto* array = entry.value->as_array()) {
-            for (const auto& value : reader_.filled_array(*array, entry.key, "values"))
-                values.push_back(checked(entry, value));
-        } else {
-            values.push_back(checked(entry, *entry.value));
-        }
-        std::vector<MethodLabel> grid;
-        for (const auto& label : labels_)
-            for (const auto& value : values) {
-                grid.push_back(label);
-                grid.back().values.emplace_back(entry.key, value);
-            }
-        labels_ = std::move(grid);
-    }
-
-    /// Every label once through the method's own check, which sees the values together.
-    std::vector<MethodLabel> labels(const SourceLocation& where) const {
-        for (const auto& label : labels_) {
-            const ParameterValues values(parameters_, label, where);
-            try {
-                method_.create(values, MethodDefaults{});
-            } catch (const InputError& error) {
-                throw InputError(where, error.what());
-            }
-        }
-        return labels_;
-    }
-
-private:
-    std::string checked(const TomlReader::Entry& entry, const toml::node& value) const {
-        if (!value.is_string() && !value.is_number() && !value.is_boolean())
-            throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number or a word", entry.key));
-        const std::string text = reader_.text_of(value);
-        const auto declared = std::find_if(parameters_.begin(), parameters_.end(),
-                                           [&](const Parameter& p) { return p.name == entry.key; });
-        const bool known = declared != parameters_.end();
-        // An unknown key is the key's fault, everything else the value's.
-        ParameterValues(parameters_, MethodLabel{method_.name, {{entry.key, text}}},
-                        known ? reader_.at(value) : entry.key_at);
-        const bool is_word =
-            known && std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end();
-        if (value.is_string() && !is_word)
-            throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number without quotes", entry.key));
-        return text;
-    }
-
-    const TomlReader& reader_;
-    const MethodDescription& method_;
-    std::vector<Parameter> parameters_;
-    std::vector<MethodLabel> labels_;
-};
-
 void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
     const auto folder = std::filesystem::path(experiment.path).parent_path();
     for (const auto& value : reader.filled_array(node, "scenes", "scene files")) {
@@ -89,7 +24,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         const std::filesystem::path written(scene.written);
         scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
         scene.name = written.stem().string();
-        if (!std::filesystem::is_regular_file(scene.path))
+        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
             throw InputError(scene.where, fmt::format("there is no scene file '{}'", scene.path));
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
@@ -149,7 +84,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     }
     const auto& description = find_comparable_method(experiment.reference_method.name, where);
     const ParameterValues values(all_parameters(description), experiment.reference_method, where);
-    LabelSweep further(reader, description);
+    MethodSweep further(reader, description);
     for (const auto& entry : reader.entries(table)) {
         if (entry.key == "method" || entry.key == "target" || entry.key == "seconds") continue;
         further.add(entry);
@@ -167,24 +102,6 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     for (auto& scene : experiment.scenes) {
         if (seconds) scene.goal.seconds = reader.positive_number(*seconds, "seconds");
         if (!scene.goal.target && !scene.goal.seconds) scene.goal.target = default_target;
-    }
-}
-
-void read_methods(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
-    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
-        const auto& table = reader.table(item, "method");
-        const SourceLocation where = reader.at(item);
-        const auto* name = table.get("name");
-        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
-        LabelSweep sweep(reader, find_comparable_method(reader.string(*name, "name"), reader.at(*name)));
-        for (const auto& entry : reader.entries(table))
-            if (entry.key != "name") sweep.add(entry);
-        for (auto& label : sweep.labels(where)) {
-            for (const auto& other : experiment.methods)
-                if (other.text() == label.text())
-                    throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
-            experiment.methods.push_back(std::move(label));
-        }
     }
 }
 
@@ -224,7 +141,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
-    read_methods(reader, *methods, experiment);
+    experiment.methods = read_methods(reader, *methods);
     return experiment;
 }
 

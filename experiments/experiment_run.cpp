@@ -17,7 +17,6 @@
 #include "experiments/tables.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -35,13 +34,6 @@ namespace fs = std::filesystem;
 Experiment with_options(Experiment experiment, const RunOptions& options) {
     if (options.seeds) experiment.seeds = *options.seeds;
     return experiment;
-}
-
-std::string joined_names(const Effects& effects) {
-    std::vector<std::string_view> names;
-    for (Effect e : effects.list())
-        names.push_back(name_of(e));
-    return fmt::format("{}", fmt::join(names, ";"));
 }
 
 /// Seconds that cells still need, from those of the same method and scene that are done.
@@ -134,7 +126,7 @@ void ExperimentRun::plan_methods() {
             const ParameterValues values(all_parameters(description), label);
             const auto method = description.create(values, {scene.loaded.max_edges});
             effects_missing_[{scene.entry.name, label.text()}] =
-                joined_names(method->plan(*scene.loaded.scene).missing);
+                method->plan(*scene.loaded.scene).missing.names();
         }
 }
 

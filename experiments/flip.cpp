@@ -113,7 +113,7 @@ void require_comparable(const Image& test, const Image& reference, double pixels
         throw InputError(fmt::format("FLIP compares images of one size, not {} x {} with {} x {} pixels", test.width,
                                      test.height, reference.width, reference.height));
     if (test.pixels() == 0) throw InputError("FLIP needs at least one pixel");
-    if (!(pixels_per_degree >= 1) || !std::isfinite(pixels_per_degree))
+    if (!std::isfinite(pixels_per_degree) || pixels_per_degree < 1)
         throw InputError(fmt::format("FLIP needs one pixel per degree or more, not {:g}", pixels_per_degree));
     for (const Image* image : {&test, &reference})
         for (const float v : image->rgb)

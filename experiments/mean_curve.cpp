@@ -3,6 +3,7 @@
 #include "experiments/student_t.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace gib {
@@ -20,8 +21,10 @@ Estimate root_of_mean(const std::vector<double>& squares) {
     double mean = 0, scatter = 0;
     for (const double v : squares)
         mean += v / n;
+    // What is left of an error below what the reference resolves may be negative.
+    if (!std::isfinite(mean) || mean < 0) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
     Estimate root{std::sqrt(mean), std::nullopt};
-    if (squares.size() < 2 || !(mean > 0)) return root;
+    if (squares.size() < 2 || mean == 0) return root;
     for (const double v : squares)
         scatter += (v - mean) * (v - mean);
     // In the logarithm, a root is half of its square, and so is its interval.
@@ -55,7 +58,8 @@ std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& s
         const MeanPoint point{number, pass.seconds / static_cast<double>(seeds), root_of_mean(pass.relative),
                               root_of_mean(pass.absolute)};
         const auto drawn = [](double v) { return std::isfinite(v) && v > 0; };
-        if (drawn(point.seconds) && point.relative_rmse.value > resolved && drawn(point.rmse.value))
+        if (drawn(point.seconds) && drawn(point.relative_rmse.value) && point.relative_rmse.value > resolved &&
+            drawn(point.rmse.value))
             curve.push_back(point);
     }
     return curve;

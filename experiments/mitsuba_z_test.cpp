@@ -43,10 +43,11 @@ MitsubaZTest mitsuba_z_test(const Image& x, const Image& reference, const Image&
         const Color mean = xyz_from_rgb(x.at(pixel)), exact = xyz_from_rgb(reference.at(pixel));
         const Color sample_variance = xyz_from_rgb(variance.at(pixel));
         for (int k = 0; k < 3; ++k) {
-            // In this order std::max keeps NaN, as NumPy's maximum does.
-            const float v = std::max(sample_variance[k], least_variance);
+            // NaN stays NaN, as in NumPy's maximum.
+            const float v = std::isless(sample_variance[k], least_variance) ? least_variance : sample_variance[k];
             const float p = two_sided_p(std::abs(mean[k] - exact[k]) * std::sqrt(samples / v));
             if (!std::isfinite(p) || !std::isfinite(mean[k])) ++result.nonfinite;
+            if (std::isnan(p)) continue;
             if (p > threshold) ++result.passing;
             if (static_cast<double>(p) < result.smallest_p) {
                 result.smallest_p = static_cast<double>(p);

@@ -30,7 +30,7 @@ Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double re
             point.seconds += runs[r][i].seconds / n;
             point.error2 += runs[r][i].error2 / n;
         }
-        if (!(point.error2 > resolved) || !std::isfinite(point.error2)) break;
+        if (!std::isfinite(point.error2) || point.error2 <= resolved) break;
         mean.push_back(point);
     }
     return mean;
@@ -123,6 +123,13 @@ WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double
     return result;
 }
 
+/// Without its next halving where only a lower bound of that is known.
+PriceLaw with_known_halving(PriceLaw price) {
+    const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
+    if (!time || time->at_least) price.next_halving.reset();
+    return price;
+}
+
 }  // namespace
 
 double ErrorLaw::error2(double seconds) const { return floor + factor * std::pow(seconds - start, -slope); }
@@ -160,7 +167,7 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
     if (const auto halving = halving_factor(law, price.last_seconds)) price.next_halving = {*halving, std::nullopt};
 
     const WithoutOne without = fits_without_one(runs, start, resolved);
-    if (without.slopes.empty()) return price;
+    if (without.slopes.empty()) return with_known_halving(price);
     price.floor = jackknife(law.floor, without.floors);
     const bool bends = jackknife(end_slope(curve, start), without.end_slopes).interval->hi < 1;
     price.floor.interval->lo = bends ? std::max(0.0, price.floor.interval->lo) : 0;
@@ -169,7 +176,7 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
         const Estimate log_halving = jackknife(std::log(price.next_halving->value), without.log_halvings);
         price.next_halving->interval = {std::exp(log_halving.interval->lo), std::exp(log_halving.interval->hi)};
     }
-    return price;
+    return with_known_halving(price);
 }
 
 }  // namespace gib

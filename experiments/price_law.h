@@ -35,7 +35,7 @@ struct PriceLaw {
     double misfit = 0;
     double first_seconds = 0, last_seconds = 0;  ///< what was measured; beyond, the law extrapolates
     /// What the time has to be multiplied by, from the last point on, for half its error. Extrapolated. Empty: the floor is
-    /// above that.
+    /// above that, or was fitted and is not resolved, so that only a lower bound is known (extrapolate()).
     std::optional<Estimate> next_halving;
 
     /// What is known of the time to a squared error that was not measured.

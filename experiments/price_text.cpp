@@ -20,7 +20,6 @@ constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
 
 /// Indices into target_errors of the errors that are asked about.
-constexpr std::size_t asked_targets[] = {1, 3};
 
 std::vector<const TableRow*> totals_of(const Analysis& analysis, const std::string& scene) {
     std::vector<const TableRow*> rows;
@@ -92,7 +91,7 @@ std::vector<const TableRow*> best_of_other_names(const std::vector<const TableRo
 }
 
 std::string time_text(const Analysis& analysis, const TableRow& row, std::size_t target) {
-    if (sqr(target_errors[target]) <= analysis.resolved(row.scene, total_name)) return "not resolved";
+    if (!resolves_target(analysis, row.scene, total_name, target)) return "not resolved";
     return row.times[target] ? with_interval(*row.times[target]) : unmeasured_time(row, target_errors[target]);
 }
 
@@ -136,7 +135,7 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
         if (error2 && *error2 < least) least = *error2, closest = row;
     }
     const double resolved = analysis.resolved(rows.front()->scene, total_name);
-    if (sqr(target_errors[target]) <= resolved)
+    if (!resolves_target(analysis, rows.front()->scene, total_name, target))
         return fmt::format("The reference does not resolve {} %, only {}.", target_names[target],
                            percent(std::sqrt(resolved)));
     std::string text = fmt::format("No method reached {} %.", target_names[target]);
@@ -202,6 +201,11 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
 }
 
 }  // namespace
+
+bool resolves_target(const Analysis& analysis, const std::string& scene, const std::string& component,
+                     std::size_t target) {
+    return sqr(target_errors[target]) > analysis.resolved(scene, component);
+}
 
 std::string next_halving_text(const TableRow& row) {
     if (!row.law || !law_holds(*row.law)) return "";

@@ -3,10 +3,18 @@
 
 #include "experiments/price.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace gib {
+
+/// The places in target_errors of the errors that answers are given for: 5 % and 1 %.
+inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
+
+/// Whether the reference can tell that an image has come so close to it.
+bool resolves_target(const Analysis& analysis, const std::string& scene, const std::string& component,
+                     std::size_t target);
 
 /// Which method is cheapest at an error, how much more the next one takes, and what keeps the others from it.
 struct PriceAnswer {
@@ -14,7 +22,7 @@ struct PriceAnswer {
     double target;  ///< relative RMSE
     std::string text;
 };
-/// For 5 % and 1 %, of every scene. Times that no run has measured are marked as extrapolated by the fitted law.
+/// For the asked_targets, of every scene. Times that no run has measured are marked as extrapolated by the fitted law.
 std::vector<PriceAnswer> price_answers(const Analysis& analysis);
 
 /// A time to an error that was not measured: "42.0 (extrapolated)" where the method's law holds, "never (floor 2.30 %)"

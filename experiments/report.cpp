@@ -63,7 +63,8 @@ std::string reference_html(const ReferenceQuality& quality) {
         quality.target ? fmt::format(" (target {} %)", percent_text(*quality.target)) : "");
 }
 
-std::string scene_html(const Analysis& analysis, const ReferenceQuality& quality, std::size_t number) {
+std::string scene_html(const Analysis& analysis, const std::vector<Crossover>& changes, const ReferenceQuality& quality,
+                       std::size_t number) {
     const std::string& scene = quality.scene;
     std::string html = fmt::format("<section class=\"scene\" id=\"scene-{}\" data-scene=\"{}\">\n<h2>{}</h2>\n{}",
                                    number, html_escape(scene), html_escape(scene), reference_html(quality));
@@ -76,7 +77,7 @@ std::string scene_html(const Analysis& analysis, const ReferenceQuality& quality
     html += "<div class=\"controls scene-controls\"></div>\n";
     html += "<h3>Price list: seconds to reach an error</h3>\n" + price_list_html(analysis, scene);
     html += "<div class=\"charts\"><div class=\"curve-chart\"></div></div>\n";
-    html += crossovers_html(analysis, scene);
+    html += crossovers_html(analysis, changes, scene);
     html += "<h3>What more accuracy costs</h3>\n" + laws_html(analysis, scene);
     html += "<h3>Images</h3>\n<div class=\"viewer\"><noscript><p>The images need scripts.</p></noscript></div>\n";
     html += "<h3>Bias and noise</h3>\n" + split_html(analysis, scene);
@@ -132,9 +133,10 @@ std::string report_html(const Analysis& analysis, const ResultFolder& folder) {
     data["scales"] = {{"error", scale_json(error_colors())},
                       {"flip", scale_json(magma_colors())},
                       {"bias", scale_json(bias_colors())}};
+    const std::vector<Crossover> changes = crossovers(analysis);
     std::string scenes;
     for (std::size_t i = 0; i < analysis.references.size(); ++i)
-        scenes += scene_html(analysis, analysis.references[i], i);
+        scenes += scene_html(analysis, changes, analysis.references[i], i);
     return filled(report_page(), {{"TITLE", html_escape(analysis.index.title)},
                                   {"STYLE", std::string(report_style())},
                                   {"SUMMARY", summary_html(analysis)},

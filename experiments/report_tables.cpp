@@ -82,6 +82,8 @@ std::string spaced_names(const std::string& names) {
 }
 
 std::string time_cell(const Analysis& analysis, const TableRow& row, std::size_t t) {
+    if (!resolves_target(analysis, row.scene, row.component, t))
+        return "<td class=\"never\" title=\"the reference cannot tell\">not resolved</td>";
     if (!row.times[t]) {
         const std::string guess = unmeasured_time(row, target_errors[t]);
         return guess.empty() ? "<td class=\"never\" title=\"not reached\">&ndash;</td>"
@@ -128,8 +130,9 @@ std::string law_row(const TableRow& row) {
 
 /// bias^2 and variance as a share of their sum; nothing if one is not known.
 std::string split_bar(const ReplicateStatistics& s) {
+    if (!std::isfinite(s.bias2->value) || !std::isfinite(s.variance->value)) return "";
     const double bias = std::max(0.0, s.bias2->value), variance = std::max(0.0, s.variance->value);
-    if (!(bias + variance > 0) || !std::isfinite(bias + variance)) return "";
+    if (!(bias + variance > 0)) return "";
     const double share = 100 * bias / (bias + variance);
     return fmt::format(
         "<span class=\"split\" role=\"img\" aria-label=\"{0:.0f} % bias, {1:.0f} % noise\"><span class=\"bias\" "
@@ -184,22 +187,23 @@ std::vector<std::string> stage_names(const Analysis& analysis) {
 }  // namespace
 
 std::string overview_html(const Analysis& analysis) {
-    constexpr std::array<std::size_t, 2> targets = {1, 3};  // 5 % and 1 %
     std::string html =
         "<div class=\"scroll overview\" role=\"region\" tabindex=\"0\" aria-label=\"The cheapest methods\">\n<table>"
         "<thead><tr><th scope=\"col\">scene</th>";
-    for (const std::size_t t : targets)
+    for (const std::size_t t : asked_targets)
         html += fmt::format("<th scope=\"col\" class=\"text\">cheapest at {} %</th>", target_names[t]);
     html += "</tr></thead>\n<tbody>\n";
     for (std::size_t i = 0; i < analysis.references.size(); ++i) {
         const std::string& scene = analysis.references[i].scene;
         html += fmt::format("<tr><th scope=\"row\"><a href=\"#scene-{}\">{}</a></th>", i, html_escape(scene));
-        for (const std::size_t t : targets) {
+        for (const std::size_t t : asked_targets) {
             const TableRow* best = cheapest(analysis, scene, total_name, t);
-            html += best ? fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
-                                       method_html(method_index(analysis, best->method), best->method),
-                                       short_number(best->times[t]->value))
-                         : "<td class=\"text never\">not reached</td>";
+            html += best
+                        ? fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
+                                      method_html(method_index(analysis, best->method), best->method),
+                                      short_number(best->times[t]->value))
+                        : fmt::format("<td class=\"text never\">{}</td>",
+                                      resolves_target(analysis, scene, total_name, t) ? "not reached" : "not resolved");
         }
         html += "</tr>\n";
     }
@@ -230,9 +234,9 @@ std::string laws_html(const Analysis& analysis, const std::string& scene) {
     return table_of(analysis, scene, "Laws of " + scene, head, law_row);
 }
 
-std::string crossovers_html(const Analysis& analysis, const std::string& scene) {
+std::string crossovers_html(const Analysis& analysis, const std::vector<Crossover>& changes, const std::string& scene) {
     std::string rows;
-    for (const Crossover& change : crossovers(analysis)) {
+    for (const Crossover& change : changes) {
         if (change.scene != scene) continue;
         rows += fmt::format(
             "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",

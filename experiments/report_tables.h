@@ -2,9 +2,10 @@
 // The report's tables and bars of one scene as plain HTML, readable without scripts. Rows of components carry
 // data-component, by which the page's script shows one component at a time.
 
-#include "experiments/analysis.h"
+#include "experiments/price.h"
 
 #include <string>
+#include <vector>
 
 namespace gib {
 
@@ -18,7 +19,7 @@ std::string price_list_html(const Analysis& analysis, const std::string& scene);
 std::string laws_html(const Analysis& analysis, const std::string& scene);
 
 /// When the best method changes; empty with one method.
-std::string crossovers_html(const Analysis& analysis, const std::string& scene);
+std::string crossovers_html(const Analysis& analysis, const std::vector<Crossover>& changes, const std::string& scene);
 
 /// bias^2 and variance of the final images with a bar of their shares; FLIP, where the noise lies.
 std::string split_html(const Analysis& analysis, const std::string& scene);

@@ -2,6 +2,8 @@
 
 #include "common/files.h"
 #include "experiments/experiment_run.h"
+#include "experiments/hard_case_file.h"
+#include "experiments/hard_case_run.h"
 #include "experiments/interrupt.h"
 
 #include <fmt/format.h>
@@ -17,6 +19,7 @@ constexpr int exit_interrupted = 130;
 }  // namespace
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
+    if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
     ExperimentRun run(options);
     bool interrupted = false;

@@ -13,6 +13,7 @@
 #include "experiments/statistics.h"
 
 #include "common/error.h"
+#include "common/float_traps.h"
 #include "common/parallel.h"
 #include "experiments/student_t.h"
 
@@ -268,6 +269,12 @@ Estimate mse_of(const Moments& of) {
     return positive_estimate(value, {{scatter / (n * (n - 1)), n - 1}, reference_term(of)});
 }
 
+bool all_finite(const std::vector<Image>& images) {
+    return std::all_of(images.begin(), images.end(), [](const Image& image) {
+        return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
+    });
+}
+
 void require_same_size(const Image& image, const Image& reference) {
     if (!image.same_size(reference) || image.rgb.size() != reference.rgb.size())
         throw InputError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
@@ -317,6 +324,8 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
         require_same_size(group, reference.mean);
     require_same_size(r_total, reference.mean);
 
+    // Statistics of images that are not finite are not finite either.
+    const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
     const Moments plain = moments(replicates, reference, {});
     const Moments relative = moments(replicates, reference, {&r_total, epsilon});
     ReplicateStatistics result{};
@@ -324,8 +333,9 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     result.mse = mse_of(plain);
     result.rmse = square_root(result.mse);
     result.rel_mse = mse_of(relative);
-    // NaN where the error is below what the reference resolves: there is no number to give.
-    result.rmse_corrected = std::sqrt(result.mse.value - plain.reference.variance);
+    // Where the error is below what the reference resolves there is no number to give.
+    const double corrected = result.mse.value - plain.reference.variance;
+    result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
     result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance;
     if (replicates.size() > 1) {
         result.bias2 = bias2_of(plain);
@@ -350,9 +360,9 @@ namespace {
 double log_crossing(const std::vector<CurvePoint>& curve, double target) {
     for (std::size_t i = 0; i < curve.size(); ++i) {
         const CurvePoint& b = curve[i];
-        if (!(b.error <= target)) continue;
+        if (std::isnan(b.error) || b.error > target) continue;
         // Where there is nothing to interpolate from, the checkpoint itself is the first time known to be enough.
-        if (i == 0 || !(curve[i - 1].error > target) || !std::isfinite(curve[i - 1].error) || !(b.error > 0) ||
+        if (i == 0 || !std::isfinite(curve[i - 1].error) || curve[i - 1].error <= target || !(b.error > 0) ||
             !(curve[i - 1].seconds > 0))
             return std::log(b.seconds);
         const CurvePoint& a = curve[i - 1];

@@ -3,6 +3,7 @@
 #include "common/math.h"
 
 #include <cmath>
+#include <limits>
 
 namespace gib {
 
@@ -62,8 +63,9 @@ double half_width(const std::vector<VarianceTerm>& terms, double tail) {
         sum += term.variance;
         spread += sqr(term.variance) / term.degrees;
     }
-    if (!(sum > 0)) return sum;  // 0, or NaN passed on
-    return std::sqrt(sum) * student_t_two_sided(tail, sqr(sum) / spread);
+    if (sum == 0 || !std::isfinite(sum)) return sum;
+    const double degrees = spread > 0 ? sqr(sum) / spread : std::numeric_limits<double>::infinity();
+    return std::sqrt(sum) * student_t_two_sided(tail, degrees);
 }
 
 }  // namespace gib

@@ -53,12 +53,19 @@ std::vector<std::string> error_columns() {
     for (const char* target : target_names)
         for (const char* end : {"lo", "hi"})
             columns.push_back(fmt::format("seconds_to_{}pct_{}", target, end));
-    for (const char* name :
-         {"prepare_seconds",  "flip",           "rel_mse_resolved", "energy_excess",   "energy_excess_lo",
-          "energy_excess_hi", "footing",        "last_halving",     "last_halving_lo", "last_halving_hi",
-          "law_floor",        "law_floor_lo",   "law_floor_hi",     "law_floor_bias2", "law_slope",
-          "law_slope_lo",     "law_slope_hi",   "law_factor",       "law_misfit",      "next_halving",
-          "next_halving_lo",  "next_halving_hi"})
+    for (const char* name : {"prepare_seconds",  "flip",
+                             "rel_mse_resolved", "energy_excess",
+                             "energy_excess_lo", "energy_excess_hi",
+                             "footing",          "last_halving",
+                             "last_halving_lo",  "last_halving_hi",
+                             "law_floor",        "law_floor_lo",
+                             "law_floor_hi",     "law_floor_bias2",
+                             "law_slope",        "law_slope_lo",
+                             "law_slope_hi",     "law_factor",
+                             "law_misfit",       "next_halving",
+                             "next_halving_lo",  "next_halving_hi",
+                             "rel_mse_median",   "rel_mse_trimmed",
+                             "rel_mse_top_share"})
         columns.emplace_back(name);
     return columns;
 }
@@ -94,6 +101,8 @@ std::vector<std::string> error_row(const TableRow& r, double resolved) {
     row.push_back(r.footing ? name_of(r.footing->verdict) : "");
     append_estimate(row, r.last_halving);
     append_law(row, r);
+    for (const auto value : {&RobustError::median, &RobustError::trimmed, &RobustError::share})
+        row.push_back(r.robust && std::isfinite((*r.robust).*value) ? csv_number((*r.robust).*value) : "");
     return row;
 }
 
@@ -112,6 +121,22 @@ std::string markdown_row(const TableRow& r, double resolved) {
                        bias2, s.variance ? short_number(s.variance->value) : "",
                        r.times[1] ? with_interval(*r.times[1], short_number) : "",
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
+}
+
+/// Where the mean error is that of a few pixels.
+std::string outliers_text(const Analysis& analysis) {
+    std::string text;
+    for (const auto& row : analysis.rows)
+        if (row.component == total_name && row.robust && is_decided_by_outliers(*row.robust))
+            text +=
+                fmt::format("| {} | {} | {} | {} | {} |\n", row.scene, row.method, percent_text(row.robust->share),
+                            percent_text(std::sqrt(row.robust->trimmed)), percent_text(std::sqrt(row.robust->median)));
+    if (text.empty()) return "";
+    return "\n## Errors of few pixels\n\nThe worst 0.1 % of the pixels hold most of these images' squared error; the "
+           "errors without them and of the pixel in the middle, plain formulas.\n\n"
+           "| scene | method | share of the worst % | relative RMSE without them % | median % |\n"
+           "|---|---|---:|---:|---:|\n" +
+           text;
 }
 
 }  // namespace
@@ -191,7 +216,7 @@ std::string markdown_table(const Analysis& analysis) {
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---|\n";
     for (const auto& row : analysis.rows)
         if (row.component == total_name) text += markdown_row(row, analysis.resolved(row.scene, total_name));
-    return text + price_text(analysis) + comparison_text(analysis);
+    return text + outliers_text(analysis) + price_text(analysis) + comparison_text(analysis);
 }
 
 void write_tables(const Analysis& analysis, const ResultFolder& folder) {

@@ -85,7 +85,7 @@ std::string TomlReader::string(const toml::node& node, std::string_view key) con
 
 double TomlReader::positive_number(const toml::node& node, std::string_view key) const {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !(*value > 0) || !std::isfinite(*value))
+    if (!value || !std::isfinite(*value) || *value <= 0)
         throw InputError(at(node), fmt::format("'{}' needs a number above 0", key));
     return *value;
 }

@@ -1,6 +1,7 @@
 #include "methods/density_estimate.h"
 
 #include "methods/bias_compensation.h"
+#include "methods/place_rounding.h"
 #include "methods/surface_disc.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ public:
           found_(found) {}
 
     Reflected radiance() {
-        Reflected light = e_.k == all_photons ? radiance_of_all() : radiance_of_nearest();
+        Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
         light.near_obstacle = near_obstacle_;
         return light;
     }
@@ -57,12 +58,14 @@ private:
             r = std::sqrt(found_.back().distance2);
             --inside;
         }
-        if (e_.compensation) compensate(inside, r);
+        const float known = std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius);
+        if (e_.compensation) compensate(inside, r, known);
+        if (inside < found_.size() && r <= known) return radiance_within(known);
         if (inside == 0 || !(r > 0.f)) return {.radius = r};
         PhotonSums sums;
         for (std::size_t i = 0; i < inside; ++i) {
             const Photon photon = map_[found_[i].photon];
-            sums.add(photon, reflected(photon) * double{kernel_weight(e_.kernel, found_[i].distance2, r)});
+            sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, found_[i].distance2, r));
         }
         return normalised(sums, r);
     }
@@ -112,8 +115,8 @@ private:
             found_);
     }
 
-    Reflected radiance_of_all() {
-        const float r = e_.max_radius;
+    /// Of all photons within r.
+    Reflected radiance_within(float r) {
         const bool on_surface = e_.area == DiscArea::surface;
         if (!(r > 0.f)) return {};
         if (on_surface) {
@@ -124,7 +127,7 @@ private:
         map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
             const Vec3 offset = photon.p - hit_.p;
             if (counts(photon, offset, distance2) && (!on_surface || disc_.contains(offset)))
-                sums.add(photon, reflected(photon) * double{kernel_weight(e_.kernel, distance2, r)});
+                sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, distance2, r));
         });
         return normalised(sums, r);
     }
@@ -134,7 +137,9 @@ private:
         const Vec3 wi = photon.direction();
         const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
         const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
-        return (f * photon.power() * eye_.weight(photon) * shading_normal_factor(hit_, wi)).cast<double>();
+        // Not in float: bright photons times a factor may be more than it holds, though a kernel will lower it.
+        const Colord arriving = photon.power().cast<double>() * eye_.weight(photon).cast<double>();
+        return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 
     Reflected normalised(const PhotonSums& sums, float r) {
@@ -147,15 +152,16 @@ private:
         return L;
     }
 
-    /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones.
-    void compensate(std::size_t& inside, float& r) {
+    /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones; none is smaller than `least`.
+    void compensate(std::size_t& inside, float& r, float least) {
         if (inside <= smallest_disc) return;
         std::sort(found_.begin(), found_.end());
         std::array<NestedDisc, most_discs> discs;
         std::array<float, most_discs> radii;
         std::size_t n = 0;
         NestedDisc disc{0, 0, 0, 0};
-        const auto close = [&](float radius) {
+        const auto close = [&](float reach) {
+            const float radius = std::max(reach, least);
             disc.area = double{disc_.share(Kernel::uniform, radius)} * double{radius} * double{radius};
             discs[n] = disc;
             radii[n++] = radius;

@@ -8,6 +8,8 @@
 //    variable, so (k - 1) / (pi r_k^2) is unbiased where k / (pi r_k^2) is too bright by k / (k - 1);
 //  - with fewer than k inside the maximum radius, or with all photons asked for, all of them count and r is the maximum
 //    radius;
+//  - where the k-th lies closer than rounding knows the place, at a focus, all photons within that distance count and r
+//    is that distance: the density has no bound there, its estimate has, and their power is kept;
 //  - every kernel is divided by its own integral;
 //  - photons that do not lie on the point's surface do not count, and where the disc leaves the surface (edges,
 //    corners, thin walls, other layers) the area is that of the part that is on it: methods/surface_disc.h.

@@ -20,7 +20,7 @@ Color FinalGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit
     RayQueries& rays = walk.rays();
     const Vec3 wo_local = hit.shading.to_local(wo);
     const auto n = static_cast<std::uint32_t>(rays_);
-    Color sum = Color::Zero();
+    Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < n; ++i) {
         const Sampler u = walk.sampler().split(i, n, gather_tag(walk.vertex()));
         const auto next = hit.bsdf->sample_local(wo_local, u.get_2d(gather_lobe), u.get_2d(gather_direction),
@@ -28,10 +28,10 @@ Color FinalGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit
         if (!next) continue;
         TracedRay ray{hit.spawn_ray(hit.shading.to_world(next->wi))};
         rays.trace(ray);
-        sum +=
-            next->f * (std::abs(next->wi.z()) / next->pdf_w) * light_.arriving(rays, ray, u, walk.edges_left(), found);
+        const Color arriving = light_.arriving(rays, ray, u, walk.edges_left(), found);
+        sum += (next->f * (std::abs(next->wi.z()) / next->pdf_w) * arriving).cast<double>();
     }
-    return sum / static_cast<float>(n);
+    return (sum / n).cast<float>();
 }
 
 IrradianceRecord FinalGather::record_at(RayQueries& rays, const RecordPlace& place,

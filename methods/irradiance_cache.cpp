@@ -20,7 +20,7 @@ int child_at(const Vec3& p, const Vec3& middle) {
 /// Where E falls or rises by as much as it is, by the mean of the channels: in one that has little, noise would decide.
 float distance_by_gradient(const IrradianceRecord& record) {
     const auto& [red, green, blue] = record.translation;
-    const float slope = (red + green + blue).norm();
+    const float slope = (red + green + blue).stableNorm();  // whose square may be no float
     return slope > 0.f ? record.irradiance.sum() / slope : infinity;
 }
 
@@ -75,22 +75,22 @@ float IrradianceCache::error_at(const IrradianceRecord& record, const Vec3& p, c
 
 std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, float slack) const {
     const float a = slack * accuracy_;
-    Color sum = Color::Zero();
-    float weights = 0.f;
+    Colord sum = Colord::Zero();
+    double weights = 0;
     for_each_near(p, [&](std::uint32_t i) {
         const IrradianceRecord& record = records_[i];
         const float error = error_at(record, p, n);
         if (error < a) {
             // At the record's own point the others do not matter; a large number says that well enough.
             const float weight = 1.f / std::max(error, 1e-6f * a) - 1.f / a;
-            sum += weight * record.at(p, n);
-            weights += weight;
+            sum += double{weight} * record.at(p, n).cast<double>();
+            weights += double{weight};
         }
         return true;
     });
-    if (!(weights > 0.f)) return std::nullopt;
+    if (!(weights > 0)) return std::nullopt;
     // Only the mean is kept from being negative: each record's share cut off at 0 would make it too large.
-    return Color((sum / weights).max(0.f));
+    return Color((sum / weights).max(0.0).cast<float>());
 }
 
 bool IrradianceCache::covers(const Vec3& p, const Vec3& n) const {
@@ -127,6 +127,7 @@ void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spaci
         record.distance = least;
     }
     limit_by_neighbours(record, least);
+    if (!(record.distance > 0.f)) return;
     records_.push_back(record);
     place(static_cast<std::uint32_t>(records_.size() - 1), most_slack * accuracy_ * record.distance, 0, root_);
 }

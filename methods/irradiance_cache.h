@@ -35,7 +35,8 @@ public:
     /// For records within the bounds. `accuracy` is a: the smaller, the more records.
     IrradianceCache(const Bounds& bounds, float accuracy);
 
-    /// Adds a record; limits its distance, and that of its neighbours.
+    /// Adds a record; limits its distance, and that of its neighbours. One that serves no other place than its own, as its
+    /// distance is 0 and there is no least spacing, is not kept.
     void insert(IrradianceRecord record, const RecordSpacing& spacing);
 
     /// Irradiance [W/m^2] by the records that serve the point; empty: none does. `slack` multiplies the accuracy: with more

@@ -39,7 +39,8 @@ IrradianceGradient to_world(const Weights& local, const Frame& frame, double fac
 /// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit.
 Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
     const float nearer = std::min(from.distance, to.distance);
-    if (nearer == infinity || (to.radiance == from.radiance).all()) return Color::Zero();
+    // Of what touches the point the edge moves without bound; a record that sees it is not used away from its place.
+    if (nearer == infinity || nearer == 0.f || (to.radiance == from.radiance).all()) return Color::Zero();
     return (to.radiance - from.radiance) / nearer;
 }
 
@@ -81,7 +82,7 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
         for (int j = 0; j < M; ++j) {
             const HemisphereSample& here = sample(j, k);
             sum += here.radiance.cast<double>();
-            inverse_distances += 1 / double{here.distance};
+            inverse_distances += here.distance > 0.f ? 1 / double{here.distance} : double{infinity};
             const double sine2_lower = double(j) / M, sine2_upper = double(j + 1) / M;
             add(rotation, here.radiance, mean_over_column * tangents[static_cast<std::size_t>(j)] * v);
             if (j > 0)

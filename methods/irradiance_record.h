@@ -44,7 +44,8 @@ struct IrradianceRecord {
     Color irradiance;             ///< [W/m^2]
     IrradianceGradient rotation;  ///< E changes by rotation . (n x n') when the normal turns to n' [W/m^2 per radian]
     IrradianceGradient translation;  ///< E changes by translation . (p' - p) [W/m^2 per scene unit]
-    float distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is
+    float
+        distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is; 0: it touches
 
     /// False: a ray has found what is no radiance, and the record must not be used elsewhere.
     bool is_finite() const;

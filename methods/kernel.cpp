@@ -11,21 +11,21 @@ namespace {
 constexpr float gaussian_cut = 0.13533528f;  // exp(-1 / (2 gaussian_sigma^2))
 }  // namespace
 
-float kernel_weight(Kernel kernel, float d2, float r) {
-    const float area = pi * r * r;
-    const float s2 = d2 / (r * r);
+double kernel_weight(Kernel kernel, float d2, float r) {
+    const double r2 = sqr(double{r}), s2 = double{d2} / r2;
+    const double per_area = std::numbers::inv_pi / r2;
     switch (kernel) {
         case Kernel::uniform:
-            return 1.f / area;
+            return per_area;
         case Kernel::cone:
-            return 3.f * std::max(1.f - std::sqrt(s2), 0.f) / area;
+            return 3 * std::max(1 - std::sqrt(s2), 0.0) * per_area;
         case Kernel::gaussian:
-            return std::exp(-s2 / (2.f * sqr(gaussian_sigma))) /
-                   (2.f * sqr(gaussian_sigma) * (1.f - gaussian_cut) * area);
+            return std::exp(-s2 / (2 * sqr(double{gaussian_sigma}))) /
+                   (2 * sqr(double{gaussian_sigma}) * (1 - double{gaussian_cut})) * per_area;
         case Kernel::epanechnikov:
-            return 2.f * std::max(1.f - s2, 0.f) / area;
+            return 2 * std::max(1 - s2, 0.0) * per_area;
     }
-    return 0.f;
+    return 0;
 }
 
 float kernel_mass(Kernel kernel, float s) {

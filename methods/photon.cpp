@@ -42,11 +42,11 @@ PhotonPayload::PhotonPayload(const Color& power, const Vec3& wi, const Vec3& nor
 void PhotonPayload::set_power(const Color& power) {
     mantissa_ = {0, 0, 0};
     exponent_ = 0;
-    const float largest = power.maxCoeff();
-    if (!((power >= 0.f).all() && largest < infinity)) {
+    if (!power.isFinite().all() || (power < 0.f).any()) {
         exponent_ = not_finite;
         return;
     }
+    const float largest = power.maxCoeff();
     if (largest == 0.f) return;
     int s = std::max(std::ilogb(largest) - 15, smallest_exponent);
     // Rounding to nearest, ties to even: truncation would darken every sum.

@@ -7,6 +7,7 @@
 #include "methods/method.h"
 #include "methods/projection_map.h"
 #include "methods/ray_queries.h"
+#include "methods/roulette.h"
 
 #include <algorithm>
 #include <array>
@@ -37,9 +38,15 @@ const char* name_of(PhotonMapKind kind) {
     }
     return "photons";
 }
-/// From this hit on survival is capped, so that walks among mirrors of albedo 1 end; the rescaling keeps them unbiased.
+
+/// From this hit on survival is capped, so that walks among white surfaces end; the rescaling keeps them unbiased. Among
+/// specular ones they are longer: see roulette.h.
 constexpr int first_capped_hit = 64;
 constexpr float capped_survival = 0.9f;
+float most_survival_at(int vertex, bool only_specular) {
+    if (only_specular) return most_specular_survival(vertex);
+    return vertex < first_capped_hit ? 1.f : capped_survival;
+}
 
 /// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals
 /// agree.
@@ -135,11 +142,9 @@ private:
         residual_ -= power.cast<double>();
     }
 
-    /// Ends the path with probability 1 - survival. Never before a number of hits that is far beyond what paths that
-    /// lose light reach.
-    bool survives(float survival, int vertex, float u) {
-        survival = std::clamp(survival, 0.f, 1.f);
-        if (vertex >= first_capped_hit) survival = std::min(survival, capped_survival);
+    /// Ends the path with probability 1 - survival, or 1 - `most` if that is more.
+    bool survives(float survival, float most, float u) {
+        survival = std::clamp(survival, 0.f, most);
         if (!(u < survival)) return false;
         if (!injected(Fault::roulette_rescaling)) power_ /= survival;
         return true;
@@ -157,7 +162,8 @@ private:
             result_.photons.emplace_back(p, fluence, wo, wo, edges, true, stratum_);
         }
         const VertexNumbers u = sampler_.at_vertex(edges - 1);
-        if (!survives(power_.maxCoeff() / before.maxCoeff(), edges - 1, u.roulette())) return false;
+        const float most = most_survival_at(edges - 1, false);
+        if (!survives(power_.maxCoeff() / before.maxCoeff(), most, u.roulette())) return false;
         path_.in_medium = true;
         ray = {p, medium_->phase().sample(wo, u.bsdf_direction())};
         return true;
@@ -170,7 +176,8 @@ private:
         const Color albedo = c.diffuse + c.specular;
         account(power_ * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = sampler_.at_vertex(vertex);
-        if (!survives(albedo.maxCoeff(), vertex, u.roulette())) return false;
+        const float most = most_survival_at(vertex, is_black(c.diffuse));
+        if (!survives(albedo.maxCoeff(), most, u.roulette())) return false;
 
         const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
         if (!next) return false;

@@ -150,6 +150,8 @@ using Corners = std::array<Vec3d, 4>;
 std::size_t nodes_along(double half_length, double distance, double tolerance) {
     constexpr double within = 0.9;  // |r|^-2 is infinite on the largest ellipse
     constexpr double relative_bound = 20;
+    if (half_length == 0) return 2;
+    if (distance == 0) return max_gauss_nodes + 1;
     const double d = within * distance / half_length;
     const double b = std::min(d, std::sqrt(d + 0.5 * sqr(d)));
     const double decay = 2 * std::asinh(b);  // 2 ln rho

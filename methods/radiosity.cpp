@@ -2,6 +2,7 @@
 //
 // Computes: `emission` and `direct` of what the eye sees, by samples of the pixels; `indirect` from a solution of B =
 // rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another solver is asked for.
+// Where max_depth limits paths, the sum of so many reflections takes the place of every solver.
 // The unknown is what patches reflect; direct light on them is sampled, so lights of every kind serve.
 // Parameters: patch, solver, links, adapt, gather, memory, ply; spp and max_depth as for all methods.
 // Leaves out: specular surfaces, seen or on the way of light, and media; of other materials it takes the diffuse
@@ -10,12 +11,13 @@
 // Bias: light is constant over patches and groups of them in the exchange, and linear between their corners where it
 // is seen. Where surfaces stand on patches or shadows cross them, the mean is sent out where only a part can be seen:
 // indirect light is too low by a share that shrinks with the size of patches.
-// A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first; a change of
-// the solution starts the samples of indirect light again. Then one sample of every pixel. `facts` say how far the
+// A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first, or as many
+// reflections again as all passes before; a change of the solution starts the samples of indirect light again. Then one sample of every pixel. `facts` say how far the
 // solver came, and how closed the system is.
 // Cost: with S sides of charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there
 // on it grows with the number of patches.
-// Fails: with InputError and the number of bytes if the system would take more memory than the parameter allows.
+// Fails: with InputError and the number of bytes if the system would take more memory than the parameter allows, and
+// where paths have no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/radiosity_view.h"
 
 #include <algorithm>
@@ -124,7 +126,7 @@ MethodDescription describe_radiosity() {
             choice_parameter(
                 "solver", strings(radiosity_solver_names),
                 "hierarchical: links between groups of patches, by conjugate gradients; the others solve the "
-                "full system, direct by Cholesky's factors"),
+                "full system, direct by Cholesky's factors; where max_depth limits paths, reflections are summed"),
             {"links",
              Parameter::Kind::number,
              "0.02",

@@ -119,6 +119,8 @@ std::optional<std::array<Vec3d, 4>> quad_of(const TriangleCorners& a, const Tria
     return std::nullopt;
 }
 
+std::array<double, 3> coordinates(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+
 std::uint32_t parts_of(Chart::Kind kind) {
     return kind == Chart::Kind::sphere ? 6 : kind == Chart::Kind::cylinder ? 4 : 1;
 }
@@ -127,22 +129,23 @@ std::uint32_t parts_of(Chart::Kind kind) {
 
 Charts::Charts(const Scene& scene) : scene_(scene) {
     const auto& groups = scene.groups();
+    Outlines known;
     const std::size_t shapes = groups.begin.empty() ? scene.shapes().size() : groups.begin.front();
     for (std::uint32_t shape = 0; shape < shapes; ++shape)
-        add_shape(shape, no_instance);
+        add_shape(shape, no_instance, known);
     for (std::uint32_t i = 0; i < groups.instances.size(); ++i) {
         first_object_.push_back(first_of_.size());
         const std::uint32_t group = groups.instances[i].group;
         const std::size_t end = group + 1 < groups.begin.size() ? groups.begin[group + 1] : scene.shapes().size();
         for (std::uint32_t shape = groups.begin[group]; shape < end; ++shape)
-            add_shape(shape, i);
+            add_shape(shape, i, known);
     }
 }
 
-void Charts::add_shape(std::uint32_t shape, std::uint32_t instance) {
+void Charts::add_shape(std::uint32_t shape, std::uint32_t instance, Outlines& known) {
     if (const auto* mesh = std::get_if<Mesh>(&scene_.shapes()[shape])) {
         first_of_.push_back(chart_of_.size());
-        add_mesh(*mesh, shape, instance);
+        add_mesh(*mesh, shape, instance, known);
         return;
     }
     first_of_.push_back(charts_.size());
@@ -153,12 +156,14 @@ void Charts::add_shape(std::uint32_t shape, std::uint32_t instance) {
     for (std::uint32_t part = 0; part < parts_of(kind); ++part) {
         Chart chart{kind, shape, instance};
         chart.part = part;
+        const auto at = [&](double u, double v) { return coordinates(position(chart, Vec2d(u, v))); };
+        if (!known.insert({at(0, 0), at(1, 0), at(0, 1), at(1, 1), at(0.5, 0.5)}).second) return;
         finish(chart);
         charts_.push_back(chart);
     }
 }
 
-void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance) {
+void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance, Outlines& known) {
     const std::size_t first = chart_of_.size(), count = mesh.triangles.size();
     chart_of_.resize(first + count, no_chart);
     const auto corners = [&](std::size_t i) {
@@ -166,15 +171,21 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
         const auto at = [&](std::size_t k) { return to_scene(mesh.vertex(t[k]).cast<double>(), instance); };
         return TriangleCorners{{at(0), at(1), at(2)}};
     };
+    const auto is_new = [&](const TriangleCorners& t) {
+        Outline outline = {coordinates(t.p[0]), coordinates(t.p[1]), coordinates(t.p[2])};
+        std::sort(outline.begin(), outline.begin() + 3);
+        return known.insert(outline).second;
+    };
     for (std::size_t i = 0; i < count; ++i) {
         const TriangleCorners here = corners(i);
-        if (!here.has_area()) continue;
+        if (!here.has_area() || !is_new(here)) continue;
         Chart chart{Chart::Kind::triangle, shape, instance, static_cast<std::uint32_t>(i)};
         chart.corners = {here.p[0], here.p[1], here.p[1], here.p[2]};
         chart_of_[first + i] = static_cast<std::uint32_t>(charts_.size());
         if (i + 1 < count) {
             const TriangleCorners next = corners(i + 1);
-            if (const auto quad = next.has_area() ? quad_of(here, next) : std::nullopt) {
+            const auto quad = next.has_area() ? quad_of(here, next) : std::nullopt;
+            if (quad && is_new(next)) {
                 chart.kind = Chart::Kind::quad;
                 chart.corners = *quad;
                 chart.second = static_cast<std::uint32_t>(i + 1);

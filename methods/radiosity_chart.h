@@ -1,13 +1,15 @@
 #pragma once
 // The surfaces of a scene as charts: pieces with two coordinates each, which radiosity divides into patches. A
 // parallelogram or another convex quadrilateral of two coplanar triangles of a mesh is one chart, every other
-// triangle is one of its own; a sphere has six (the faces of a cube around it), a cylinder four, a disk one.
+// triangle is one of its own; a sphere has six (the faces of a cube around it), a cylinder four, a disk one. Of surfaces
+// in the same place no ray meets any but the first, so only that one has a chart.
 
 #include "methods/polygon_form_factor.h"
 #include "methods/ray_queries.h"
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace gib {
@@ -38,8 +40,8 @@ struct Chart {
 
 class Charts {
 public:
-    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances. `scene` must
-    /// outlive this.
+    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances; of triangles with the
+    /// same corners and of equal curved shapes, of the first. `scene` must outlive this.
     explicit Charts(const Scene& scene);
 
     const Scene& scene() const { return scene_; }
@@ -57,12 +59,16 @@ public:
         std::uint32_t chart;
         Vec2d uv;
     };
-    /// Where a hit lies; empty on a triangle without area.
+    /// Where a hit lies; empty where there is no chart.
     std::optional<Place> locate(const SurfaceHit& hit) const;
 
 private:
-    void add_shape(std::uint32_t shape, std::uint32_t instance);
-    void add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance);
+    /// The places [scene units] that tell a surface from others; those of a triangle in an order of their own.
+    using Outline = std::array<std::array<double, 3>, 5>;
+    using Outlines = std::set<Outline>;
+
+    void add_shape(std::uint32_t shape, std::uint32_t instance, Outlines& known);
+    void add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance, Outlines& known);
     void finish(Chart& chart) const;
     Vec3d to_scene(const Vec3d& p, std::uint32_t instance) const;
     Vec3d to_shape(const Vec3d& p, std::uint32_t instance) const;

@@ -34,6 +34,12 @@ constexpr double bytes_per_node = sizeof(PatchNode) + 3 * sizeof(Colord) + 6 * s
 // Keys that tell the random numbers of the parts apart.
 constexpr std::uint64_t light_key = 0x4c49, link_key = 0x4c4b, display_key = 0x4449, closure_key = 0x434c;
 
+bool has_limit(const RadiositySettings& settings) { return settings.max_edges < std::numeric_limits<int>::max(); }
+
+/// Of paths from the camera, which have an edge to the surface that is seen, one for each reflection, and one to the
+/// light.
+int most_reflections(const RadiositySettings& settings) { return settings.max_edges - (settings.gather > 0 ? 3 : 2); }
+
 std::string refusal(double needed, const RadiositySettings& settings, const std::string& what) {
     return fmt::format(
         "radiosity needs {:.0f} bytes for {}, and memory={} GiB allows {:.0f}; set a larger patch "
@@ -49,7 +55,7 @@ std::size_t most_nodes(const Charts& charts, const RadiositySettings& settings) 
     double needed = nodes * bytes_per_node;
     if (settings.solver != RadiositySolver::hierarchical)
         needed += 0.5 * patches * (patches + 1) * LinkTable::bytes_per_link;
-    if (settings.solver == RadiositySolver::direct) needed += direct_solver_bytes(patches);
+    if (settings.solver == RadiositySolver::direct && !has_limit(settings)) needed += direct_solver_bytes(patches);
     if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", patches)));
     // The estimate does not know how curved surfaces are and what shape triangles have.
     return static_cast<std::size_t>(settings.memory / bytes_per_node);
@@ -83,7 +89,8 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
         link_count_ = links.links.size();
         system_ = std::make_unique<RadiositySystem>(mesh_, light_, links.links, closed_);
     }
-    solution_ = start_solution(*system_, settings.solver);
+    solution_ = has_limit(settings) ? start_series(*system_, most_reflections(settings))
+                                    : start_solution(*system_, settings.solver);
     const auto timer = stages.time("vertices");
     display_ = std::make_unique<RadiosityDisplay>(
         mesh_, *system_, light_,
@@ -113,13 +120,6 @@ bool RadiosityModel::is_closed() {
     return closed;
 }
 
-PatchColors RadiosityModel::shown() const {
-    // Paths from the camera have an edge to the surface that is seen, one for each reflection, and one to the light.
-    const int reflections = settings_.max_edges - (settings_.gather > 0 ? 3 : 2);
-    if (settings_.max_edges == std::numeric_limits<int>::max()) return solution_->shown();
-    return solution_->without_longer_paths(reflections);
-}
-
 bool RadiosityModel::advance() {
     if (converged_) return false;
     if (solution_->residual() > converged_residual) {
@@ -129,7 +129,7 @@ bool RadiosityModel::advance() {
     converged_ = !(solution_->residual() > converged_residual);
     {
         const auto timer = stages_.time("vertices");
-        const PatchColors X = shown();
+        const PatchColors X = solution_->shown();
         if (converged_) display_->refine(X);
         else display_->show(X);
     }
@@ -146,6 +146,8 @@ std::vector<std::pair<std::string, std::string>> RadiosityModel::facts() const {
         {"vertices", std::to_string(display_->vertices().vertices().size())},
         {"links", std::to_string(link_count_)},
         {"sweeps", std::to_string(solution_->sweeps())},
+        {"reflections",
+         has_limit(settings_) ? fmt::format("{}, summed", most_reflections(settings_)) : "all, solved for"},
         {"residual", fmt::format("{:.2e}", solution_->residual())},
         {"converged", converged_ ? "yes" : "no"},
         {"closed", closed_ ? "yes" : "no"},

@@ -36,7 +36,6 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const;
 
 private:
-    PatchColors shown() const;
     bool is_closed();
 
     const RadiositySettings settings_;

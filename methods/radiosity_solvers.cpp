@@ -1,3 +1,4 @@
+#include "common/error.h"
 #include "methods/radiosity_system.h"
 
 #include <Eigen/Cholesky>
@@ -5,6 +6,24 @@
 namespace gib {
 
 namespace {
+
+[[noreturn]] void refuse_to_reflect_for_ever() {
+    throw InputError(
+        "radiosity has no solution: light is shut in among surfaces that absorb none of it; set max_depth, or "
+        "reflectances below 1");
+}
+
+/// Of a closed scene. Where there is no light there is no such question.
+void require_absorption(const RadiositySystem& system, const Colord& first_power) {
+    if (!system.is_closed()) return;
+    Colord area = Colord::Zero(), absorbed = Colord::Zero();
+    for (const std::uint32_t leaf : system.leaves()) {
+        area += system.area(leaf);
+        absorbed += system.area(leaf) * (1 - system.reflectance(leaf));
+    }
+    for (int c = 0; c < 3; ++c)
+        if (first_power[c] > 0 && absorbed[c] < least_absorption * area[c]) refuse_to_reflect_for_ever();
+}
 
 /// Conjugate gradients on (A / rho - G) X = A E_direct, three channels at once, with the diagonal as a
 /// preconditioner. Source: Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1. Where nothing is
@@ -29,6 +48,7 @@ public:
             image[leaf] = direction_[leaf] - system_.reflectance(leaf) * image[leaf];
             curvature += weight(leaf) * direction_[leaf] * image[leaf];
         }
+        require_curvature(curvature);
         const Colord step = ratio(product_, curvature);
         for (const std::uint32_t leaf : system_.leaves()) {
             X_[leaf] += step * direction_[leaf];
@@ -54,6 +74,12 @@ private:
         for (const std::uint32_t leaf : system_.leaves())
             sum += weight(leaf) * a[leaf] * b[leaf];
         return sum;
+    }
+    /// Along no direction is the system flatter than by what is absorbed there.
+    void require_curvature(const Colord& curvature) const {
+        const Colord length = dot(direction_, direction_);
+        for (int c = 0; c < 3; ++c)
+            if (curvature[c] < least_absorption * length[c]) refuse_to_reflect_for_ever();
     }
     static Colord ratio(const Colord& a, const Colord& b) {
         return (b > 0).select(a / b.max(1e-300), Colord(Colord::Zero()));
@@ -138,6 +164,36 @@ private:
     PatchColors unshot_;
 };
 
+/// The series of reflections, cut off.
+class Series final : public RadiositySolution {
+public:
+    Series(const RadiositySystem& system, int reflections)
+        : RadiositySolution(system), reflections_(reflections), term_(first_) {
+        if (reflections_ < 1)
+            for (Colord& x : X_)
+                x.setZero();
+        if (reflections_ < 2) residual_ = 0;
+    }
+
+    void sweep() override {
+        ++sweeps_;
+        const int end = summed_ > reflections_ / 2 ? reflections_ : 2 * summed_;
+        for (; summed_ < end; ++summed_) {
+            term_ = system_.gather(std::move(term_));
+            for (const std::uint32_t leaf : system_.leaves()) {
+                term_[leaf] *= system_.reflectance(leaf);
+                X_[leaf] += term_[leaf];
+            }
+        }
+        residual_ = summed_ < reflections_ ? residual_power(term_).maxCoeff() : 0;
+        system_.pull(X_);
+    }
+
+private:
+    int reflections_, summed_ = 1;
+    PatchColors term_;
+};
+
 /// Cholesky's factors of the whole symmetric matrix, one channel after another.
 class Direct final : public RadiositySolution {
 public:
@@ -154,6 +210,7 @@ public:
 
 private:
     void solve(int c) {
+        if (!(first_power_[c] > 0)) return;  // where nothing is absorbed either there are no factors
         std::vector<std::uint32_t> leaves;
         std::vector<Eigen::Index> row(X_.size(), -1);
         for (const std::uint32_t leaf : system_.leaves()) {
@@ -174,6 +231,7 @@ private:
                         static_cast<double>(link.exchange) * system_.scale(i) * system_.scale(link.other);
         }
         const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(M);  // in place
+        if (factors.info() != Eigen::Success) refuse_to_reflect_for_ever();
         const Eigen::VectorXd X = factors.solve(b);
         for (const std::uint32_t i : leaves)
             X_[i][c] = X[row[i]];
@@ -185,6 +243,10 @@ private:
 double direct_solver_bytes(double patches) { return patches * patches * sizeof(double); }
 
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver) {
+    PatchColors first(system.node_count(), Colord::Zero());
+    for (const std::uint32_t leaf : system.leaves())
+        first[leaf] = system.first_reflection(leaf);
+    require_absorption(system, system.power(first));
     switch (solver) {
         case RadiositySolver::gauss_seidel:
             return std::make_unique<GaussSeidel>(system);
@@ -197,6 +259,10 @@ std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system,
             break;
     }
     return std::make_unique<ConjugateGradient>(system);
+}
+
+std::unique_ptr<RadiositySolution> start_series(const RadiositySystem& system, int reflections) {
+    return std::make_unique<Series>(system, reflections);
 }
 
 }  // namespace gib

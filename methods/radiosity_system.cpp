@@ -128,19 +128,4 @@ void RadiositySolution::measure_residual() {
     residual_ = residual_power(r).maxCoeff();
 }
 
-PatchColors RadiositySolution::without_longer_paths(int scatterings) const {
-    constexpr double negligible = 1e-5;
-    PatchColors longer = shown();
-    for (int i = 0; i < scatterings && residual_power(longer).maxCoeff() > negligible; ++i) {
-        const PatchColors E = system_.gather(longer);
-        for (const std::uint32_t leaf : system_.leaves())
-            longer[leaf] = system_.reflectance(leaf) * E[leaf];
-    }
-    PatchColors X = shown();
-    for (const std::uint32_t leaf : system_.leaves())
-        X[leaf] -= longer[leaf];
-    system_.pull(X);
-    return X;
-}
-
 }  // namespace gib

@@ -5,6 +5,11 @@
 // the links of leaf i and of the groups that it is in, of which X is the mean (pushing and pulling). E = K X is the
 // indirect irradiance. G is symmetric, so multiplied by A / rho the system is symmetric and positive definite: (A /
 // rho - G) X = A E_direct.
+//
+// Light of at most n reflections is the start of the Neumann series, B1 + rho K B1 + ... + (rho K)^(n - 1) B1, which
+// exists where the system has no solution: in a closed scene that absorbs nothing. So it is summed, not solved for; a
+// solution less its longer paths, X - (rho K)^n X, would take one product more, and be that sum only once X has
+// converged.
 
 #include "methods/radiosity_links.h"
 
@@ -30,6 +35,7 @@ public:
                     bool normalise);
 
     std::size_t size() const { return leaves_.size(); }
+    std::size_t node_count() const { return node_count_; }
     const std::vector<std::uint32_t>& leaves() const { return leaves_; }
     double area(std::uint32_t node) const { return areas_[node]; }
     const Colord& reflectance(std::uint32_t leaf) const { return light_.reflectance[leaf]; }
@@ -50,6 +56,7 @@ public:
         double mean = 0, largest = 0;
     };
     const Closure& closure() const { return closure_; }
+    bool is_closed() const { return !scales_.empty(); }
     double scale(std::uint32_t node) const { return scales_.empty() ? 1.0 : scales_[node]; }
 
 private:
@@ -79,9 +86,6 @@ public:
     double residual() const { return residual_; }
     int sweeps() const { return sweeps_; }
 
-    /// X without the light of more than `scatterings` reflections: X - (rho K)^n X.
-    PatchColors without_longer_paths(int scatterings) const;
-
 protected:
     explicit RadiositySolution(const RadiositySystem& system);
     Colord residual_power(const PatchColors& residual) const;
@@ -94,8 +98,15 @@ protected:
     int sweeps_ = 0;
 };
 
-/// `system` must outlive it.
+/// `system` must outlive it. Throws InputError where light is reflected for ever, absorbed by less than
+/// least_absorption: of a closed scene at once, where conjugate gradients or Cholesky's factors find it in a sweep.
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver);
+/// The light of at most `reflections` reflections. A sweep doubles how many are summed; the residual is 0 once all are.
+std::unique_ptr<RadiositySolution> start_series(const RadiositySystem& system, int reflections);
+
+/// The share of reflected light that has to be lost on its way to the next patch, at least. Rows of K are known to 1e-7,
+/// by which the share is in doubt, and with it the solution: by a tenth at ten times as much.
+inline constexpr double least_absorption = 1e-6;
 
 /// [bytes] that the direct solver's matrix takes.
 double direct_solver_bytes(double patches);

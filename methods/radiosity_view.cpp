@@ -60,7 +60,7 @@ public:
 private:
     Color gathered(const SurfaceHit& hit, const Vec3& wo) {
         const auto n = static_cast<std::uint32_t>(settings_.gather);
-        Color sum = Color::Zero();
+        Colord sum = Colord::Zero();
         for (std::uint32_t i = 0; i < n; ++i) {
             const Sampler u = walk_.sampler().split(i, n, gather_tag);
             const auto next = hit.bsdf->sample_local(hit.shading.to_local(wo), u.get_2d(gather_lobe),
@@ -72,9 +72,9 @@ private:
             walk_.rays().trace(ray);
             GatherRayVisitor visitor(model_->display());
             walk.follow(ray, visitor);
-            sum += next->f * (std::abs(next->wi.z()) / next->pdf_w) * visitor.radiance();
+            sum += (next->f * (std::abs(next->wi.z()) / next->pdf_w) * visitor.radiance()).cast<double>();
         }
-        return sum / static_cast<float>(n);
+        return (sum / n).cast<float>();
     }
 
     const RadiosityModel* model_;

@@ -19,6 +19,9 @@ bool is_surface(const SurfaceHit& found, const Vec3& normal) {
            found.bsdf->traits_at(found.ns.dot(normal)).diffuse;
 }
 
+/// The part of the radius r that ends at `end`, at most 1; defined for r = 0 too.
+float part_of_radius(float end, float r) { return end < r ? end / r : 1.f; }
+
 }  // namespace
 
 SurfaceDisc::SurfaceDisc(const SurfaceHit& hit, const Vec3& normal, const Vec2& u)
@@ -104,7 +107,7 @@ float SurfaceDisc::share(Kernel kernel, float r) const {
     if (directions_ == 0) return 1.f;
     float sum = 0.f;
     for (int i = 0; i < directions_; ++i)
-        sum += kernel_mass(kernel, std::min(sector_[static_cast<std::size_t>(i)] / r, 1.f));
+        sum += kernel_mass(kernel, part_of_radius(sector_[static_cast<std::size_t>(i)], r));
     return sum / static_cast<float>(directions_);
 }
 
@@ -148,7 +151,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
         // The middle of a sector of S, or of a part of one.
         const Vec3 w = direction((static_cast<float>(i) + u_.y()) / static_cast<float>(many) +
                                  (directions_ == 0 ? 0.f : u_.x() / static_cast<float>(directions_)));
-        const float mass = kernel_mass(kernel, std::min(end_of(at) / r, 1.f));
+        const float mass = kernel_mass(kernel, part_of_radius(end_of(at), r));
         const float rise =
             std::min(rise_of(at), rise_of((at + 1) % std::max<std::size_t>(1, static_cast<std::size_t>(directions_))));
         const float turned = u_.x() + 0x1p-32f * static_cast<float>(reverse_bits(static_cast<std::uint32_t>(i)));

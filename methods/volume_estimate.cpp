@@ -1,6 +1,7 @@
 #include "methods/volume_estimate.h"
 
 #include "common/warp.h"
+#include "methods/place_rounding.h"
 
 namespace gib {
 
@@ -37,20 +38,21 @@ double share_within(Kernel kernel, double s) {
 
 }  // namespace
 
-float ball_kernel_weight(Kernel kernel, float d2, float r) {
-    static const float gaussian_norm = static_cast<float>(1 / (4 * std::numbers::pi * gaussian_moment(1)));
-    const float per_r3 = 1.f / (r * r * r), s2 = d2 / (r * r);
+double ball_kernel_weight(Kernel kernel, float d2, float r) {
+    static const double gaussian_norm = 1 / (4 * std::numbers::pi * gaussian_moment(1));
+    const double r2 = sqr(double{r}), s2 = double{d2} / r2;
+    const double per_r3 = 1 / (r2 * double{r});
     switch (kernel) {
         case Kernel::uniform:
-            return 0.75f * inv_pi * per_r3;
+            return 0.75 * std::numbers::inv_pi * per_r3;
         case Kernel::cone:
-            return 3.f * inv_pi * per_r3 * std::max(1.f - std::sqrt(s2), 0.f);
+            return 3 * std::numbers::inv_pi * per_r3 * std::max(1 - std::sqrt(s2), 0.0);
         case Kernel::gaussian:
-            return gaussian_norm * per_r3 * std::exp(-s2 / (2.f * sqr(gaussian_sigma)));
+            return gaussian_norm * per_r3 * std::exp(-s2 / (2 * sqr(double{gaussian_sigma})));
         case Kernel::epanechnikov:
-            return 1.875f * inv_pi * per_r3 * std::max(1.f - s2, 0.f);
+            return 1.875 * std::numbers::inv_pi * per_r3 * std::max(1 - s2, 0.0);
     }
-    return 0.f;
+    return 0;
 }
 
 float ball_kernel_radius(Kernel kernel, float u) {
@@ -67,27 +69,35 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
                                           const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
                                           const Sampler& sampler, std::uint32_t dimension,
                                           std::vector<PhotonMap::Neighbour>& found) const {
-    Color sum = Color::Zero();
+    Colord sum = Colord::Zero();
     float r = max_radius;
     const auto add = [&](const Photon& photon, float distance2) {
-        const float scale = phase.value(wo, photon.direction()) * ball_kernel_weight(kernel, distance2, r);
-        sum += scale * photon.power() * eye.weight(photon);
+        const double scale = double{phase.value(wo, photon.direction())} * ball_kernel_weight(kernel, distance2, r);
+        sum += scale * photon.power().cast<double>() * eye.weight(photon).cast<double>();
     };
     const auto accept = [&](const Photon& photon, float) { return eye.accepts(photon); };
-    if (k == all_photons) {
+    std::size_t inside = 0;
+    bool all = k == all_photons;
+    if (!all) {
+        map.nearest(p, k, max_radius, accept, found);
+        inside = found.size();
+        if (inside == k) {
+            r = std::sqrt(found[--inside].distance2);
+            const float known = std::min(place_rounding(rays.scene(), p), max_radius);
+            all = r < known;
+            r = std::max(r, known);
+        }
+    }
+    if (!(r > 0.f)) return Color::Zero();
+    if (all)
         map.within(p, r, [&](const Photon& photon, float distance2) {
             if (eye.accepts(photon)) add(photon, distance2);
         });
-    } else {
-        map.nearest(p, k, max_radius, accept, found);
-        std::size_t inside = found.size();
-        if (inside == k) r = std::sqrt(found[--inside].distance2);
-        if (!(r > 0.f)) return Color::Zero();
-        for (std::size_t i = 0; i < inside; ++i)
-            add(map[found[i].photon], found[i].distance2);
-    }
-    if (area == DiscArea::surface && !is_black(sum)) sum *= reciprocal_share_in_sight(rays, p, r, sampler, dimension);
-    return sum;
+    for (std::size_t i = 0; i < inside && !all; ++i)
+        add(map[found[i].photon], found[i].distance2);
+    const Color radiance = sum.cast<float>();
+    if (area != DiscArea::surface || is_black(radiance)) return radiance;
+    return radiance * reciprocal_share_in_sight(rays, p, r, sampler, dimension);
 }
 
 float VolumeEstimator::reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,

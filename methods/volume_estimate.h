@@ -10,7 +10,8 @@
 // using Photon Maps", equation 12; corrected as on surfaces:
 //  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: 4/3 pi r_k^3 lambda is a
 //    Gamma(k) variable;
-//  - with fewer than k inside the maximum radius, all of them count and r is the maximum radius.
+//  - with fewer than k inside the maximum radius, all of them count and r is the maximum radius;
+//  - where the k-th lies closer than rounding knows places, all within that distance count and r is that distance.
 
 #include "common/phase.h"
 #include "common/sampler.h"
@@ -19,8 +20,9 @@
 
 namespace gib {
 
-/// K(d) [1/volume] for d^2 = `d2` <= r^2; integrates to 1 over the ball of radius r.
-float ball_kernel_weight(Kernel kernel, float d2, float r);
+/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3 is no float
+/// below r = 1e-13.
+double ball_kernel_weight(Kernel kernel, float d2, float r);
 /// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
 float ball_kernel_radius(Kernel kernel, float u);
 

@@ -130,7 +130,7 @@ TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
             ++relative;
             EXPECT_THAT(line, HasSubstr("epsilon 0.5"));
         }
-    EXPECT_EQ(relative, 3);
+    EXPECT_EQ(relative, 6);
 }
 
 TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {

@@ -1,47 +1,28 @@
 #pragma once
-// The table of hard cases: scenes whose answer theory gives, and the methods that must find it.
+// What tests of hard cases are written with: methods with the options that have numerical cases of their own, and pieces
+// of scenes.
 
 #include "tests/scene_fixtures.h"
 #include "tests/scene_text.h"
 
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace gib::test {
 
-/// How the mean radiance of an image stands to what is expected.
-enum class Relation { equal, at_most, black };
-
-struct HardCase {
-    std::string name;
-    /// The scene; files that it refers to are written to the folder.
-    std::function<std::string(const TemporaryFolder&)> scene;
-    Relation relation = Relation::equal;
-    double expected = 1;  ///< [W/(sr m^2)] mean over pixels and channels
-    std::string reason;   ///< why that is the answer
-    std::uint32_t passes = 16;
-    bool every_pixel = false;  ///< the answer holds for each pixel without noise
-    std::string only = {};     ///< the method that can be judged; empty: all
-    std::string without = {};  ///< the method that is known to fail
-};
-
-/// The methods of the table, with the options that have numerical cases of their own, and the bias that theirs may have
-/// where the answer is smooth (relative).
 struct HardMethod {
     std::string name, label;
-    double bias;
 };
 inline const std::vector<HardMethod>& hard_methods() {
     static const std::vector<HardMethod> methods = {
-        {"path", "path", 0},
-        {"photons", "photon_mapper photons=5000", 0.02},
-        {"photons_all", "photon_mapper photons=5000 k=all radius=0.05 caustic_radius=0.02 kernel=cone", 0.02},
-        {"gather", "photon_mapper photons=5000 gather=8", 0.02},
-        {"cache", "photon_mapper photons=5000 gather=32 cache=on", 0.02},
-        {"shadows", "photon_mapper photons=5000 shadow_photons=5000 shadows=guide", 0.02},
-        {"radiosity", "radiosity patch=0.1", 0.02},
+        {"path", "path"},
+        {"photons", "photon_mapper photons=5000"},
+        {"photons_all", "photon_mapper photons=5000 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
+        {"gather", "photon_mapper photons=5000 gather=8"},
+        {"cache", "photon_mapper photons=5000 gather=32 cache=on"},
+        {"shadows", "photon_mapper photons=5000 shadow_photons=5000 shadows=guide"},
+        {"radiosity", "radiosity patch=0.1"},
     };
     return methods;
 }
@@ -116,25 +97,5 @@ inline std::string furnace(double radius = 4, double rho = 0.5) {
     return sphere_at(Vec3d::Zero(), radius,
                      "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(1 - rho));
 }
-
-/// A case of every combination with the methods that simulate it.
-struct CaseAndMethod {
-    const HardCase* hard;
-    const HardMethod* method;
-};
-inline std::vector<CaseAndMethod> combined(const std::vector<HardCase>& cases) {
-    std::vector<CaseAndMethod> all;
-    for (const HardCase& hard : cases)
-        for (const HardMethod& method : hard_methods())
-            if ((hard.only.empty() || hard.only == method.name) && hard.without != method.name)
-                all.push_back({&hard, &method});
-    return all;
-}
-inline std::string name_of(const testing::TestParamInfo<CaseAndMethod>& info) {
-    return info.param.hard->name + "_" + info.param.method->name;
-}
-
-/// Renders the case and judges the image.
-void expect_answer(const CaseAndMethod& pair);
 
 }  // namespace gib::test

@@ -13,8 +13,11 @@ public:
         ++count_;
         sum_ += x;
         squares_ += x * x;
+        zeros_ += x == 0;
     }
     std::uint64_t count() const { return count_; }
+    /// How many of them are 0.
+    std::uint64_t zeros() const { return zeros_; }
     double mean() const { return mean_of(count_); }
     double standard_error() const { return standard_error_of(count_); }
 
@@ -27,7 +30,7 @@ public:
     }
 
 private:
-    std::uint64_t count_ = 0;
+    std::uint64_t count_ = 0, zeros_ = 0;
     double sum_ = 0, squares_ = 0;
 };
 

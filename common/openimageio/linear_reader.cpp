@@ -51,6 +51,18 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
             throw InputError(where, "the file's chromaticities are not those of sRGB");
 }
 
+/// A header of some bytes can claim any size, and memory for it would be taken before a pixel is read. No format of photographs or
+/// renders packs this many pixels into a byte; what takes little memory may claim what it likes.
+void check_size(const OIIO::ImageSpec& spec, const std::string& path) {
+    constexpr double most_free = 1 << 24, most_per_byte = 4096;
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(path, error);
+    const double pixels = 1.0 * spec.width * spec.height;
+    if (!error && pixels > most_free && pixels > most_per_byte * static_cast<double>(bytes))
+        throw InputError({path, 0, 0}, fmt::format("the image is damaged: {} x {} pixels in {} bytes", spec.width,
+                                                   spec.height, bytes));
+}
+
 }  // namespace
 
 std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO::ImageSpec* config) {
@@ -64,6 +76,7 @@ std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO:
     if (spec.deep) throw InputError(where, "a deep image; only flat ones are supported");
     if (spec.depth > 1) throw InputError(where, "a volume, not an image");
     if (spec.width < 1 || spec.height < 1) throw InputError(where, "the image has no pixels");
+    check_size(spec, path);
     return file;
 }
 

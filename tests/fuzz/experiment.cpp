@@ -1,0 +1,42 @@
+// Experiment files. Their scenes are looked for, not read.
+
+#include "experiments/experiment_file.h"
+#include "tests/fuzz/harness.h"
+
+#include <cmath>
+#include <set>
+
+namespace gib::fuzz {
+
+namespace {
+
+void check_experiment(const Experiment& experiment) {
+    require(!experiment.scenes.empty() && !experiment.methods.empty(), "there is a scene and a method");
+    require(experiment.seeds >= 1, "there is a seed");
+    require(std::isfinite(experiment.epsilon) && experiment.epsilon > 0, "epsilon is above 0");
+    for (const auto& scene : experiment.scenes)
+        require(scene.goal.target || scene.goal.seconds, "every reference has a goal");
+    std::set<std::string> labels;
+    for (const MethodLabel& label : experiment.methods) {
+        require(labels.insert(label.text()).second, "labels are different");
+        // Cells and references are found again by their label.
+        require(MethodLabel::parse(label.text()).values == label.values, "a label is read as it was written");
+        const auto& method = find_comparable_method(label.name);
+        method.create(ParameterValues(all_parameters(method), label), MethodDefaults{});
+    }
+}
+
+}  // namespace
+
+void run_input(std::string_view input) {
+    static const ScratchFolder folder;
+    static const bool written = [] {
+        for (const char* name : {"a.xml", "b.xml", "c.xml"})
+            folder.write(name, "<scene version=\"3.0.0\"/>");
+        return true;
+    }();
+    require(written, "there are scenes");
+    unless_refused([&] { check_experiment(parse_experiment(std::string(input), folder / "input.toml")); });
+}
+
+}  // namespace gib::fuzz
