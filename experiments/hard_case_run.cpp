@@ -24,23 +24,6 @@ namespace {
 
 constexpr int exit_interrupted = 130;
 
-/// A file that is there while a pair is judged: what its process says on stderr.
-class MessagesFile {
-public:
-    MessagesFile(const std::string& folder, std::size_t number)
-        : path_(fmt::format("{}/judge-{}.txt", folder, number)) {}
-    ~MessagesFile() {
-        std::error_code ignored;
-        std::filesystem::remove(path_, ignored);
-    }
-    MessagesFile(const MessagesFile&) = delete;
-    MessagesFile& operator=(const MessagesFile&) = delete;
-    const std::string& path() const { return path_; }
-
-private:
-    std::string path_;
-};
-
 class HardCaseRun {
 public:
     explicit HardCaseRun(const RunOptions& options)
@@ -87,7 +70,7 @@ public:
     /// Returns what is in table.md and whether all hold.
     bool write_results(std::ostream& out) {
         write_file(folder_.file("hard_cases.csv"), hard_case_csv(rows_).text());
-        write_file(folder_.file("manifest.json"), manifest_text(index(), options_.command_line));
+        write_file(folder_.file("manifest.json"), manifest_text(index(), {options_.command_line, file_.path, {}, {}}));
         const std::string report = rebuild_hard_case_report(folder_.path());
         out << read_file(folder_.file("table.md")) << "\nReport: " << report << "\n";
         bool all_hold = true;
@@ -117,12 +100,11 @@ private:
                 finished();
                 return;
             }
-        const MessagesFile messages(folder_.path(), number);
         std::string said;
         try {
             run_child(
                 {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(file_.seeds)},
-                messages.path(), [&](const std::string& line) { said += line; });
+                [&](const std::string& line) { said += line; });
             row.images = images_from_json(nlohmann::json::parse(said));
             row.verdict = judge(row.hard, row.images, file_.tail(), file_.resolve);
         } catch (const Interrupted&) {

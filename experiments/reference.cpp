@@ -79,9 +79,8 @@ private:
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
             if (!groups_.verified)
                 result_.warnings.push_back(
-                    fmt::format("{}: written before references had digests, so damage to it would not be seen; remove "
-                                "it to have it "
-                                "made again",
+                    fmt::format("{}: written before references had digests, so damage to it would not be seen; "
+                                "remove it to have it made again",
                                 work_.path));
         } catch (const std::exception& error) {  // of whatever kind: a damaged file can say anything
             result_.warnings.push_back(

@@ -1,6 +1,6 @@
 #pragma once
-// `gibench run --repeat RESULT_DIR`: every complete cell of a run once more, with exactly the passes that it made and as
-// many threads, into a result folder of its own; the images have to be the same bit for bit.
+// `gibench run --repeat RESULT_DIR`: every complete cell of a run once more, with exactly the passes that it made and
+// as many threads, into a result folder of its own; the images have to be the same bit for bit.
 
 #include "experiments/experiment_file.h"
 #include "experiments/result_folder.h"

@@ -1,5 +1,5 @@
-// Disks that are full and folders that cannot be written: said with the file and the reason, nothing half-written, and the
-// same command goes on once there is space.
+// Disks that are full and folders that cannot be written: said with the file and the reason, nothing half-written,
+// and the same command goes on once there is space.
 
 #include "run_content.h"
 #include "run_fixtures.h"

@@ -1,5 +1,5 @@
-// Preloaded into a program: its wall clock jumps by years, forwards and back, each time that it is read. The steady clock is the
-// system's.
+// Preloaded into a program: its wall clock jumps by years, forwards and back, each time that it is read. The steady
+// clock is the system's.
 
 #include <dlfcn.h>
 #include <sys/time.h>
