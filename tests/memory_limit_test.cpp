@@ -80,7 +80,7 @@ private:
 };
 
 TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
@@ -102,7 +102,7 @@ TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
 }
 
 TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
@@ -125,7 +125,7 @@ TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
 }
 
 TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
