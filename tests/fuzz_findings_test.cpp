@@ -171,30 +171,19 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     }
 }
 
-/// `count` materials, each of which holds the next one by `link`, which names it as $n.
-std::string chain(int count, const std::string& begin, const std::string& link) {
+/// `count` masks, each of which holds the next one; the last holds a diffuse surface.
+std::string chain(int count) {
     std::string text;
-    for (int i = 0; i < count; ++i) {
-        std::string holds = link;
-        const std::string next = "<ref id=\"m" + std::to_string(i + 1) + "\"/>";
-        for (std::size_t at; (at = holds.find('$')) != holds.npos;)
-            holds.replace(at, 1, next);
-        text += "<bsdf id=\"m" + std::to_string(i) + "\" " + begin + holds + "</bsdf>\n";
-    }
+    for (int i = 0; i < count; ++i)
+        text += "<bsdf id=\"m" + std::to_string(i) + "\" type=\"mask\"><ref id=\"m" + std::to_string(i + 1) +
+                "\"/></bsdf>\n";
     return text + "<bsdf id=\"m" + std::to_string(count) +
            "\" type=\"diffuse\"/>\n<shape type=\"sphere\"><ref id=\"m0\"/></shape>";
 }
 
 TEST(FuzzFindings, MaterialsAreNotTooDeep) {
-    const std::string mask = "type=\"mask\">";
-    EXPECT_THAT(scene_error(chain(100000, mask, "$")), HasSubstr("nested deeper than 64 levels"));
-    EXPECT_EQ(scene_error(chain(63, mask, "$")), "no error");
-}
-
-TEST(FuzzFindings, MaterialsAreNotExponential) {
-    const std::string blend = "type=\"blendbsdf\">";
-    EXPECT_THAT(scene_error(chain(50, blend, "$$")), HasSubstr("a material or texture of more than 1000 parts"));
-    EXPECT_EQ(scene_error(chain(8, blend, "$$")), "no error");  // 511 parts
+    EXPECT_THAT(scene_error(chain(100000)), HasSubstr("nested deeper than 64 levels"));
+    EXPECT_EQ(scene_error(chain(63)), "no error");
 }
 
 TEST(FuzzFindings, TexturesAreNotExponential) {
@@ -325,13 +314,13 @@ TEST_F(ExperimentFindings, SweepsDoNotMultiplyWithoutBound) {
     std::string method = "[[method]]\nname = \"photon_mapper\"\n";
     for (const char* key : {"photons", "caustic_photons", "volume_photons", "k", "gather", "spp", "max_depth",
                             "shadow_photons", "shadow_k"})
-        method += std::string(key) + " = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
+        method += std::string(key) + " = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11]\n";
     EXPECT_THAT(error(method), HasSubstr("make more than 10000 combinations of values"));
 }
 
 TEST_F(ExperimentFindings, MethodsAreNotTooMany) {
-    std::string numbers = "1";
-    for (int i = 2; i <= 100; ++i)
+    std::string numbers = "2";
+    for (int i = 3; i <= 101; ++i)
         numbers += ", " + std::to_string(i);
     std::string methods;
     for (int i = 1; i <= 2; ++i)
