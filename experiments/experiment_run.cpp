@@ -125,8 +125,7 @@ void ExperimentRun::plan_methods() {
             const auto& description = find_method(label.name);
             const ParameterValues values(all_parameters(description), label);
             const auto method = description.create(values, {scene.loaded.max_edges});
-            effects_missing_[{scene.entry.name, label.text()}] =
-                method->plan(*scene.loaded.scene).missing.names();
+            effects_missing_[{scene.entry.name, label.text()}] = method->plan(*scene.loaded.scene).missing.names();
         }
 }
 

@@ -23,15 +23,15 @@ using namespace test;
 
 const std::vector<HardMethod>& exact_methods() {
     static const std::vector<HardMethod> methods = {
-        {"path", "path", 0},
-        {"photons", "photon_mapper photons=500", 0},
-        {"photons_all", "photon_mapper photons=500 k=all radius=0.05 caustic_radius=0.02 kernel=cone", 0},
-        {"compensation", "photon_mapper photons=500 k=30 compensation=on", 0},
-        {"gather", "photon_mapper photons=500 gather=4", 0},
-        {"gather_paths", "photon_mapper photons=500 gather=4 source=paths", 0},
-        {"cache", "photon_mapper photons=500 gather=8 cache=on", 0},
-        {"shadows", "photon_mapper photons=500 shadow_photons=500 shadows=guide", 0},
-        {"radiosity", "radiosity patch=0.5", 0},
+        {"path", "path"},
+        {"photons", "photon_mapper photons=500"},
+        {"photons_all", "photon_mapper photons=500 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
+        {"compensation", "photon_mapper photons=500 k=30 compensation=on"},
+        {"gather", "photon_mapper photons=500 gather=4"},
+        {"gather_paths", "photon_mapper photons=500 gather=4 source=paths"},
+        {"cache", "photon_mapper photons=500 gather=8 cache=on"},
+        {"shadows", "photon_mapper photons=500 shadow_photons=500 shadows=guide"},
+        {"radiosity", "radiosity patch=0.5"},
     };
     return methods;
 }

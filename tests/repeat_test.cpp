@@ -1,5 +1,6 @@
 // `gibench run --repeat`: the same images, or a plain word on why not.
 
+#include "common/image_file.h"
 #include "run_fixtures.h"
 
 #include <gmock/gmock.h>

@@ -12,9 +12,7 @@
 
 namespace gib::test {
 
-inline LoadedScene scene_of(const std::string& xml) {
-    return parse_scene(xml, source_path("tests/inline.xml"));
-}
+inline LoadedScene scene_of(const std::string& xml) { return parse_scene(xml, source_path("tests/inline.xml")); }
 
 inline LoadedScene shipped_scene(const std::string& name, const SceneLoadOptions& options = {}) {
     return load_scene(source_path("scenes/" + name), options);
