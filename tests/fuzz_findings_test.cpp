@@ -271,7 +271,7 @@ TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
         "value=\"1e297 0 0 1.5e308 -1.5e308 0 0 0 1\"/></transform></shape>\n"
         "<shape type=\"obj\"><string name=\"filename\" value=\"near.obj\"/></shape>",
         folder / "t.xml");
-    EXPECT_THAT(error, HasSubstr("t.xml:2:1: the shape has coordinates above"));
+    EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
 }
 
 TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {

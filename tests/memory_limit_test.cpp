@@ -129,7 +129,8 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
-    write("large.pfm", "PF\n50000 50000\n-1.0\n");
+    // With so many bytes it is not taken for damaged before anything is asked of memory.
+    write("large.pfm", "PF\n50000 50000\n-1.0\n" + std::string(1 << 20, '\0'));
     const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
     EXPECT_EQ(result.code, 2);
     EXPECT_THAT(result.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
