@@ -1,6 +1,7 @@
 // Experiment files: what they mean, and what is said about wrong ones.
 
 #include "experiments/experiment_file.h"
+#include "experiments/hard_case_file.h"
 
 #include "driver_fixtures.h"
 
@@ -124,7 +125,9 @@ TEST(ParseTarget, TakesPercentAndFraction) {
 TEST(ShippedExperiments, AreValid) {
     for (const auto& file : std::filesystem::directory_iterator(test::source_path("experiments"))) {
         if (file.path().extension() != ".toml") continue;
-        EXPECT_NO_THROW(load_experiment(file.path().string())) << file.path();
+        const std::string path = file.path().string();
+        if (holds_hard_cases(path)) EXPECT_NO_THROW(load_hard_cases(path)) << path;
+        else EXPECT_NO_THROW(load_experiment(path)) << path;
     }
 }
 

@@ -3,6 +3,7 @@
 #include "common/image_file.h"
 #include "driver_fixtures.h"
 #include "experiments/csv.h"
+#include "experiments/result_folder.h"
 
 #include <gmock/gmock.h>
 
@@ -11,21 +12,24 @@
 namespace gib::test {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Scales every layer of the final images of the cells whose folder contains `method`.
-void brighten(const fs::path& cells, const std::string& method, float factor) {
-    for (const auto& cell : fs::directory_iterator(cells)) {
-        if (cell.path().filename().string().find(method) == std::string::npos) continue;
-        const std::string path = cell.path() / "final.exr";
+/// Scales every layer of the final images of a method's cells, and lets their records know these images.
+void brighten(const std::string& results, const std::string& method, float factor) {
+    const ResultFolder folder(results);
+    for (const auto& [name, key] : folder.read_index().cell_keys) {
+        auto cell = folder.read_cell(name, key);
+        if (!cell || cell->method != method) continue;
+        const std::string path = folder.cell_image(name);
         ComponentImages image = components_in(read_image(path));
         for (Component c : all_components)
             if (image[c])
                 for (float& v : image[c]->rgb)
                     v *= factor;
         write_exr(path, layers_of(image));
+        cell->image_file = file_hash(path);
+        folder.write_cell(name, *cell);
     }
 }
 
@@ -52,7 +56,7 @@ TEST(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
     for (const char* method : {"path spp=256", "path spp=512"})
         EXPECT_THAT(footings(results, method), Not(::testing::Contains(HasSubstr("differs")))) << method;
 
-    brighten(results + "/cells", "spp=512", 1.01f);
+    brighten(results, "path spp=512", 1.01f);
     ASSERT_EQ(run_gibench("report results/e", folder / "").code, 0);
     EXPECT_THAT(footings(results, "path spp=512"), ::testing::Contains("total differs"));
     EXPECT_THAT(footings(results, "path spp=256"), Not(::testing::Contains(HasSubstr("differs"))));

@@ -11,6 +11,7 @@
 #include <cctype>
 #include <limits>
 #include <numbers>
+#include <ostream>
 
 namespace gib::test {
 namespace {
@@ -26,6 +27,8 @@ struct CaseAndMethod {
     const HardCase* hard;
     MethodLabel method;
 };
+
+void PrintTo(const CaseAndMethod& pair, std::ostream* out) { *out << pair.hard->name << " by " << pair.method.text(); }
 
 std::vector<CaseAndMethod> pairs_to_judge() {
     std::vector<CaseAndMethod> pairs;
@@ -54,7 +57,7 @@ TEST_P(HardCaseTable, Holds) {
     const HardCaseImages images = render_hard_case(*hard, method, file.seeds, 1);
     const HardCaseVerdict verdict = judge(*hard, images, file.tail(), file.resolve);
     if (verdict.verdict == Verdict::left_out) GTEST_SKIP() << verdict.why;
-    EXPECT_EQ(verdict.verdict, Verdict::holds) << hard->reason << ": " << verdict.why;
+    EXPECT_EQ(gib::name_of(verdict.verdict), "holds") << hard->reason << ": " << verdict.why;
 }
 
 // 1e4 lamps, all but one of them facing away from the floor below. One sample in 1e4 finds the one that matters, so the
