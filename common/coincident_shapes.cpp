@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
+#include <set>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace gib {
 
@@ -56,21 +60,38 @@ void for_each_place(const Shape& shape, const Visit& visit) {
     }
 }
 
-/// Interior over exterior index, of a material that refracts.
-std::optional<float> relative_index(const Material& material) {
-    const auto nested = [](const NestedMaterial& inner) { return relative_index(*inner); };
-    if (const auto* plain = std::get_if<TexturedScattering>(&material.node())) {
-        if (const auto* smooth = std::get_if<Dielectric>(&plain->model)) return smooth->eta;
-        if (const auto* rough = std::get_if<RoughDielectric>(&plain->model)) return rough->eta;
-        return std::nullopt;
-    }
-    if (const auto* mask = std::get_if<Mask>(&material.node())) return nested(mask->nested);
-    if (const auto* bump = std::get_if<BumpMap>(&material.node())) return nested(bump->nested);
-    if (const auto* normal = std::get_if<NormalMap>(&material.node())) return nested(normal->nested);
-    return std::nullopt;
+/// Interior over exterior index, and how it depends on the wavelength.
+using Index = std::pair<float, float>;
+
+/// Of all models of the material that refract.
+std::set<Index> indices(const Material& material) {
+    const auto of = [](const auto& node) -> std::set<Index> {
+        using Node = std::decay_t<decltype(node)>;
+        if constexpr (std::is_same_v<Node, TexturedScattering>) {
+            if (const auto* smooth = std::get_if<Dielectric>(&node.model)) return {{smooth->eta, smooth->cauchy_b}};
+            if (const auto* rough = std::get_if<RoughDielectric>(&node.model)) return {{rough->eta, rough->cauchy_b}};
+            return {};
+        } else if constexpr (std::is_same_v<Node, Blend>) {
+            std::set<Index> all = indices(*node.first);
+            all.merge(indices(*node.second));
+            return all;
+        } else if constexpr (std::is_same_v<Node, TwoSided>) {
+            std::set<Index> all = indices(*node.front);
+            all.merge(indices(*node.back));
+            return all;
+        } else if constexpr (std::is_same_v<Node, Nothing>) {
+            return {};
+        } else {
+            return indices(*node.nested);
+        }
+    };
+    return std::visit(of, material.node());
 }
 
-std::string place_text(const SourceLocation& where) { return fmt::format("line {}", where.line); }
+/// As seen from a line of `file`.
+std::string place_text(const SourceLocation& where, const std::string& file) {
+    return where.file == file ? fmt::format("line {}", where.line) : fmt::format("{}:{}", where.file, where.line);
+}
 
 void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::span<const SourceLocation> where) {
     std::map<Place, std::size_t> first;
@@ -84,32 +105,31 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
                                  ? std::string("this lamp has a triangle twice: a ray would meet only one of them")
                                  : fmt::format("this lamp lies exactly in the place of the one at {}: a ray would meet "
                                                "only one of them. Leave one out, or a gap between them",
-                                               place_text(where[it->second])));
+                                               place_text(where[it->second], where[i].file)));
         });
     }
 }
 
 void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, std::span<const Material> materials,
                                   std::span<const SourceLocation> where) {
-    std::vector<std::optional<float>> index(objects.size());
-    std::vector<float> different;
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-        index[i] = relative_index(materials[objects[i].material]);
-        if (index[i] && std::find(different.begin(), different.end(), *index[i]) == different.end())
-            different.push_back(*index[i]);
+    std::vector<std::set<Index>> of_object;
+    std::set<std::set<Index>> different;
+    for (const auto& object : objects) {
+        of_object.push_back(indices(materials[object.material]));
+        if (!of_object.back().empty()) different.insert(of_object.back());
     }
     if (different.size() < 2) return;
     std::map<Place, std::size_t> first;
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        if (!index[i]) continue;
+        if (of_object[i].empty()) continue;
         for_each_place(objects[i].shape, [&](const Place& place) {
             const auto [it, is_new] = first.emplace(place, i);
-            if (!is_new && *index[it->second] != *index[i])
+            if (!is_new && of_object[it->second] != of_object[i])
                 throw InputError(
                     where[i], fmt::format("this surface lies exactly in the place of the one at {}, which refracts "
                                           "otherwise: a ray would meet only one of them. Let them overlap or leave a "
                                           "gap, or make them one surface with both int_ior and ext_ior",
-                                          place_text(where[it->second])));
+                                          place_text(where[it->second], where[i].file)));
         });
     }
 }

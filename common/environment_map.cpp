@@ -1,10 +1,15 @@
 #include "common/environment_map.h"
 
+#include "common/memory_limit.h"
+
+#include <fmt/format.h>
+
 namespace gib {
 
 namespace {
 
 constexpr float uniform_share = 0.1f;
+constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
 
 /// In double: the product with a small solid angle must not underflow.
 double luminance_d(const Color& c) { return static_cast<double>(luminance(c)); }
@@ -24,6 +29,8 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
         const std::vector<float> row = rgb_;
         rgb_.insert(rgb_.end(), row.begin(), row.end());
     }
+    require_memory(static_cast<double>(width_ * bands_ * bytes_per_choice),
+                   fmt::format("choosing directions of an environment of {} x {} pixels", width_, radiance.height));
     std::vector<double> rows, columns(width_);
     for (std::size_t row = 0; row < bands_; ++row) {
         const double theta0 = theta_of(row), theta1 = theta_of(row + 1);

@@ -29,13 +29,6 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
-/// |n| also where its square leaves float's range: n is a square of lengths already.
-float length_of(const Vec3& n) {
-    const float squared = n.squaredNorm();
-    const bool in_range = squared > 1e-30f && squared < 1e30f;
-    return in_range ? std::sqrt(squared) : n.stableNorm();
-}
-
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
     s.p = sphere.center + sphere.radius * direction;
@@ -124,21 +117,24 @@ void Mesh::prepare() {
 /// 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
-    const Vec3 n = t.e1.cross(t.e2);
-    const float length = length_of(n);
+    // In double: areas of small triangles are less than a float holds.
+    const Vec3d e1 = t.e1.cast<double>(), e2 = t.e2.cast<double>(), n = e1.cross(e2);
+    const double length = n.norm();
     // A triangle without an area has no normal, and no ray finds it.
-    const float scale = length > 0.f ? 1.f / length : std::numeric_limits<float>::quiet_NaN();
-    const Vec3 a1 = t.e1.cwiseAbs(), a2 = t.e2.cwiseAbs();
-    const Vec3 m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
-                 a1.x() * a2.y() + a1.y() * a2.x());
+    const double scale = length > 0 ? 1 / length : std::numeric_limits<double>::quiet_NaN();
+    const Vec3 ng = (scale * n).cast<float>();
+    const Vec3d a1 = e1.cwiseAbs(), a2 = e2.cwiseAbs();
+    const Vec3d m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
+                  a1.x() * a2.y() + a1.y() * a2.x());
     const Vec3 furthest = t.v0.cwiseAbs().cwiseMax((t.v0 + t.e1).cwiseAbs()).cwiseMax((t.v0 + t.e2).cwiseAbs());
-    const float of_point = gamma(8) * scale * n.cwiseAbs().dot(furthest);
-    const float of_query = gamma(16) * scale * (a1 + a2).dot(m) + off_the_plane * (a1 + a2).sum();
+    const float of_point = gamma(8) * ng.cwiseAbs().dot(furthest);
+    const float of_query =
+        gamma(16) * static_cast<float>(scale * (a1 + a2).dot(m)) + off_the_plane * static_cast<float>((a1 + a2).sum());
     Facet facet;
     facet.v0 << t.v0, of_point + of_query;
     facet.e1 << t.e1, 0.f;
     facet.e2 << t.e2, 0.f;
-    facet.ng << n * (flip_normals ? -scale : scale), 0.f;
+    facet.ng << (flip_normals ? Vec3(-ng) : ng), 0.f;
     return facet;
 }
 

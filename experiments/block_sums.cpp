@@ -1,6 +1,7 @@
 #include "experiments/block_sums.h"
 
 #include "common/math.h"
+#include "experiments/student_t.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,15 +100,7 @@ void BlockSide::add(const BlockSide& other) {
         groups[g] += other.groups[g];
 }
 
-double BlockSide::scatter() const {
-    const auto count = static_cast<double>(groups.size());
-    double mean = 0, squares = 0;
-    for (const double value : groups)
-        mean += value / count;
-    for (const double value : groups)
-        squares += sqr(value - mean);
-    return squares / (count * (count - 1));
-}
+double BlockSide::scatter() const { return sample_mean(groups).variance.variance; }
 
 void BlockSums::add(const BlockSums& other) {
     pixels += other.pixels;

@@ -22,18 +22,11 @@ double mean_energy(const Image& image) {
 
 MeanEnergy mean_energies(const std::vector<Image>& images) {
     std::vector<double> energies;
-    MeanEnergy mean;
-    const auto n = static_cast<double>(images.size());
-    for (const Image& image : images) {
+    for (const Image& image : images)
         energies.push_back(mean_energy(image));
-        mean.value += energies.back() / n;
-    }
-    if (images.size() < 2 || !std::isfinite(mean.value)) return mean;
-    double scatter = 0;
-    for (const double energy : energies)
-        scatter += sqr(energy - mean.value);
-    mean.variance = {scatter / (n * (n - 1)), n - 1};
-    return mean;
+    const SampleMean mean = sample_mean(energies);
+    if (images.size() < 2) return MeanEnergy{mean.value};
+    return {mean.value, mean.variance};
 }
 
 /// Without groups, pixels and channels are taken as independent; without a standard error the reference is exact.

@@ -140,6 +140,16 @@ bool ExperimentRun::selected(const SceneState& scene) const {
                        [&](const MethodLabel& label) { return selected(scene, label); });
 }
 
+bool ExperimentRun::measure() {
+    try {
+        make_references();
+        run_cells();
+    } catch (const Interrupted&) {
+        return false;
+    }
+    return true;
+}
+
 void ExperimentRun::make_references() {
     for (auto& scene : scenes_) {
         if (!selected(scene)) continue;

@@ -21,11 +21,9 @@ public:
     /// Reads and checks everything, then takes the folder for itself until it is destroyed. Throws InputError.
     explicit ExperimentRun(const RunOptions& options);
 
-    /// Brings every selected scene's reference to its goal. A scene whose reference cannot be made fails with all its
-    /// cells.
-    void make_references();
-    /// Measures every selected cell that is not complete.
-    void run_cells();
+    /// Brings every selected scene's reference to its goal, and measures every selected cell that is not complete. A scene
+    /// whose reference cannot be made fails with all its cells. False: interrupted by the user.
+    bool measure();
     /// Tables, images and report from all complete cells of the experiment. Returns the report's path.
     std::string write_results();
 
@@ -53,6 +51,8 @@ private:
 
     bool selected(const SceneState& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
+    void make_references();
+    void run_cells();
     void make_reference_of(SceneState& scene);
     /// Takes the reference that a run to repeat was measured with, if it is intact.
     bool take_reference_of(SceneState& scene);

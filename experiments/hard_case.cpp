@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace gib {
 
@@ -44,12 +43,8 @@ HardCaseVerdict failed(HardCaseVerdict verdict, std::string why) {
 
 /// The mean of the seeds, and the half width of its interval.
 HardCaseVerdict mean_of_seeds(const std::vector<double>& means, double tail) {
-    const auto n = static_cast<double>(means.size());
-    const double mean = std::accumulate(means.begin(), means.end(), 0.0) / n;
-    double squares = 0;
-    for (const double m : means)
-        squares += (m - mean) * (m - mean);
-    return {Verdict::holds, mean, half_width({{squares / (n - 1) / n, n - 1}}, tail), ""};
+    const SampleMean mean = sample_mean(means);
+    return {Verdict::holds, mean.value, half_width({mean.variance}, tail), ""};
 }
 
 /// Whether the mean and, where it is asked for, every pixel agree with the number expected.
@@ -58,17 +53,20 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
     const double rounding = hard.accuracy * hard.expected, mean = *found.got;
     if (mean - found.half_width > hard.expected + rounding)
         return failed(found, fmt::format("{:.4g} % too bright", 100 * (mean / hard.expected - 1)));
-    if (hard.relation == Relation::at_most) return found;
-    if (mean + found.half_width < hard.expected - rounding)
+    const bool bound = hard.relation == Relation::at_most;
+    if (!bound && mean + found.half_width < hard.expected - rounding)
         return failed(found, fmt::format("{:.4g} % too dark", 100 * (1 - mean / hard.expected)));
-    if (hard.every_pixel && (images.smallest < hard.expected - rounding || images.largest > hard.expected + rounding))
+    if (!bound && hard.every_pixel &&
+        (images.smallest < hard.expected - rounding || images.largest > hard.expected + rounding))
         return failed(found, fmt::format("pixels from {:.6g} to {:.6g}", images.smallest, images.largest));
+    const bool resolved =
+        bound ? mean + found.half_width <= (1 + resolve) * hard.expected : found.half_width <= resolve * hard.expected;
+    if (resolved) return found;
     HardCaseVerdict verdict = found;
-    if (found.half_width > resolve * hard.expected) {
-        verdict.verdict = Verdict::unresolved;
-        verdict.why = fmt::format("the interval is {:.3g} % wide to either side, more than {:.3g} %",
-                                  100 * found.half_width / hard.expected, 100 * resolve);
-    }
+    verdict.verdict = Verdict::unresolved;
+    verdict.why = bound ? fmt::format("may be more than {:.3g} % too bright", 100 * resolve)
+                        : fmt::format("the interval is {:.3g} % wide to either side, more than {:.3g} %",
+                                      100 * found.half_width / hard.expected, 100 * resolve);
     return verdict;
 }
 

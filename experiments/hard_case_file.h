@@ -4,7 +4,8 @@
 //     title = "Hard cases"
 //     seeds = 8                    # replicates, from whose scatter the interval of each mean comes
 //     alpha = 0.01                 # the chance that any verdict of the file is wrong where all answers are right
-//     resolve = "5%"               # an answer whose interval is wider than this, to either side, is unresolved
+//     resolve = "5%"               # an answer whose interval is wider than this, to either side, is unresolved; a
+//                                  # bound, if the interval ends further above it
 //     [[method]]                   # as in every experiment
 //     name = "path"
 //     [[case]]

@@ -17,18 +17,13 @@ struct Pass {
 };
 
 Estimate root_of_mean(const std::vector<double>& squares) {
-    const auto n = static_cast<double>(squares.size());
-    double mean = 0, scatter = 0;
-    for (const double v : squares)
-        mean += v / n;
+    const SampleMean mean = sample_mean(squares);
     // What is left of an error below what the reference resolves may be negative.
-    if (!std::isfinite(mean) || mean < 0) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
-    Estimate root{std::sqrt(mean), std::nullopt};
-    if (squares.size() < 2 || mean == 0) return root;
-    for (const double v : squares)
-        scatter += (v - mean) * (v - mean);
+    if (!(mean.value >= 0)) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
+    Estimate root{std::sqrt(mean.value), std::nullopt};
+    if (squares.size() < 2 || mean.value == 0) return root;
     // In the logarithm, a root is half of its square, and so is its interval.
-    const double half = student_t_two_sided(0.05, n - 1) * std::sqrt(scatter / (n * (n - 1))) / mean / 2;
+    const double half = half_width({mean.variance}, 0.05) / mean.value / 2;
     root.interval = Interval{root.value * std::exp(-half), root.value * std::exp(half)};
     return root;
 }

@@ -161,15 +161,9 @@ int repeat_run(const RepeatOptions& options, std::ostream& out) {
     warn_of_differences(manifest.machine);
 
     ExperimentRun run(run_options);
-    bool interrupted = false;
-    try {
-        run.make_references();
-        run.run_cells();
-    } catch (const Interrupted&) {
-        interrupted = true;
-    }
+    const bool complete = run.measure();
     const std::string report = run.write_results();
-    if (interrupted) {
+    if (!complete) {
         std::cerr << "interrupted: no image was compared\n";
         return exit_interrupted;
     }

@@ -22,15 +22,9 @@ int run_experiment(const RunOptions& options, std::ostream& out) {
     if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
     ExperimentRun run(options);
-    bool interrupted = false;
-    try {
-        run.make_references();
-        run.run_cells();
-    } catch (const Interrupted&) {
-        interrupted = true;
-    }
+    const bool complete = run.measure();
     const std::string report = run.write_results();
-    if (interrupted) {
+    if (!complete) {
         std::cerr << fmt::format("interrupted: what is complete is in {}; the same command goes on from there\n",
                                  run.folder().path());
         return exit_interrupted;

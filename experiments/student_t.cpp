@@ -57,6 +57,18 @@ double student_t_two_sided(double tail, double degrees) {
     return std::sqrt(lo * hi);
 }
 
+SampleMean sample_mean(std::span<const double> values) {
+    const auto n = static_cast<double>(values.size());
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    double mean = 0, scatter = 0;
+    for (const double v : values)
+        mean += v / n;
+    if (!std::isfinite(mean)) return {unknown, {unknown, n - 1}};
+    for (const double v : values)
+        scatter += sqr(v - mean);
+    return {mean, {n < 2 ? unknown : scatter / (n * (n - 1)), n - 1}};
+}
+
 double half_width(const std::vector<VarianceTerm>& terms, double tail) {
     double sum = 0, spread = 0;
     for (const auto& term : terms) {

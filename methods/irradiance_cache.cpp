@@ -1,5 +1,9 @@
 #include "methods/irradiance_cache.h"
 
+#include "common/memory_limit.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -128,6 +132,10 @@ void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spaci
     }
     limit_by_neighbours(record, least);
     if (!(record.distance > 0.f)) return;
+    // The records are about to move into twice the room, and what leads to them grows with them.
+    if (records_.size() == records_.capacity())
+        require_memory(2.0 * static_cast<double>(memory()),
+                       fmt::format("an irradiance cache of more than {} records", size()));
     records_.push_back(record);
     place(static_cast<std::uint32_t>(records_.size() - 1), most_slack * accuracy_ * record.distance, 0, root_);
 }

@@ -36,7 +36,7 @@ public:
     IrradianceCache(const Bounds& bounds, float accuracy);
 
     /// Adds a record; limits its distance, and that of its neighbours. One that serves no other place than its own, as its
-    /// distance is 0 and there is no least spacing, is not kept.
+    /// distance is 0 and there is no least spacing, is not kept. Throws InputError where memory does not suffice.
     void insert(IrradianceRecord record, const RecordSpacing& spacing);
 
     /// Irradiance [W/m^2] by the records that serve the point; empty: none does. `slack` multiplies the accuracy: with more

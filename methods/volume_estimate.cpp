@@ -69,32 +69,34 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
                                           const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
                                           const Sampler& sampler, std::uint32_t dimension,
                                           std::vector<PhotonMap::Neighbour>& found) const {
-    Colord sum = Colord::Zero();
-    float r = max_radius;
-    const auto add = [&](const Photon& photon, float distance2) {
+    if (!(max_radius > 0.f)) return Color::Zero();
+    const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
         const double scale = double{phase.value(wo, photon.direction())} * ball_kernel_weight(kernel, distance2, r);
-        sum += scale * photon.power().cast<double>() * eye.weight(photon).cast<double>();
+        return scale * photon.power().cast<double>() * eye.weight(photon).cast<double>();
     };
-    const auto accept = [&](const Photon& photon, float) { return eye.accepts(photon); };
-    std::size_t inside = 0;
-    bool all = k == all_photons;
-    if (!all) {
-        map.nearest(p, k, max_radius, accept, found);
-        inside = found.size();
-        if (inside == k) {
-            r = std::sqrt(found[--inside].distance2);
-            const float known = std::min(place_rounding(rays.scene(), p), max_radius);
-            all = r < known;
-            r = std::max(r, known);
+    Colord sum = Colord::Zero();
+    const auto add_all_within = [&](float r) {
+        map.within(p, r, [&](const Photon& photon, float distance2) {
+            if (eye.accepts(photon)) sum += scattered(photon, distance2, r);
+        });
+    };
+    float r = max_radius;
+    if (k == all_photons) {
+        add_all_within(r);
+    } else {
+        map.nearest(
+            p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, found);
+        std::size_t inside = found.size();
+        if (inside == k) r = std::sqrt(found[--inside].distance2);
+        const float known = std::min(place_rounding(rays.scene(), p), max_radius);
+        if (inside < found.size() && r < known) {
+            r = known;
+            add_all_within(r);
+        } else if (r > 0.f) {
+            for (std::size_t i = 0; i < inside; ++i)
+                sum += scattered(map[found[i].photon], found[i].distance2, r);
         }
     }
-    if (!(r > 0.f)) return Color::Zero();
-    if (all)
-        map.within(p, r, [&](const Photon& photon, float distance2) {
-            if (eye.accepts(photon)) add(photon, distance2);
-        });
-    for (std::size_t i = 0; i < inside && !all; ++i)
-        add(map[found[i].photon], found[i].distance2);
     const Color radiance = sum.cast<float>();
     if (area != DiscArea::surface || is_black(radiance)) return radiance;
     return radiance * reciprocal_share_in_sight(rays, p, r, sampler, dimension);

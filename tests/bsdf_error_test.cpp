@@ -1,6 +1,7 @@
 // Wrong <bsdf> elements: each is an error that names the place and what would be right.
 
 #include "common/error.h"
+#include "input_error.h"
 #include "tests/texture_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -18,12 +19,7 @@ std::string bsdf(const std::string& type, const std::string& parameters) {
 }
 
 std::string error_of(const std::string& type, const std::string& parameters, const std::string& path = "t.xml") {
-    try {
-        parse_scene(test::scene_with(bsdf(type, parameters)), path);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_scene(test::scene_with(bsdf(type, parameters)), path); });
 }
 
 struct Row {

@@ -1,6 +1,7 @@
 // Wrong <emitter> elements: each is an error that names the place and what would be right.
 
 #include "common/error.h"
+#include "input_error.h"
 #include "tests/light_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -16,12 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string error_of(const std::string& body, const std::string& path = "t.xml") {
-    try {
-        parse_scene(test::scene_with(body), path);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_scene(test::scene_with(body), path); });
 }
 
 /// The <emitter> starts on line 3, its parameters on line 4.

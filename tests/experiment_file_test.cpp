@@ -4,6 +4,7 @@
 #include "experiments/hard_case_file.h"
 
 #include "driver_fixtures.h"
+#include "input_error.h"
 
 #include <gmock/gmock.h>
 
@@ -22,13 +23,9 @@ protected:
     }
     Experiment parse(const std::string& text) { return parse_experiment(text, folder_ / "e.toml"); }
     std::string error_of(const std::string& text) {
-        try {
-            parse(text);
-        } catch (const InputError& error) {
-            const std::string what = error.what();
-            return what.substr(what.find("e.toml"));
-        }
-        return "no error";
+        const std::string what = test::input_error_of([&] { parse(text); });
+        const std::size_t place = what.find("e.toml");
+        return place == std::string::npos ? what : what.substr(place);
     }
     std::vector<std::string> labels(const std::string& methods) {
         std::vector<std::string> texts;

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/mesh_ms3d.h"
 #include "experiments/experiment_file.h"
+#include "input_error.h"
 #include "scene_text.h"
 
 #include <gmock/gmock.h>
@@ -17,18 +18,8 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-template <typename Read>
-std::string error_of(const Read& read) {
-    try {
-        read();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
 std::string scene_error(const std::string& body, const std::string& path = "t.xml") {
-    return error_of([&] { parse_scene(scene_with(body), path); });
+    return test::input_error_of([&] { parse_scene(scene_with(body), path); });
 }
 
 std::string ply(const std::string& vertex_properties, const std::string& body) {
@@ -41,20 +32,21 @@ TEST(FuzzFindings, PlyElementsStandOnce) {
     const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
     const std::string text =
         ply(normals + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", "");
-    EXPECT_THAT(error_of([&] { parse_ply(text, "m.ply"); }),
+    EXPECT_THAT(test::input_error_of([&] { parse_ply(text, "m.ply"); }),
                 StartsWith("m.ply:10:16: the element 'vertex' is given twice"));
 }
 
 TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
     for (const std::string index : {"9223372036854775807", "-9223372036854775808", "4294967295", "3"})
-        EXPECT_THAT(error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
-                    HasSubstr("is out of range: there are 3 vertices"))
+        EXPECT_THAT(
+            test::input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
+            HasSubstr("is out of range: there are 3 vertices"))
             << index;
 }
 
 /// Of one triangle whose first vertex has these values, as text.
 std::string obj_error(const std::string& statement) {
-    return error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
+    return test::input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
 }
 
 TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
@@ -69,7 +61,7 @@ TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
         "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty "
         "double v\n";
     const auto error = [&](const std::string& values) {
-        return error_of([&] {
+        return test::input_error_of([&] {
             parse_ply(ply(more, "0 0 0 " + values + "\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n3 0 1 2\n"), "m.ply");
         });
     };
@@ -83,7 +75,7 @@ TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
 
 TEST(FuzzFindings, Ms3dNormalsFitFloat) {
     const auto error = [](const std::string& normal) {
-        return error_of([&] {
+        return test::input_error_of([&] {
             parse_ms3d("Meshes: 1\n\"m\" 0 -1\n3\n0 0 0 0 0 0 -1\n0 1 0 0 1 0 -1\n0 0 1 0 0 1 -1\n1\n" + normal +
                            "\n1\n0 0 1 2 0 0 0 1\n",
                        "m.txt");
@@ -118,7 +110,7 @@ std::string serialized(double normal, double uv) {
 
 TEST(FuzzFindings, SerializedNormalsAndUvFitFloat) {
     const auto error = [](double normal, double uv) {
-        return error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
+        return test::input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
     };
     EXPECT_THAT(error(1e39, 0), HasSubstr("the normal of vertex 0 is too large"));
     EXPECT_THAT(error(1, -1e39), HasSubstr("the texture coordinate of vertex 0 is too large"));
@@ -233,7 +225,7 @@ TEST(FuzzFindings, IncludesDoNotMultiplyWithoutBound) {
 
 TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
     const auto error = [](const std::string& sensor, const std::string& film) {
-        return error_of([&] {
+        return test::input_error_of([&] {
             parse_scene("<scene version=\"3.0.0\"><sensor type=\"perspective\">" + sensor +
                             "\n<film type=\"hdrfilm\">" + film + "</film></sensor><shape type=\"sphere\"/></scene>",
                         "t.xml");
@@ -290,20 +282,21 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 }
 
 TEST(FuzzFindings, DevicesAreNoFiles) {
-    EXPECT_THAT(error_of([] { read_file("/dev/zero"); }),
+    EXPECT_THAT(test::input_error_of([] { read_file("/dev/zero"); }),
                 StartsWith("/dev/zero:1:1: cannot read the file: it is a device"));
 }
 
 TEST(FuzzFindings, XmlEndsWhereItsFileEnds) {
     const std::string xml = scene_with("<shape type=\"sphere\"/>");
-    EXPECT_THAT(error_of([&] { parse_scene(xml + '\0' + "<scene>", "t.xml"); }),
+    EXPECT_THAT(test::input_error_of([&] { parse_scene(xml + '\0' + "<scene>", "t.xml"); }),
                 StartsWith("t.xml:3:1: malformed XML: a byte of value zero"));
 }
 
 class ExperimentFindings : public ::testing::Test {
 protected:
     std::string error(const std::string& rest, const std::string& scene = "a.xml") const {
-        return error_of([&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
+        return test::input_error_of(
+            [&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
     }
     const TemporaryFolder folder_;
     const std::string scene_ = folder_.write("a.xml", "");

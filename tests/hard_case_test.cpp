@@ -3,6 +3,7 @@
 #include "experiments/hard_case.h"
 
 #include "common/error.h"
+#include "input_error.h"
 #include "tests/hard_cases.h"
 
 #include <gmock/gmock.h>
@@ -117,6 +118,8 @@ TEST(HardCaseVerdicts, RestOnTheScatterOfSeeds) {
     EXPECT_EQ(judged(around(0.970), Relation::at_most).verdict, Verdict::holds);
     EXPECT_EQ(judged(around(1.030), Relation::at_most).verdict, Verdict::fails);
     EXPECT_EQ(judged({0.9, 1.1, 0.9, 1.1}).verdict, Verdict::unresolved);
+    EXPECT_EQ(judged({0.9, 1.1, 0.9, 1.1}, Relation::at_most).verdict, Verdict::unresolved);
+    EXPECT_EQ(judged({0.2, 0.4, 0.2, 0.4}, Relation::at_most).verdict, Verdict::holds) << "certainly below";
     EXPECT_EQ(judged({1.000009, 1.000009}).verdict, Verdict::holds);
     EXPECT_EQ(judged({1.00002, 1.00002}).verdict, Verdict::fails);
     EXPECT_EQ(judged({0, 0}, Relation::black).verdict, Verdict::holds);
@@ -164,13 +167,9 @@ protected:
         return parse_hard_cases("[[method]]\nname = 'path'\n" + text, folder_ / "h.toml");
     }
     std::string error_of(const std::string& text) {
-        try {
-            parse(text);
-        } catch (const InputError& error) {
-            const std::string what = error.what();
-            return what.substr(what.find("h.toml"));
-        }
-        return "no error";
+        const std::string what = test::input_error_of([&] { parse(text); });
+        const std::size_t place = what.find("h.toml");
+        return place == std::string::npos ? what : what.substr(place);
     }
     TemporaryFolder folder_;
 };

@@ -2,13 +2,17 @@
 
 #include "common/memory_limit.h"
 
+#include "input_error.h"
+#include "methods/irradiance_cache.h"
 #include "run_fixtures.h"
 #include "source_path.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <fstream>
 
 namespace gib::test {
 namespace {
@@ -134,6 +138,39 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
     EXPECT_EQ(result.code, 2);
     EXPECT_THAT(result.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
+}
+
+/// What this process has [bytes].
+rlim_t address_space_in_use() {
+    std::ifstream statistics("/proc/self/statm");
+    rlim_t pages = 0;
+    statistics >> pages;
+    return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Nobody knows beforehand how many records there will be: each time their room is to be doubled it is asked for.
+TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    IrradianceCache cache({Vec3::Zero(), Vec3::Ones()}, 0.1f);
+    const AddressSpace limit(address_space_in_use() + (rlim_t{64} << 20));
+    IrradianceRecord record{};
+    record.irradiance = Color::Ones();
+    record.rotation.fill(Vec3::Zero());
+    record.translation.fill(Vec3::Zero());
+    record.n = Vec3::UnitZ();
+    record.distance = 1e-3f;
+    const std::string error = input_error_of([&] {
+        for (int i = 0; i < 1'000'000; ++i) {
+            record.p =
+                Vec3(static_cast<float>(i % 100), static_cast<float>(i / 100 % 100), static_cast<float>(i / 10'000)) /
+                100;
+            cache.insert(record, {1e-4f, 1e-4f});
+        }
+    });
+    EXPECT_THAT(error, refusal("an irradiance cache of more than [0-9]+ records"));
+    EXPECT_GT(cache.size(), 1'000u);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/mesh_data.h"
+#include "input_error.h"
 #include "scene_text.h"
 
 #include <gmock/gmock.h>
@@ -21,21 +22,11 @@ double area_of(const MeshData& mesh) {
     return area;
 }
 
-template <typename Parse>
-std::string error_of(Parse parse) {
-    try {
-        parse();
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
-}
-
 std::string obj_error(const std::string& text) {
-    return error_of([&] { parse_obj(text, "m.obj"); });
+    return test::input_error_of([&] { parse_obj(text, "m.obj"); });
 }
 std::string ply_error(const std::string& text) {
-    return error_of([&] { parse_ply(text, "m.ply"); });
+    return test::input_error_of([&] { parse_ply(text, "m.ply"); });
 }
 
 TEST(ObjFile, FansPolygonsAndSharesVertices) {

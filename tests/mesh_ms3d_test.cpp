@@ -2,6 +2,7 @@
 
 #include "common/mesh_ms3d.h"
 #include "common/error.h"
+#include "input_error.h"
 #include "scene_text.h"
 #include "texture_fixtures.h"
 
@@ -94,12 +95,7 @@ void write_map(const TemporaryFolder& folder) {
 }
 
 std::string error_of(const std::string& text) {
-    try {
-        parse_ms3d(text, "m.txt");
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_ms3d(text, "m.txt"); });
 }
 
 TEST(Ms3dFile, ReadsMeshesAndMaterials) {

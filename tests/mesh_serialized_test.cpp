@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/mesh_data.h"
+#include "input_error.h"
 #include "scene_text.h"
 
 #include <gmock/gmock.h>
@@ -99,12 +100,7 @@ std::string file_of(const std::vector<Square>& meshes) {
 }
 
 std::string error_of(const std::string& content, int index = 0) {
-    try {
-        parse_serialized(content, "m.serialized", index);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_serialized(content, "m.serialized", index); });
 }
 
 TEST(SerializedMesh, BothVersionsAndPrecisionsMeanTheSame) {
@@ -258,14 +254,7 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
     EXPECT_TRUE(mesh(index(2)).normals.empty());
     EXPECT_TRUE(mesh(index(1) + "<boolean name=\"face_normals\" value=\"true\"/>").normals.empty());
     EXPECT_TRUE(mesh("<boolean name=\"flip_normals\" value=\"true\"/>").flip_normals);
-    const auto error = [&](const std::string& body) -> std::string {
-        try {
-            load(body);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "no error";
-    };
+    const auto error = [&](const std::string& body) { return test::input_error_of([&] { load(body); }); };
     EXPECT_THAT(error(index(-1)), HasSubstr("'shape_index' must be between 0 and"));
     EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ":1:1: shape_index 7 is out of range"));
     EXPECT_THAT(error("<boolean name=\"flip_tex_coords\" value=\"true\"/>"),

@@ -1,6 +1,7 @@
 // Wrong scene files: each is an error that names the place and what would be right.
 
 #include "common/error.h"
+#include "input_error.h"
 #include "scene_text.h"
 
 #include <gmock/gmock.h>
@@ -16,12 +17,7 @@ using ::testing::StartsWith;
 const std::string ball = "<shape type=\"sphere\"/>";
 
 std::string error_of(const std::string& xml, const SceneLoadOptions& options = {}, const std::string& path = "t.xml") {
-    try {
-        parse_scene(xml, path, options);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_scene(xml, path, options); });
 }
 
 struct Row {

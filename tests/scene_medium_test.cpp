@@ -2,6 +2,7 @@
 
 #include "common/effects.h"
 #include "common/error.h"
+#include "input_error.h"
 #include "scene_text.h"
 #include "tests/volume_file.h"
 
@@ -18,12 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string error_of(const std::string& body) {
-    try {
-        parse_scene(scene_with(body), "t.xml", {});
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::input_error_of([&] { parse_scene(scene_with(body), "t.xml", {}); });
 }
 
 /// A shape with a medium inside, whose parameters are on line 3.

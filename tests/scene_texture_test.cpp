@@ -4,6 +4,7 @@
 
 #include "common/linear_file.h"
 #include "common/material.h"
+#include "input_error.h"
 #include "texture_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -55,12 +56,7 @@ protected:
         return parse("<bsdf type=\"diffuse\">" + property + "</bsdf>").texture;
     }
     std::string error_of(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
-        try {
-            parse(body, range, kind);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "no error";
+        return test::input_error_of([&] { parse(body, range, kind); });
     }
     /// Of a bsdf whose content starts on line 3.
     std::string error_in(const std::string& content, ColorRange range = ColorRange::unit) const {
