@@ -1,6 +1,7 @@
 #include "common/files.h"
 
 #include "common/error.h"
+#include "common/memory_limit.h"
 
 #include <OpenImageIO/hash.h>
 #include <fcntl.h>
@@ -53,7 +54,9 @@ public:
                 path_.clear();
                 fail(target, "cannot create a file in its folder");
             }
-            ::flock(descriptor_->get(), LOCK_EX | LOCK_NB);
+            // remove_leftovers() may hold it, for a moment.
+            while (::flock(descriptor_->get(), LOCK_EX) != 0 && errno == EINTR) {
+            }
         } while (::fstat(descriptor_->get(), &status) == 0 && status.st_nlink == 0);
     }
     ~TemporaryFile() {
@@ -75,9 +78,11 @@ public:
         const mode_t mask = ::umask(0);
         ::umask(mask);
         if (::fchmod(descriptor_->get(), 0666 & ~mask) != 0) fail(target, "cannot set its permissions");
-        if (::fsync(descriptor_->get()) != 0 || !descriptor_->close()) fail(target, "cannot write");
+        if (::fsync(descriptor_->get()) != 0) fail(target, "cannot write");
+        // Before it is closed, which gives up the lock.
         if (::rename(path_.c_str(), target.c_str()) != 0) fail(target, "cannot write");
         path_.clear();
+        if (!descriptor_->close()) fail(target, "cannot write");
     }
 
 private:
@@ -112,9 +117,10 @@ std::string read_file(const std::string& path) {
     if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode))
         throw InputError({path, 0, 0}, "cannot read the file: it is a device");
     if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
-    std::string content(static_cast<std::size_t>(status.st_size), '\0');
+    require_memory(static_cast<double>(status.st_size), "the file", {path, 0, 0});
+    // One more, so that the end is found without growing. The size is a hint only: a pipe has none, and a file may grow.
+    std::string content(static_cast<std::size_t>(status.st_size) + 1, '\0');
     std::size_t size = 0;
-    // The size is a hint only: a pipe has none, and a file may grow.
     for (;;) {
         if (size == content.size()) content.resize(size + std::max<std::size_t>(size / 2, 4096));
         const ssize_t n = ::read(file.get(), content.data() + size, content.size() - size);
@@ -137,14 +143,19 @@ void write_file(const std::string& path, std::string_view content) {
     if (directory.get() >= 0) ::fsync(directory.get());
 }
 
-void remove_leftovers(const std::string& folder) {
+void remove_leftovers(const std::string& path) {
     namespace fs = std::filesystem;
+    // In a folder that is not ours others may have names like them.
+    const bool of_any = fs::is_directory(path);
+    const std::string of = fs::path(path).filename().string();
+    const fs::path folder = of_any ? fs::path(path) : fs::absolute(path).parent_path();
     std::error_code error;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
         const std::string name = entry->path().filename().string();
         const std::size_t tail = temporary_mark.size() + temporary_letters;
         if (name.size() <= tail || name.compare(name.size() - tail, temporary_mark.size(), temporary_mark) != 0)
             continue;
+        if (!of_any && name.substr(0, name.size() - tail) != of) continue;
         const Descriptor file(::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
         if (file.get() >= 0 && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
     }

@@ -10,7 +10,7 @@ namespace gib {
 std::string read_file(const std::string& path);
 /// Writes to a temporary file in the same folder, flushes it to disk and renames it. Throws RunError.
 void write_file(const std::string& path, std::string_view content);
-/// Removes the temporary files that write_file() of dead processes left in a folder. Not in the folders below it.
+/// Removes what write_file() of dead processes left in a folder, not in those below it; or of a file, given its path.
 void remove_leftovers(const std::string& folder);
 
 /// Collects what a result depends on.

@@ -50,11 +50,8 @@ public:
         SceneParts parts;
         parts.origin = bounds_.center();
         if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
-        std::vector<SourceLocation> places;
-        for (const Pending& pending : pending_)
-            places.push_back(pending.where);
         parts.objects = recentred_objects(pending_, parts.origin);
-        refuse_coincident_shapes(parts.objects, materials_, places);
+        refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
         parts.materials = std::move(materials_);
@@ -169,6 +166,13 @@ private:
         instances_.push_back({object.where, index, to_world});
     }
 
+    static std::vector<SourceLocation> places_of(const std::vector<Pending>& pending) {
+        std::vector<SourceLocation> places;
+        for (const Pending& p : pending)
+            places.push_back(p.where);
+        return places;
+    }
+
     static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
@@ -194,6 +198,7 @@ private:
             if (!group.index) {
                 group.index = static_cast<std::uint32_t>(parts.groups.size());
                 parts.groups.push_back(recentred_objects(group.members, center));
+                refuse_coincident_shapes(parts.groups.back(), materials_, places_of(group.members));
             }
             Mat4d to_scene = instance.to_world;
             to_scene.topRightCorner<3, 1>() += to_scene.topLeftCorner<3, 3>() * center - parts.origin;

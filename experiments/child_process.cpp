@@ -136,6 +136,9 @@ void run_child(const std::vector<std::string>& arguments, const std::function<vo
         else if (poll(&wait, 1, 50) > 0) open = read_lines(pipe.reader(), pending, on_line);
         status = ended(child);
     }
+    // What it said last may still be in the pipe.
+    for (pollfd rest{pipe.reader(), POLLIN, 0}; open && poll(&rest, 1, 0) > 0;)
+        open = read_lines(pipe.reader(), pending, on_line);
     if (InterruptGuard::requested()) throw Interrupted();  // Ctrl-C reaches the child too
     if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) return;
     const std::string said = messages.last_line();

@@ -55,6 +55,18 @@ private:
     int count_ = 0;
 };
 
+/// What a folder's index says of its references, by their identities; nothing without an index that can be read.
+std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder& folder) {
+    std::map<std::string, std::vector<std::string>> notes;
+    try {
+        for (const auto& scene : folder.read_index().scenes)
+            if (!scene.reference.empty()) notes[scene.reference] = scene.notes;
+    } catch (const InputError&) {
+        notes.clear();
+    }
+    return notes;
+}
+
 /// Of a cell's work: whichever of its ends is nearest.
 double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
     const auto done = static_cast<double>(passes);
@@ -63,6 +75,25 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
     if (cell.budget.seconds) share = std::max(share, seconds / *cell.budget.seconds);
     return std::min(share, 1.0);
 }
+
+/// A cell's work, which is gone with it: what a cell that failed left on a full disk would be missing for all others.
+class WorkFolder {
+public:
+    explicit WorkFolder(std::string path) : path_(std::move(path)) {
+        fs::remove_all(path_);
+        ResultFolder::make(path_);
+    }
+    ~WorkFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+    const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
 
 }  // namespace
 
@@ -73,7 +104,11 @@ void link_file(const std::string& from, const std::string& to) {
     fs::create_hard_link(from, fresh, error);
     if (error) fs::copy_file(from, fresh, fs::copy_options::overwrite_existing, error);
     if (!error) fs::rename(fresh, to, error);
-    if (error) throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
+    if (error) {
+        std::error_code ignored;
+        fs::remove(fresh, ignored);
+        throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
+    }
     fs::remove(fresh, error);  // rename leaves it where both already were one file
 }
 
@@ -108,9 +143,11 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     remove_leftovers(references);
     // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
     // with.
+    const auto notes = stored_notes(folder_);
     for (auto& scene : scenes_) {
         const std::string image = folder_.reference_image(scene.entry.name);
         scene.reference = stored_reference_identity(image);
+        if (const auto found = notes.find(scene.reference); found != notes.end()) scene.notes = found->second;
         if (scene.reference.empty() && fs::exists(image))
             progress_.message(
                 fmt::format("warning: {} is damaged; without a new reference, no cell of {} is in the "
@@ -192,6 +229,7 @@ bool ExperimentRun::take_reference_of(SceneState& scene) {
     if (identity.empty() || identity != options_.repeat->reference_of(scene.entry.name)) return false;
     link_file(image, folder_.reference_image(scene.entry.name));
     scene.reference = identity;
+    scene.notes = stored_notes(options_.repeat->original)[identity];
     progress_.message(fmt::format("reference of {}: {}", scene.entry.name, image));
     return true;
 }
@@ -229,6 +267,8 @@ std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::ve
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
         std::string damage;
+        // From here on the old one is no result: whoever goes on after an interruption must not take it for a fresh one.
+        if (options_.fresh) fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
         const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {
             if (!damage.empty()) progress_.message(fmt::format("warning: {}; the cell is done again", damage));
@@ -249,13 +289,12 @@ void ExperimentRun::run_cells() {
     const std::vector<Cell> all = cells();
     const auto to_do = cells_to_do(all);
     folder_.write_index(index());
-    std::map<const SceneState*, Reference> references;
+    // One at a time: those of many scenes would not fit into memory. Cells of a scene follow each other.
+    const SceneState* referred = nullptr;
+    std::optional<Reference> reference;
     CostModel costs;
     for (std::size_t i = 0; i < to_do.size(); ++i) {
         const Cell& cell = *to_do[i];
-        if (references.find(cell.scene) == references.end())
-            references.emplace(cell.scene, read_reference(folder_.reference_image(cell.identity.scene)));
-        const Judgement judgement(references.at(cell.scene));
         double left_after = 0;
         bool known = true;
         for (std::size_t j = i + 1; j < to_do.size(); ++j) {
@@ -276,7 +315,13 @@ void ExperimentRun::run_cells() {
         };
         show(0, 0);
         try {
-            run_cell(cell, judgement, show);
+            if (referred != cell.scene) {
+                referred = nullptr;
+                reference.reset();
+                reference = read_reference(folder_.reference_image(cell.identity.scene));
+                referred = cell.scene;
+            }
+            run_cell(cell, Judgement(*reference), show);
         } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& error) {
@@ -289,12 +334,10 @@ void ExperimentRun::run_cells() {
 
 void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const PassObserver& observer) {
     const std::string folder = folder_.cell_folder(cell.name);
-    const std::string work = folder_.work_folder(cell.name);
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
-    fs::remove_all(work);
-    ResultFolder::make(work);
+    const WorkFolder work(folder_.work_folder(cell.name));
     const CellRequest request{cell.scene->entry.path,
                               experiment_.resolution,
                               cell.identity.scene_hash,
@@ -302,7 +345,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
                               cell.identity.seed,
                               cell.identity.budget,
                               threads_,
-                              work};
+                              work.path()};
     const CellTiming timing = run_cell_process(options_.program, request, observer);
 
     gib::Cell record;
@@ -316,18 +359,17 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
     record.converged = timing.measurement.converged;
     record.stages = timing.measurement.stages;
     for (const auto& checkpoint : timing.measurement.checkpoints) {
-        const auto image = components_in(read_image(checkpoint_image(work, checkpoint.passes)));
+        const auto image = components_in(read_image(checkpoint_image(work.path(), checkpoint.passes)));
         record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
         if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
             write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
     }
-    const auto last = components_in(read_image(checkpoint_image(work, record.last().passes)));
+    const auto last = components_in(read_image(checkpoint_image(work.path(), record.last().passes)));
     const LayeredImage image = layers_of(last);
     write_exr(folder_.cell_image(cell.name), image);
     record.image = image_digest(image);
     record.image_file = file_hash(folder_.cell_image(cell.name));
     folder_.write_cell(cell.name, record);
-    fs::remove_all(work);
     if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
         progress_.message(fmt::format(
             "warning: {}, {}: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}",

@@ -3,6 +3,7 @@
 #include "common/files.h"
 #include "common/scene_file.h"
 #include "experiments/child_process.h"
+#include "experiments/file_lock.h"
 #include "experiments/hard_case_table.h"
 #include "experiments/interrupt.h"
 #include "experiments/manifest.h"
@@ -44,6 +45,9 @@ public:
         }
         if (rows_.empty()) throw InputError(fmt::format("--only '{}' keeps no pair of case and method", options.only));
         ResultFolder::make(folder_.path());
+        require_writable(folder_.path());
+        lock_.emplace(lock_result_folder(folder_.path()));
+        remove_leftovers(folder_.path());
     }
 
     /// Pairs side by side, each by one thread: their images are too small to be shared.
@@ -138,6 +142,7 @@ private:
     RunOptions options_;
     HardCases file_;
     ResultFolder folder_;
+    std::optional<FileLock> lock_;  ///< of the folder
     int threads_;
     std::vector<HardCaseRow> rows_;
     ProgressLine progress_;

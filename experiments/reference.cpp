@@ -63,10 +63,13 @@ public:
     }
 
 private:
-    /// The groups, a batch of each and what they are together: at least that stands in memory at once.
+    /// In images of all components and the total, while the file is written: the groups, the reference with groups of its
+    /// own, the same as layers, and its bytes twice, since noise hardly compresses. A round takes less: a batch of each
+    /// group and two references.
     void require_memory_for_groups() const {
         const auto& sensor = work_.scene.scene->sensor();
-        const double layers = (3.0 * reference_groups + 2) * static_cast<double>(work_.method.components.size() + 1);
+        const double whole = reference_groups + 2;
+        const double layers = (reference_groups + 4 * whole) * static_cast<double>(work_.method.components.size() + 1);
         require_memory(3.0 * sizeof(float) * sensor.width() * sensor.height() * layers,
                        fmt::format("a reference of {} x {} pixels", sensor.width(), sensor.height()));
     }
@@ -153,10 +156,9 @@ private:
             if (run->advance(pass) == Progress::converged) break;
         }
         const NonFinite bad = run->counts().non_finite;
-        if (bad.count > 0)
-            result_.warnings.push_back(fmt::format(
-                "{} samples of the reference were not finite and were dropped; first: seed {}, pass {}, pixel {}",
-                bad.count, seed, bad.first_pass, bad.first_pixel));
+        if (bad.count > 0 && groups_.not_finite == 0)
+            groups_.first_not_finite = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
+        groups_.not_finite += bad.count;
         return run->image();
     }
 
@@ -197,6 +199,10 @@ private:
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
                             work_.label.text()));
+        if (groups_.not_finite > 0)
+            result_.warnings.push_back(
+                fmt::format("{} samples of the reference were not finite and were dropped; first: {}",
+                            groups_.not_finite, groups_.first_not_finite));
         const double share = dominance_of_one_group(result_.reference.total.groups);
         if (share > heavy_tail_share)
             result_.warnings.push_back(
@@ -207,20 +213,26 @@ private:
 
     std::map<std::string, std::string> metadata() const {
         const double share = dominance_of_one_group(result_.reference.total.groups);
-        return {{"reference_key", key_},
-                {"scene", work_.scene.name},
-                {"scene_hash", work_.scene.content_hash},
-                {"method", work_.label.text()},
-                {"groups", std::to_string(reference_groups)},
-                {"passes", std::to_string(groups_.passes)},
-                {"rounds", std::to_string(groups_.rounds)},
-                {"seconds", fmt::format("{:.3f}", groups_.seconds)},
-                {"seed_base", fmt::format("{}", batch_seed(key_, 0))},
-                {"glossy_roughness", fmt::format("{}", glossy_roughness)},
-                {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
-                {"epsilon", fmt::format("{}", work_.epsilon)},
-                {"dominance_of_one_group", fmt::format("{:.3g}", share)},
-                {"program", program_version()}};
+        std::map<std::string, std::string> metadata = {
+            {"reference_key", key_},
+            {"scene", work_.scene.name},
+            {"scene_hash", work_.scene.content_hash},
+            {"method", work_.label.text()},
+            {"groups", std::to_string(reference_groups)},
+            {"passes", std::to_string(groups_.passes)},
+            {"rounds", std::to_string(groups_.rounds)},
+            {"seconds", fmt::format("{:.3f}", groups_.seconds)},
+            {"seed_base", fmt::format("{}", batch_seed(key_, 0))},
+            {"glossy_roughness", fmt::format("{}", glossy_roughness)},
+            {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
+            {"epsilon", fmt::format("{}", work_.epsilon)},
+            {"dominance_of_one_group", fmt::format("{:.3g}", share)},
+            {"program", program_version()}};
+        if (groups_.not_finite > 0) {
+            metadata["not_finite"] = std::to_string(groups_.not_finite);
+            metadata["first_not_finite"] = groups_.first_not_finite;
+        }
+        return metadata;
     }
 
     const ReferenceWork& work_;

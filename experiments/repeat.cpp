@@ -84,13 +84,13 @@ std::string difference(const std::string& path, const std::string& other_path) {
     }
 }
 
-/// Why a cell is not among the results.
-std::string reason(const ManifestCell& cell, const std::vector<std::string>& failures) {
+/// What failed of a cell or of its scene's reference.
+std::optional<std::string> failure_of(const ManifestCell& cell, const std::vector<std::string>& failures) {
     for (const auto& start : {fmt::format("{}, {}, seed {}: ", cell.scene, cell.method, cell.seed),
                               fmt::format("the reference of {}: ", cell.scene)})
         for (const auto& failure : failures)
             if (failure.rfind(start, 0) == 0) return failure.substr(start.size());
-    return "the experiment in the manifest does not have it";
+    return std::nullopt;
 }
 
 /// Prints a line for each cell. Returns whether all are identical.
@@ -103,8 +103,11 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
         const auto again = std::find_if(now.begin(), now.end(), [&](const ManifestCell& other) {
             return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
         });
-        if (again == now.end()) {
-            out << fmt::format("not repeated  {}: {}\n", name, reason(cell, run.failures()));
+        // What an earlier repetition left is no repetition of a cell that failed now.
+        const auto failure = failure_of(cell, run.failures());
+        if (failure || again == now.end()) {
+            out << fmt::format("not repeated  {}: {}\n", name,
+                               failure.value_or("the experiment in the manifest does not have it"));
         } else if (again->passes == cell.passes && again->image == cell.image) {
             out << fmt::format("identical     {}\n", name);
             ++identical;

@@ -131,7 +131,7 @@ void ResultFolder::make(const std::string& path) {
 }
 
 void require_writable(const std::string& folder) {
-    std::string file = folder + "/.gibench-XXXXXX";
+    std::string file = folder + "/.gibench.tmp-XXXXXX";
     const int fd = ::mkostemp(file.data(), O_CLOEXEC);
     if (fd < 0) {
         const int error = errno;

@@ -25,8 +25,8 @@ int run_experiment(const RunOptions& options, std::ostream& out) {
     const bool complete = run.measure();
     const std::string report = run.write_results();
     if (!complete) {
-        std::cerr << fmt::format("interrupted: what is complete is in {}; the same command goes on from there\n",
-                                 run.folder().path());
+        std::cerr << fmt::format("interrupted: what is complete is in {}; the same command{} goes on from there\n",
+                                 run.folder().path(), options.fresh ? " without --fresh" : "");
         return exit_interrupted;
     }
     out << read_file(run.folder().file("table.md")) << "\nReport: " << report << "\n";

@@ -57,6 +57,16 @@ TEST(CoincidentShapes, InterfacesThatRefractOtherwiseAreRefused) {
             << a << b;
 }
 
+TEST(CoincidentShapes, GroupsAreLookedInto) {
+    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const auto group = [&](const std::string& other) {
+        return "<shape type='shapegroup' id='g'>\n" + sphere(glass("")) + sphere(other) +
+               "</shape><shape type='instance'><ref id='g'/></shape>";
+    };
+    EXPECT_EQ(input_error_of([&] { load(group(glass(""))); }), "no error");
+    EXPECT_THAT(input_error_of([&] { load(group(water)); }), HasSubstr("test.xml:4:1: this surface lies exactly"));
+}
+
 TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
     const std::string lamp =
         "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";

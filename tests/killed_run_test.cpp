@@ -98,8 +98,10 @@ TEST_F(KilledRunTest, LeftOversAreRemovedByTheNextRun) {
     EXPECT_FALSE(fs::exists(path("results/references/x.exr.tmp-zzzzzz")));
 
     write("out.exr.tmp-abcdef", "half");
+    write("thesis.tmp-backup", "the user's");
     EXPECT_EQ(run_gibench("render tiny.xml --method 'path spp=1' -o out.exr", path()).code, 0);
     EXPECT_FALSE(fs::exists(path("out.exr.tmp-abcdef")));
+    EXPECT_TRUE(fs::exists(path("thesis.tmp-backup"))) << "a folder of images is not the bench's own";
 }
 
 TEST_F(KilledRunTest, FilesThatAreBeingWrittenAreNotTaken) {

@@ -80,6 +80,27 @@ TEST_F(RunResumeTest, CompleteCellsAreNotDoneAgain) {
         EXPECT_NE(time, third.at(name)) << name;
 }
 
+TEST_F(RunResumeTest, NotesOnAReferenceStayWhenOtherScenesAreRun) {
+    folder_.write("other.xml", tiny_scene_xml(9));
+    folder_.write("e.toml",
+                  "scenes = ['tiny.xml', 'other.xml']\n[reference]\nseconds = 0.05\ntarget = '0.001%'\n[[method]]\n"
+                  "name = 'path'\nspp = 1\n");
+    ASSERT_EQ(run().code, 0);
+    const std::string note = "its target was 0.001 %";
+    const auto notes = [&] {
+        const std::string text = read_file(results("table.md"));
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = text.find(note, at)) != std::string::npos; at += note.size())
+            ++count;
+        return count;
+    };
+    ASSERT_EQ(notes(), 2u) << read_file(results("table.md"));
+    ASSERT_EQ(run("--only other").code, 0);
+    EXPECT_EQ(notes(), 2u);
+    ASSERT_EQ(run_gibench("run --repeat results/e", path()).code, 0);
+    EXPECT_THAT(read_file(path("results/e-repeat/table.md")), ::testing::HasSubstr(note));
+}
+
 TEST_F(RunResumeTest, AnEditedSceneIsDoneAgain) {
     ASSERT_EQ(run().code, 0);
     const auto first = cells();
