@@ -46,15 +46,32 @@ std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
     return sphere && !sphere->flip_normals ? cone_to_sphere(*sphere, p) : std::nullopt;
 }
 
+/// The place of a sphere in the direction n from its centre. surface_at() looks for that direction in the difference of a point
+/// and the centre: far out it is rounded least, which matters where the radius is about an ulp of the centre.
+SurfaceGeometry place_on_sphere(const Sphere& sphere, const Vec3& n) {
+    const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
+    return surface_at(sphere, 0, 0, 0, sphere.center + lever * n);
+}
+
 std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sphere, const SphereCone& cone,
                                        const Vec3& p, const Vec2& u) {
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
-    const Vec3 wi = Frame(cone.axis).to_world(w);
-    // The near intersection along wi; rays at the rim touch.
-    const float sin2 = std::max(1.f - w.z() * w.z(), 0.f);
-    const float t = cone.distance * w.z() - safe_sqrt(sqr(sphere.radius) - sqr(cone.distance) * sin2);
-    const SurfaceGeometry q = surface_at(sphere, 0, 0, 0, p + t * wi);
-    return LightSample{wi, t, light.radiance_at(q.uv), 1.f / cone.solid_angle(), false, shadow_ray_target(q, p)};
+    const Frame frame(cone.axis);
+    const Vec3 wi = frame.to_world(w);
+    // The near intersection along wi; rays at the rim touch. From the centre it is t w - (0, 0, distance), written without
+    // cancellation: the cone of a small or distant sphere is known to more digits than its cosine.
+    const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
+    const double d = double{cone.distance}, r = double{sphere.radius};
+    const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
+    const Vec3d n = Vec3d(t * x, t * y, -d * sin2 - inside * cosine).normalized();
+    const SurfaceGeometry q = place_on_sphere(sphere, frame.to_world(n.cast<float>()));
+    return LightSample{wi,    static_cast<float>(t),  light.radiance_at(q.uv), 1.f / cone.solid_angle(),
+                       false, shadow_ray_target(q, p)};
+}
+
+/// How far the end of a ray between two points may be off.
+float rounding_of_connection(const Vec3& a, const Vec3& b) {
+    return 8.f * unit_roundoff * (a.cwiseAbs().sum() + b.cwiseAbs().sum());
 }
 
 /// Where the shadow ray of a light at infinity may end.
@@ -125,7 +142,8 @@ private:
         const Vec3 wi = to_light / d;
         const Color I = intensity(-wi);
         if (is_black(I)) return std::nullopt;
-        return LightSample{wi, d, I / d2, 1.f, true, position};
+        // A ray that ended in the light itself would meet a surface that it lies in, or not, as rounding has it.
+        return LightSample{wi, d, I / d2, 1.f, true, position - rounding_of_connection(position, p) * wi};
     }
 };
 
@@ -143,12 +161,12 @@ struct EmissionSampler {
     }
 
     EmissionSample operator()(const PointLight& light) const {
-        return {Ray{light.position, square_to_sphere(u_direction)}, 4.f * pi * light.intensity, Vec3::Zero()};
+        return {from_point(light.position, square_to_sphere(u_direction)), 4.f * pi * light.intensity, Vec3::Zero()};
     }
 
     EmissionSample operator()(const SpotLight& light) const {
         const SpotLight::Direction sample = light.sample(u_direction);
-        return {Ray{light.position(), sample.w}, sample.power, Vec3::Zero()};
+        return {from_point(light.position(), sample.w), sample.power, Vec3::Zero()};
     }
 
     EmissionSample operator()(const DirectionalLight& light) const {
@@ -165,6 +183,11 @@ struct EmissionSampler {
     }
 
 private:
+    /// It may lie in a surface, which is not in the way of its own light.
+    static Ray from_point(const Vec3& position, const Vec3& w) {
+        return {position, w, rounding_of_connection(position, position)};
+    }
+
     /// Uniform on the surface and cosine-weighted: Le cos / (pdf_a pdf_w) = Le A pi.
     EmissionSample from_surface(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
         // Around a cylinder the frame must turn with the normal: Frame's axes jump where n.z changes its sign.
@@ -183,7 +206,7 @@ private:
         // As in square_to_cosine_hemisphere: no ray leaves along the surface.
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
         const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
-        const SurfaceGeometry q = surface_at(sphere, 0, 0, 0, sphere.center + sphere.radius * n);
+        const SurfaceGeometry q = place_on_sphere(sphere, n);
         return {Ray{q.p + q.offset * q.ng, w}, pi * light.surface.area() * light.radiance_at(q.uv), q.ng};
     }
 

@@ -44,7 +44,9 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
     if (!(total > 0.f)) return std::nullopt;
     const Color q = throughput / total;
     const float choice = u.next();
-    const int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
+    int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
+    while (q[channel] == 0.f)  // a sum of shares that is rounded down
+        --channel;
     const float t = free_flight(sigma[channel], u.next());
     const auto mean = [&](const Color& density) {
         return injected(Fault::flight_channel) ? density[channel] : (q * density).sum();
@@ -62,10 +64,12 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
 
 std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                               Color& throughput) const {
-    for (float t = begin;;) {
+    // From the grid's edge on: a flight is an ulp of the way to a dense grid far away.
+    const Vec3 edge = from + begin * w;
+    for (float t = 0.f;;) {
         t += free_flight(majorant_, u.next());
-        if (!(t < end)) return std::nullopt;
-        const Vec3 p = from + t * w;
+        if (!(t < end - begin)) return std::nullopt;
+        const Vec3 p = edge + t * w;
         const Color sigma = extinction_at(p);
         const Color scattered = sigma * albedo_.at(p) / majorant_, passed = 1.f - sigma / majorant_;
         const float real = (throughput * scattered).mean(), null = (throughput * passed).mean();
@@ -76,7 +80,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
         const float probability = real / (real + null);
         if (u.next() < probability) {
             throughput *= scattered / probability;
-            return t;
+            return begin + t;
         }
         if (!injected(Fault::null_collision)) throughput *= passed / (1.f - probability);
     }
@@ -85,14 +89,15 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
 Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
     if (extinction_.constant()) return attenuation(extinction_at(from), length);
     Color transmitted = Color::Ones();
-    float t = 0.f, end = length;
-    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, t, end)) return transmitted;
+    float begin = 0.f, end = length;
+    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return transmitted;
+    const Vec3 edge = from + begin * w;
     // Little light is followed by roulette, which ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;
-    for (;;) {
+    for (float t = 0.f;;) {
         t += free_flight(majorant_, u.next());
-        if (!(t < end)) return transmitted;
-        transmitted *= 1.f - extinction_at(from + t * w) / majorant_;
+        if (!(t < end - begin)) return transmitted;
+        transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
         if (transmitted.maxCoeff() > little) continue;
         if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
         if (!injected(Fault::transmittance_roulette)) transmitted /= survival;

@@ -29,6 +29,12 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
+/// In double: the two products of a needle's edges cancel.
+double area_of_triangle(const Mesh& mesh, std::size_t i) {
+    const Triangle t = triangle_of(mesh, i);
+    return 0.5 * t.e1.cast<double>().cross(t.e2.cast<double>()).norm();
+}
+
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
     s.p = sphere.center + sphere.radius * direction;
@@ -180,7 +186,7 @@ double area_of(const Shape& shape) {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
         double area = 0;
         for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
-            area += 0.5 * mesh->normal_of(i).cast<double>().norm();
+            area += area_of_triangle(*mesh, i);
         return area;
     }
     if (const auto* sphere = std::get_if<Sphere>(&shape))
@@ -248,7 +254,7 @@ AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
         std::vector<double> areas;
         for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
-            areas.push_back(0.5 * mesh->normal_of(i).cast<double>().norm());
+            areas.push_back(area_of_triangle(*mesh, i));
         triangles_ = DiscreteDistribution(areas);
     }
 }

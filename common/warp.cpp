@@ -43,11 +43,12 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
     for (double w : weights)
         total_ += w;
     if (!(total_ > 0)) return;
+    // Between random numbers, which are multiples of 2^-24, an interval has no chance, whatever its width.
     std::vector<float> ends;
     double sum = 0;
     for (double w : weights) {
         sum += w;
-        ends.push_back(static_cast<float>(sum / total_));
+        ends.push_back(static_cast<float>(std::ldexp(std::round(std::ldexp(sum / total_, 24)), -24)));
     }
     // Rounding must not leave a gap at the end that no item owns, nor give it to an item of weight zero.
     for (std::size_t i = weights.size(); i-- > 0;) {

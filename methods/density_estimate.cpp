@@ -205,7 +205,9 @@ private:
 
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
     if (hit.ns == hit.ng) return 1.f;
-    return std::abs(wi.dot(hit.ns)) / std::max(std::abs(wi.dot(hit.ng)), 0.01f * std::abs(wi.dot(hit.ns)));
+    const float towards = std::abs(wi.dot(hit.ns));
+    const float of_surface = std::max(std::abs(wi.dot(hit.ng)), 0.01f * towards);
+    return of_surface > 0.f ? towards / of_surface : 1.f;
 }
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,

@@ -42,10 +42,7 @@ public:
             if (bc >= ca) return halve(b, c, a);
             return halve(c, a, b);
         }
-        Bounds& box = boxes_[index((a + b + c) / 3.f)];
-        box.add(a);
-        box.add(b);
-        box.add(c);
+        put(a, b, c);
     }
 
     void add(const TriangleGrid& other) {
@@ -59,8 +56,16 @@ public:
     }
 
 private:
+    void put(const Vec3& a, const Vec3& b, const Vec3& c) {
+        Bounds& box = boxes_[index((a + b + c) / 3.f)];
+        box.add(a);
+        box.add(b);
+        box.add(c);
+    }
     void halve(const Vec3& a, const Vec3& b, const Vec3& c) {
         const Vec3 middle = 0.5f * (a + b);
+        // Floats have no point between them: one of the halves would be the same triangle for ever.
+        if (middle == a || middle == b) return put(a, b, c);
         add(a, middle, c);
         add(middle, b, c);
     }

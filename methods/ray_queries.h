@@ -82,6 +82,7 @@ public:
             if (!hit) return transmitted;
             medium = scene_.medium_beyond(*hit, to.wi, medium);
             origin = offset_origin(*hit, to.wi);
+            if (is_past(origin, to.target, to.wi)) return transmitted;
         }
     }
 
@@ -96,6 +97,7 @@ public:
             if (!hit) return medium;
             medium = scene_.medium_beyond(*hit, way.d, medium);
             origin = offset_origin(*hit, way.d);
+            if (is_past(origin, p, way.d)) return medium;
         }
     }
 
@@ -110,8 +112,13 @@ private:
                 visibility *= hit->bsdf->pass_through();
             if (visibility == 0.f) return 0.f;
             origin = offset_origin(*hit, to.wi);
+            if (is_past(origin, to.target, to.wi)) return visibility;
         }
     }
+
+    /// Whether a way along w has come to its end, which may lie in the surface that it has just left behind: the next step
+    /// would lead back to it, again and again.
+    static bool is_past(const Vec3& origin, const Vec3& end, const Vec3& w) { return !((end - origin).dot(w) > 0.f); }
 
     void note(const Ray& ray, bool shadow) {
         ++count_;

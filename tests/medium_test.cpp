@@ -201,5 +201,23 @@ TEST(Medium, OnAGridEndsWithTheGrid) {
     EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error());
 }
 
+// An ulp of the way to the grid is longer than a flight between collisions.
+TEST(Medium, OfAFarGridIsThatOfANearOne) {
+    const Medium medium(layers({1, 1000}, 1, 0, 2, VolumeFilter::nearest), 1.f, GridVolume(Color::Ones()), {});
+    for (const float distance : {0.f, 1e5f}) {
+        Moments through, scattered;
+        for (std::uint32_t i = 0; i < 20000; ++i) {
+            const Sampler own(PointSet::independent, 5, i, 0);
+            NumberStream u(own);
+            const Vec3 from(0.5f, -1 - distance, 0);
+            through.add(static_cast<double>(medium.transmittance(from, Vec3::UnitY(), infinity, u)[0]));
+            Color throughput = Color::Ones();
+            scattered.add(medium.sample_flight(from, Vec3::UnitY(), infinity, u, throughput) ? 1 : 0);
+        }
+        EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error()) << distance;
+        EXPECT_NEAR(scattered.mean(), 1 - std::exp(-2.0), sigmas * scattered.standard_error()) << distance;
+    }
+}
+
 }  // namespace
 }  // namespace gib

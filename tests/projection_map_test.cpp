@@ -7,6 +7,7 @@
 #include "tests/moments.h"
 #include "tests/scene_fixtures.h"
 
+#include <fmt/format.h>
 #include <functional>
 #include <limits>
 
@@ -285,6 +286,17 @@ TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular);
     EXPECT_GE(map.kept(0), truth);
     EXPECT_LE(map.kept(0), 1.03 * truth);
+}
+
+// The cells of its grid are smaller than the distance of two floats; halving its triangles must end.
+TEST(ProjectionMap, ALampOfSomeUlpsIsATarget) {
+    for (const float side : {1e-5f, 1e-6f, 3e-7f}) {
+        const auto scene = mirror_and(
+            "<shape type='rectangle'><transform name='to_world'><scale value='" + fmt::format("{}", 0.5f * side) +
+            "'/><translate x='3.3' y='2.1' z='5'/></transform><emitter type='area'/></shape>");
+        const ProjectionMap map(*scene.scene, TargetSurfaces::all, 1 << 10);
+        EXPECT_GT(map.kept(0), 0) << side;
+    }
 }
 
 TEST(ProjectionMap, IsEmptyWhereNoLightReachesATarget) {
