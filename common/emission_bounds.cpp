@@ -1,5 +1,7 @@
 #include "common/emission_bounds.h"
 
+#include "common/emission_axes.h"
+
 #include <algorithm>
 
 namespace gib {
@@ -184,7 +186,9 @@ struct BundleOf {
         return std::visit([&](const auto& shape) { return from(light, shape); }, shapes[light.shape]);
     }
 
-    RayBundle operator()(const PointLight& light) const { return from_point(light.position, sphere_cone(identity())); }
+    RayBundle operator()(const PointLight& light) const {
+        return from_point(light.position, sphere_cone(emission_axes(light.position)));
+    }
 
     RayBundle operator()(const SpotLight& light) const {
         return from_point(light.position(), light.cone_of(direction_lower(box), direction_upper(box)));
@@ -195,7 +199,7 @@ struct BundleOf {
     }
 
     RayBundle operator()(const ConstantEnvironment& light) const {
-        return from_infinity(light.scene, sphere_cone(identity()));
+        return from_infinity(light.scene, sphere_cone(emission_axes(Vec3::Zero())));
     }
 
     RayBundle operator()(const MappedEnvironment& light) const {
@@ -203,13 +207,6 @@ struct BundleOf {
     }
 
 private:
-    static Frame identity() {
-        Frame frame;
-        frame.s = Vec3::UnitX();
-        frame.t = Vec3::UnitY();
-        frame.n = Vec3::UnitZ();
-        return frame;
-    }
     DirectionCone sphere_cone(const Frame& axes) const {
         return cone_around(square_to_sphere_patch(direction_lower(box), direction_upper(box)), axes);
     }
@@ -267,7 +264,8 @@ private:
     /// up to a radius before that.
     RayBundle from(const AreaLight&, const Sphere& sphere) const {
         const double radius = static_cast<double>(sphere.radius);
-        RayBundle bundle = bundle_across(sphere.center, radius, position_patch(box), sphere_cone(identity()));
+        RayBundle bundle =
+            bundle_across(sphere.center, radius, position_patch(box), sphere_cone(emission_axes(sphere.center)));
         if (sphere.flip_normals) {
             bundle.center -= radius * bundle.cone.axis;
             bundle.radius += radius * 2 * std::sin(0.5 * std::min(bundle.cone.half_angle, std::numbers::pi));

@@ -1,5 +1,6 @@
 #include "common/light.h"
 
+#include "common/emission_axes.h"
 #include "common/sampler.h"
 
 namespace gib {
@@ -161,7 +162,8 @@ struct EmissionSampler {
     }
 
     EmissionSample operator()(const PointLight& light) const {
-        return {from_point(light.position, square_to_sphere(u_direction)), 4.f * pi * light.intensity, Vec3::Zero()};
+        const Vec3 w = emission_axes(light.position).to_world(square_to_sphere(u_direction));
+        return {from_point(light.position, w), 4.f * pi * light.intensity, Vec3::Zero()};
     }
 
     EmissionSample operator()(const SpotLight& light) const {
@@ -201,7 +203,7 @@ private:
     /// disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and no frame has to be spread over
     /// the sphere: neighbours in (u_position, u_direction) are neighbours in position and direction.
     EmissionSample from_sphere(const AreaLight& light, const Sphere& sphere) const {
-        const Vec3 w = square_to_sphere(u_direction);
+        const Vec3 w = emission_axes(sphere.center).to_world(square_to_sphere(u_direction));
         const Vec2 d = square_to_disk(u_position);
         // As in square_to_cosine_hemisphere: no ray leaves along the surface.
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));

@@ -25,7 +25,9 @@ Ball ball_of(const Vec3& center, float radius, std::uint32_t shape, bool whole_s
 class TriangleGrid {
 public:
     TriangleGrid(const Bounds& bounds, int resolution)
-        : lower_(bounds.lower), cell_((bounds.upper - bounds.lower).maxCoeff() / static_cast<float>(resolution)) {
+        : lower_(bounds.lower),
+          cell_(
+              std::max((bounds.upper - bounds.lower).maxCoeff() / static_cast<float>(resolution), least_cell(bounds))) {
         for (int i = 0; i < 3; ++i) {
             const float cells = cell_ > 0.f ? (bounds.upper - bounds.lower)[i] / cell_ : 0.f;
             cells_[i] = std::clamp(static_cast<int>(std::ceil(cells)), 1, resolution);
@@ -42,7 +44,10 @@ public:
             if (bc >= ca) return halve(b, c, a);
             return halve(c, a, b);
         }
-        put(a, b, c);
+        Bounds& box = boxes_[index((a + b + c) / 3.f)];
+        box.add(a);
+        box.add(b);
+        box.add(c);
     }
 
     void add(const TriangleGrid& other) {
@@ -56,16 +61,12 @@ public:
     }
 
 private:
-    void put(const Vec3& a, const Vec3& b, const Vec3& c) {
-        Bounds& box = boxes_[index((a + b + c) / 3.f)];
-        box.add(a);
-        box.add(b);
-        box.add(c);
+    /// Eight steps of a float: what is longer has a middle that is not one of its ends, and halving comes to an end.
+    static float least_cell(const Bounds& bounds) {
+        return 16.f * unit_roundoff * bounds.lower.cwiseAbs().cwiseMax(bounds.upper.cwiseAbs()).maxCoeff();
     }
     void halve(const Vec3& a, const Vec3& b, const Vec3& c) {
         const Vec3 middle = 0.5f * (a + b);
-        // Floats have no point between them: one of the halves would be the same triangle for ever.
-        if (middle == a || middle == b) return put(a, b, c);
         add(a, middle, c);
         add(middle, b, c);
     }

@@ -288,12 +288,47 @@ TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     EXPECT_LE(map.kept(0), 1.03 * truth);
 }
 
+// A lamp of intensity 1e8 at 1e4 sends a square of side 2 its solid angle, 4e-8, times that: 4 W; a sphere of the same power
+// with as many.
+TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
+    for (const auto& at :
+         {Vec3(0, 0, 1e4f), Vec3(0, 0, -1e4f), Vec3(1e4f, 0, 0), Vec3(0, -1e4f, 0), Vec3(0, 6e3f, 8e3f)})
+        for (const bool sphere : {false, true}) {
+            const std::string place = fmt::format("x='{}' y='{}' z='{}'", at.x(), at.y(), at.z());
+            const std::string lamp =
+                sphere ? "<shape type='sphere'><point name='center' " + place +
+                             "/><float name='radius' value='10'/><emitter type='area'><rgb name='radiance' value='" +
+                             fmt::format("{}", 1e8 / std::numbers::pi / 100) + "'/></emitter></shape>"
+                       : "<emitter type='point'><point name='position' " + place +
+                             "/><rgb name='intensity' value='1e8'/></emitter>";
+            // Around the origin, as scenes are; the other square is what the sphere's scene is centred by.
+            const std::string facing =
+                "<shape type='rectangle'><transform name='to_world'><lookat origin='0,0,0' target='" +
+                fmt::format("{},{},{}", at.x(), at.y(), at.z()) +
+                "' up='1,2,3'/></transform><bsdf type='diffuse'/></shape>";
+            const auto scene = test::scene_of(
+                test::scene_xml("<sensor type='perspective'>" + test::box_film(4) + "</sensor>" + facing + lamp));
+            const ProjectionMap map(*scene.scene, TargetSurfaces::all, 1 << 12);
+            test::Moments stored;
+            for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+                double power = 0;
+                for (const Photon& photon :
+                     trace_photons(*scene.scene, PhotonMapKind::full, 20000, 8, seed, &map).photons)
+                    power += photon.power().cast<double>().mean();
+                stored.add(power);
+            }
+            EXPECT_NEAR(stored.mean(), 4, 6 * stored.standard_error() + 0.004) << place << (sphere ? " sphere" : "");
+            EXPECT_LT(stored.standard_error(), 0.2) << place;
+        }
+}
+
 // The cells of its grid are smaller than the distance of two floats; halving its triangles must end.
 TEST(ProjectionMap, ALampOfSomeUlpsIsATarget) {
     for (const float side : {1e-5f, 1e-6f, 3e-7f}) {
-        const auto scene = mirror_and(
-            "<shape type='rectangle'><transform name='to_world'><scale value='" + fmt::format("{}", 0.5f * side) +
-            "'/><translate x='3.3' y='2.1' z='5'/></transform><emitter type='area'/></shape>");
+        const auto scene = mirror_and("<shape type='rectangle'><transform name='to_world'><scale value='" +
+                                      fmt::format("{}", 0.5f * side) +
+                                      "'/><rotate x='1' angle='180'/><translate x='3.3' y='2.1' "
+                                      "z='5'/></transform><emitter type='area'/></shape>");
         const ProjectionMap map(*scene.scene, TargetSurfaces::all, 1 << 10);
         EXPECT_GT(map.kept(0), 0) << side;
     }
