@@ -1,5 +1,7 @@
 #include "common/mesh_data.h"
 
+#include "common/float_traps.h"
+
 #include <algorithm>
 
 namespace gib {
@@ -43,6 +45,7 @@ void transform_mesh(MeshData& mesh, const Mat4d& to_world) {
 void compute_normals(MeshData& mesh) {
     const auto missing = [](const Vec3& n) { return n.isZero(0); };
     if (!mesh.normals.empty() && std::none_of(mesh.normals.begin(), mesh.normals.end(), missing)) return;
+    const FloatTrapsPaused paused;  // places that overflowed in a transform are refused once the whole scene is known
     std::vector<Vec3d> sums(mesh.positions.size(), Vec3d::Zero());
     for (const auto& triangle : mesh.triangles) {
         Vec3d v[3];

@@ -1,5 +1,7 @@
 #include "common/scene_sensor.h"
 
+#include "common/float_traps.h"
+
 #include <fmt/format.h>
 #include <charconv>
 #include <climits>
@@ -165,6 +167,7 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
 /// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next to 180 degrees,
 /// an offset or a filter can be so large that float cannot hold their lengths' squares.
 bool has_sound_rays(const Sensor& sensor) {
+    const FloatTrapsPaused paused;  // whether there are such is the question
     for (const int x : {0, sensor.width() - 1})
         for (const int y : {0, sensor.height() - 1})
             for (const float u : {0.f, 1.f})
