@@ -24,7 +24,8 @@ struct Intersection {
 
 class Accelerator {
 public:
-    /// Keeps pointers into `shapes` and `groups`, which must outlive it and not move. Mesh vertex arrays have their extra element.
+    /// Keeps pointers into `shapes` and `groups`, which must outlive it and not move. Mesh vertex arrays have their
+    /// extra element.
     Accelerator(const std::vector<Shape>& shapes, const InstancedGroups& groups);
     ~Accelerator();
     Accelerator(const Accelerator&) = delete;
@@ -33,8 +34,8 @@ public:
     std::optional<Intersection> intersect(const Ray& ray) const;
     /// As many rays as are traced at once.
     static constexpr std::size_t packet_size = 8;
-    /// Writes to `found` what intersect() finds on each of 1 to packet_size rays, up to rounding in t, u and v. Faster where
-    /// the rays take the same way through the tree, as those of neighbouring pixels do.
+    /// Writes to `found` what intersect() finds on each of 1 to packet_size rays, up to rounding in t, u and v. Faster
+    /// where the rays take the same way through the tree, as those of neighbouring pixels do.
     void intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const;
     bool occluded(const Ray& ray) const;
 

@@ -28,9 +28,9 @@ bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
     return !layer.to_layer || w.z() * (layer.flipped ? -w_layer.z() : w_layer.z()) > 0.f;
 }
 
-/// The caller multiplies by the cosine of the shading frame; a tilted layer has its own. For radiance it is that of the light's
-/// direction wi; for power the light comes along wo, and the caller's correction for shading normals expects the same
-/// ratio there (Veach 1997, section 5.3).
+/// The caller multiplies by the cosine of the shading frame; a tilted layer has its own. For radiance it is that of the
+/// light's direction wi; for power the light comes along wo, and the caller's correction for shading normals expects
+/// the same ratio there (Veach 1997, section 5.3).
 float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wo_layer,
                           const Vec3& wi, const Vec3& wi_layer) {
     if (!layer.to_layer || injected(Fault::tilted_cosine)) return 1.f;
@@ -38,8 +38,8 @@ float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const V
     return std::abs(ratio);
 }
 
-/// 0 for a layer that scatters nothing from wo. Where the eye is still to be found, each layer has the share of directions for
-/// which it exists.
+/// 0 for a layer that scatters nothing from wo. Where the eye is still to be found, each layer has the share of
+/// directions for which it exists.
 float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Transport transport) {
     const Vec3 wo_layer = to_layer(layer, wo);
     if (!same_side(layer, wo, wo_layer)) return 0.f;
@@ -54,8 +54,8 @@ bool joins(const Bsdf::Layer& layer, Transport transport, const Vec3& wi, const 
     return same_side(layer, wi, wi_layer) && (transport == Transport::radiance || layer.exists_for(wi));
 }
 
-/// Power leaves a tilted diffuse layer by the surface's cosine. Samples by the layer's own, which is next to nothing towards its
-/// horizon, would have weights without bound there; so this share of them goes by the surface's.
+/// Power leaves a tilted diffuse layer by the surface's cosine. Samples by the layer's own, which is next to nothing
+/// towards its horizon, would have weights without bound there; so this share of them goes by the surface's.
 constexpr float untilted_share = 0.5f;
 
 bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which) {
@@ -183,7 +183,8 @@ LobeTraits Bsdf::traits_of_side(bool below) const {
 std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
     const LobeTraits& lobes = traits_at(wo.z());
     if (!lobes.delta || !lobes.transmission || lobes.diffuse || lobes.glossy) return std::nullopt;
-    // The lobes at both ends of the numbers that choose one: if their probabilities add up to 1, there is none between them.
+    // The lobes at both ends of the numbers that choose one: if their probabilities add up to 1, there is none between
+    // them.
     const auto first = sample_local(wo, Vec2(0.f, 0.f), Vec2::Zero(), transport, Lobes::specular);
     const auto last = sample_local(wo, Vec2(1.f - unit_roundoff, 0.f), Vec2::Zero(), transport, Lobes::specular);
     if (!first || !last || !(std::abs(first->pdf_w + last->pdf_w - 1.f) <= 4.f * unit_roundoff)) return std::nullopt;

@@ -18,18 +18,20 @@ using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, 
 
 /// A bump or normal map as one layer sees it, in the shading frame of the hit.
 ///
-/// Mitsuba turns a normal that the eye would see from behind about the surface's own (`flip_invalid_normals`). Light that is
-/// traced from its source does not know yet where the eye lies: a layer then stands for one of the two normals, and scatters only
-/// towards eyes that see this one.
+/// Mitsuba turns a normal that the eye would see from behind about the surface's own (`flip_invalid_normals`). Light
+/// that is traced from its source does not know yet where the eye lies: a layer then stands for one of the two normals,
+/// and scatters only towards eyes that see this one.
 ///
-/// The shadowing is that of Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-/// Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3: the light's, whichever way it is followed.
+/// The shadowing is that of Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump
+/// Terminator Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3: the light's, whichever way it is followed.
 class Perturbation {
 public:
-    /// The eyes that see a layer, by their side of the normal before it was turned. Of the surface, they see either side.
+    /// The eyes that see a layer, by their side of the normal before it was turned. Of the surface, they see either
+    /// side.
     enum class Eye { any, in_front, behind };
 
-    /// `base` and `tilted`, both normalised: the normal before and after the map, not turned. `shadows`: the factor is not 1.
+    /// `base` and `tilted`, both normalised: the normal before and after the map, not turned. `shadows`: the factor is
+    /// not 1.
     Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows);
 
     /// Whether the layer exists for an eye in this direction.
@@ -49,8 +51,8 @@ private:
     float alpha2_;  ///< of the distribution of normals that the map stands for
 };
 
-/// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there with
-/// probability o. Directions are in the shading frame of the hit.
+/// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there
+/// with probability o. Directions are in the shading frame of the hit.
 class Bsdf {
 public:
     /// One model of a mixture.
@@ -72,8 +74,8 @@ public:
     explicit Bsdf(Scattering one_sided);
     /// Two models back to back (Mitsuba's `twosided`).
     Bsdf(Scattering front, Scattering back);
-    /// Weights as shares of all light; the sum of what one side shows and `pass_through` is at most 1. They are kept divided
-    /// by 1 - pass_through. At most max_layers.
+    /// Weights as shares of all light; the sum of what one side shows and `pass_through` is at most 1. They are kept
+    /// divided by 1 - pass_through. At most max_layers.
     Bsdf(std::vector<Layer> layers, float pass_through);
 
     /// The probability that light goes straight on, as if there were no surface (`null`, `mask`).
@@ -92,9 +94,10 @@ public:
         return side.alone ? side.model.pdf_w_local(side.seen(wo), side.seen(wi), which)
                           : layered_pdf_w_local(wo, wi, which, transport);
     }
-    /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have given
-    /// the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their f; the
-    /// sample's f is then that lobe's f over this probability, so that each class of paths has its own share of light.
+    /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have
+    /// given the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their
+    /// f; the sample's f is then that lobe's f over this probability, so that each class of paths has its own share of
+    /// light.
     std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u, Transport transport,
                                            Lobes which = Lobes::all) const {
         const DiffuseSide& side = diffuse_side(wo.z());
@@ -105,8 +108,8 @@ public:
     }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
-    /// The two delta lobes of a smooth interface, where light from wo has no other way to go: for paths that follow both instead of
-    /// choosing one. The weight of a path is then f |cos|, not divided by pdf_w.
+    /// The two delta lobes of a smooth interface, where light from wo has no other way to go: for paths that follow
+    /// both instead of choosing one. The weight of a path is then f |cos|, not divided by pdf_w.
     std::optional<std::array<BsdfSample, 2>> delta_pair_local(const Vec3& wo, Transport transport) const;
 
     /// Of all layers, on both sides.
@@ -116,7 +119,8 @@ public:
     bool two_sided() const;
     const std::vector<Layer>& layers() const { return layers_; }
 
-    /// The reflectance of a side with nothing but an ideal diffuse layer, which irradiance alone decides about; else empty.
+    /// The reflectance of a side with nothing but an ideal diffuse layer, which irradiance alone decides about; else
+    /// empty.
     std::optional<Color> ideal_diffuse_reflectance(float cos_o) const {
         const DiffuseSide& side = diffuse_side(cos_o);
         return side.alone ? std::optional(side.model.reflectance) : std::nullopt;

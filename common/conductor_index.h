@@ -18,8 +18,8 @@ struct ConductorIndex {
 /// Handbook of Optical Constants of Solids, and the CXRO's and LLNL's scattering factors), by the sum of cie.h without
 /// an illuminant, which is how Mitsuba reads them; it takes the D65 for an eta or k that a scene file lists itself.
 /// Ag, Al, Au, Cr, Cu and W, and eta of AlSb, Cu_palik, Ta and ThF4, are integrated from those data; the others are the
-/// means of the same data in Tungsten's ComplexIorData.hpp, which differ by less than 0.1 % (Cu's red: 0.3 %) where both
-/// were compared. Empty: no such material.
+/// means of the same data in Tungsten's ComplexIorData.hpp, which differ by less than 0.1 % (Cu's red: 0.3 %) where
+/// both were compared. Empty: no such material.
 std::optional<ConductorIndex> conductor_index(std::string_view name);
 
 /// For messages.

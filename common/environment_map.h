@@ -9,17 +9,17 @@
 
 namespace gib {
 
-/// Mitsuba's map: in the map's frame column coordinate u = atan2(x, -z) / (2 pi) and row coordinate v = acos(y) / pi, so the
-/// middle of the image is +z, its right half -x, its top +y. Texel centres stand at u = (column + 1/2) / width, periodic, and at
-/// v = row / (height - 1): the first and the last row are the poles. Bilinear in between.
+/// Mitsuba's map: in the map's frame column coordinate u = atan2(x, -z) / (2 pi) and row coordinate v = acos(y) / pi,
+/// so the middle of the image is +z, its right half -x, its top +y. Texel centres stand at u = (column + 1/2) / width,
+/// periodic, and at v = row / (height - 1): the first and the last row are the poles. Bilinear in between.
 ///
-/// The density of directions is that of the luminance, except for a tenth that is uniform over the sphere: where the sun is
-/// hidden, the sky that is left would otherwise be found too rarely, and never at all below the resolution of the random
-/// numbers. With it the density is nowhere 0.
+/// The density of directions is that of the luminance, except for a tenth that is uniform over the sphere: where the
+/// sun is hidden, the sky that is left would otherwise be found too rarely, and never at all below the resolution of
+/// the random numbers. With it the density is nowhere 0.
 class EnvironmentMap {
 public:
-    /// `radiance` [W/(sr m^2)] is finite and not negative; an image of one row is constant along each meridian. `to_world` holds the
-    /// map's axes in world space, orthonormal.
+    /// `radiance` [W/(sr m^2)] is finite and not negative; an image of one row is constant along each meridian.
+    /// `to_world` holds the map's axes in world space, orthonormal.
     EnvironmentMap(Image radiance, const Frame& to_world);
 
     /// Towards the viewer who looks along the unit vector w.

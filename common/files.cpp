@@ -118,7 +118,8 @@ std::string read_file(const std::string& path) {
         throw InputError({path, 0, 0}, "cannot read the file: it is a device");
     if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
     require_memory(static_cast<double>(status.st_size), "the file", {path, 0, 0});
-    // One more, so that the end is found without growing. The size is a hint only: a pipe has none, and a file may grow.
+    // One more, so that the end is found without growing. The size is a hint only: a pipe has none, and a file may
+    // grow.
     std::string content(static_cast<std::size_t>(status.st_size) + 1, '\0');
     std::size_t size = 0;
     for (;;) {

@@ -32,8 +32,8 @@ public:
     /// image shows, because the method can simulate them, though this scene cannot have them.
     Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black);
 
-    /// Adds the sample of `pixel` (row-major index) in `pass` (counts from 0). Light in a component that is not accumulated
-    /// is a mistake of the plan: std::logic_error.
+    /// Adds the sample of `pixel` (row-major index) in `pass` (counts from 0). Light in a component that is not
+    /// accumulated is a mistake of the plan: std::logic_error.
     void add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample);
     /// The mean over `passes` samples of each pixel.
     ComponentImages mean(std::uint32_t passes) const;

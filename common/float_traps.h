@@ -17,8 +17,8 @@ inline void trap_floating_point_errors() {
 #endif
 }
 
-/// While it lives, they do not: around libraries that compute in lanes that they do not use, and where values that are not
-/// finite are given and passed on. With `paused` false it changes nothing.
+/// While it lives, they do not: around libraries that compute in lanes that they do not use, and where values that are
+/// not finite are given and passed on. With `paused` false it changes nothing.
 class FloatTrapsPaused {
 public:
 #if GIB_FLOAT_TRAPS

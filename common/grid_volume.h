@@ -12,7 +12,8 @@ namespace gib {
 enum class VolumeFilter { trilinear, nearest };
 enum class VolumeWrap { repeat, mirror, clamp };
 
-/// Mitsuba's meaning: voxel (i, j, k) has its centre at ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz) of a unit cube.
+/// Mitsuba's meaning: voxel (i, j, k) has its centre at ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz) of a unit
+/// cube.
 class GridVolume {
 public:
     struct Data {
@@ -29,8 +30,8 @@ public:
 
     bool constant() const { return data_.values.empty(); }
     Color at(const Vec3& p) const { return constant() ? constant_ : interpolated(p); }
-    /// Cuts the stretch [begin, end) of the line from + t w down to what lies in the cube; false: nothing is left. A constant is
-    /// everywhere.
+    /// Cuts the stretch [begin, end) of the line from + t w down to what lies in the cube; false: nothing is left. A
+    /// constant is everywhere.
     bool clip(const Vec3& from, const Vec3& w, float& begin, float& end) const;
     /// Bounds of each channel over all of space.
     const Color& lowest() const { return lowest_; }
@@ -49,8 +50,9 @@ private:
     Color lowest_, highest_;
 };
 
-/// Mitsuba's .vol file: "VOL", version 3, encoding 1 (float32), size, channels, box, values; little-endian. Throws InputError in
-/// the file for what is wrong there: other encodings, sizes that do not match the file's, values that are not finite.
+/// Mitsuba's .vol file: "VOL", version 3, encoding 1 (float32), size, channels, box, values; little-endian. Throws
+/// InputError in the file for what is wrong there: other encodings, sizes that do not match the file's, values that are
+/// not finite.
 GridVolume::Data load_volume(const std::string& path);
 
 }  // namespace gib

@@ -10,7 +10,8 @@
 
 namespace gib {
 
-/// An allocator for std::vector. Asks the system for huge pages where an array fills several; it may refuse, which costs time only.
+/// An allocator for std::vector. Asks the system for huge pages where an array fills several; it may refuse, which
+/// costs time only.
 template <typename T>
 class HugePageAllocator {
 public:

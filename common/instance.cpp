@@ -38,8 +38,8 @@ SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry
     s.ng = (n / length).cast<float>();
     s.ns = (instance.inverse.transpose() * in_group.ns.cast<double>()).normalized().cast<float>();
     s.uv = in_group.uv;
-    // Both bounds are distances between parallel planes. The group's, which the map divides by `length`, holds its own p and the
-    // rounding of a ray's start there; the second that of p and of a ray's start here.
+    // Both bounds are distances between parallel planes. The group's, which the map divides by `length`, holds its own
+    // p and the rounding of a ray's start there; the second that of p and of a ray's start here.
     s.offset = static_cast<float>(static_cast<double>(in_group.offset) / length) +
                8.f * unit_roundoff * s.ng.cwiseAbs().dot(s.p.cwiseAbs());
     return s;

@@ -7,7 +7,8 @@ namespace gib {
 
 namespace {
 
-/// The mean of a texture over a surface. Deterministic points: whoever asks for the power of a light gets the same answer.
+/// The mean of a texture over a surface. Deterministic points: whoever asks for the power of a light gets the same
+/// answer.
 Color mean_over_surface(const Texture& texture, const AreaSampler& surface, const Shape& shape) {
     constexpr std::uint32_t points = 1u << 16;
     Colord sum = Colord::Zero();
@@ -47,8 +48,8 @@ std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
     return sphere && !sphere->flip_normals ? cone_to_sphere(*sphere, p) : std::nullopt;
 }
 
-/// The place of a sphere in the direction n from its centre. surface_at() looks for that direction in the difference of a point
-/// and the centre: far out it is rounded least, which matters where the radius is about an ulp of the centre.
+/// The place of a sphere in the direction n from its centre. surface_at() looks for that direction in the difference of
+/// a point and the centre: far out it is rounded least, which matters where the radius is about an ulp of the centre.
 SurfaceGeometry place_on_sphere(const Sphere& sphere, const Vec3& n) {
     const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
     return surface_at(sphere, 0, 0, 0, sphere.center + lever * n);
@@ -59,8 +60,8 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
     const Frame frame(cone.axis);
     const Vec3 wi = frame.to_world(w);
-    // The near intersection along wi; rays at the rim touch. From the centre it is t w - (0, 0, distance), written without
-    // cancellation: the cone of a small or distant sphere is known to more digits than its cosine.
+    // The near intersection along wi; rays at the rim touch. From the centre it is t w - (0, 0, distance), written
+    // without cancellation: the cone of a small or distant sphere is known to more digits than its cosine.
     const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
     const double d = double{cone.distance}, r = double{sphere.radius};
     const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
@@ -199,9 +200,10 @@ private:
         return {Ray{offset_origin(q, w), w}, pi * light.surface.area() * Le, q.ng};
     }
 
-    /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is the area on that
-    /// disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and no frame has to be spread over
-    /// the sphere: neighbours in (u_position, u_direction) are neighbours in position and direction.
+    /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is
+    /// the area on that disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and
+    /// no frame has to be spread over the sphere: neighbours in (u_position, u_direction) are neighbours in position
+    /// and direction.
     EmissionSample from_sphere(const AreaLight& light, const Sphere& sphere) const {
         const Vec3 w = emission_axes(sphere.center).to_world(square_to_sphere(u_direction));
         const Vec2 d = square_to_disk(u_position);

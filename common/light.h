@@ -81,8 +81,8 @@ inline bool is_delta(const Light& light) {
 struct LightSample {
     Vec3 wi;         ///< from the lit point to the light, unit
     float distance;  ///< from there to the light; of a light at infinity infinite
-    /// Emitted radiance towards the point; may be black. For point and spot lights intensity / distance^2, for directional
-    /// ones the irradiance, with pdf_w = choice.
+    /// Emitted radiance towards the point; may be black. For point and spot lights intensity / distance^2, for
+    /// directional ones the irradiance, with pdf_w = choice.
     Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< no other technique can hit it
@@ -99,8 +99,8 @@ struct EmissionSample {
 /// [W] per channel; of lights at infinity: what passes the scene's bounding sphere.
 Colord power_of(const Light& light);
 
-/// Uniform over the light; over the visible cone for a sphere seen from outside; EnvironmentMap's density. pdf_w without the
-/// choice of the light. Empty where the light cannot be seen from p.
+/// Uniform over the light; over the visible cone for a sphere seen from outside; EnvironmentMap's density. pdf_w
+/// without the choice of the light. Empty where the light cannot be seen from p.
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Shape>& shapes, const Vec3& p,
                                         const Vec2& u);
 
@@ -120,8 +120,8 @@ inline Vec3 offset_origin(const SurfacePoint& point, const Vec3& w) {
     return point.p + (w.dot(point.ng) >= 0.f ? point.offset : -point.offset) * point.ng;
 }
 
-/// The end, in front of the emitting side of `light`, of a shadow ray from near `p`. Forming the ray rounds its end by up to an ulp of the larger of
-/// the two positions, which the light's own offset does not know of.
+/// The end, in front of the emitting side of `light`, of a shadow ray from near `p`. Forming the ray rounds its end by
+/// up to an ulp of the larger of the two positions, which the light's own offset does not know of.
 inline Vec3 shadow_ray_target(const SurfacePoint& light, const Vec3& p) {
     const float connection = 8.f * unit_roundoff * (p.cwiseAbs().sum() + light.p.cwiseAbs().sum());
     return light.p + (light.offset + connection) * light.ng;

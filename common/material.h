@@ -1,6 +1,6 @@
 #pragma once
-// What a surface is made of as a scene describes it: scattering models with textured parameters, nested in blends, masks,
-// bump maps and sides. At a point of a surface it becomes a Bsdf.
+// What a surface is made of as a scene describes it: scattering models with textured parameters, nested in blends,
+// masks, bump maps and sides. At a point of a surface it becomes a Bsdf.
 
 #include "common/bsdf.h"
 #include "common/texture.h"
@@ -44,8 +44,8 @@ struct TwoSided {
 struct PerturbationOptions {
     bool flip_invalid_normals = true, use_shadowing_function = true;
 };
-/// The normal of the surface displaced by scale * height along its shading normal, in scene units; the change of the shading
-/// normal over the surface is neglected. Source: Blinn 1978, "Simulation of Wrinkled Surfaces".
+/// The normal of the surface displaced by scale * height along its shading normal, in scene units; the change of the
+/// shading normal over the surface is neglected. Source: Blinn 1978, "Simulation of Wrinkled Surfaces".
 struct BumpMap {
     Texture height;
     float scale;

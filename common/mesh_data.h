@@ -31,15 +31,16 @@ struct SerializedMesh {
     MeshData data;
     bool face_normals;  ///< the file asks for them
 };
-/// Mesh number `index`, from 0, of a file in Mitsuba's `serialized` format, version 3 or 4 (Mitsuba's documentation of the
-/// plugin). Vertex colours are skipped. Throws InputError for a file that is damaged in any way, its checksum included.
+/// Mesh number `index`, from 0, of a file in Mitsuba's `serialized` format, version 3 or 4 (Mitsuba's documentation of
+/// the plugin). Vertex colours are skipped. Throws InputError for a file that is damaged in any way, its checksum
+/// included.
 SerializedMesh parse_serialized(std::string_view content, const std::string& file, int index);
 
 /// Whether a normal or a texture coordinate, which are kept in float, can have this value.
 inline bool fits_float(double x) { return std::isfinite(static_cast<float>(x)); }
 
-/// The columns of to_world's linear part, which is not singular, to unit length: what of it turns and mirrors. Products of its lengths,
-/// as in its determinant, may leave double's range.
+/// The columns of to_world's linear part, which is not singular, to unit length: what of it turns and mirrors. Products
+/// of its lengths, as in its determinant, may leave double's range.
 Eigen::Matrix3d unit_columns(const Mat4d& to_world);
 
 /// Positions by `to_world`, normals by its inverse transpose, to unit length.

@@ -27,9 +27,10 @@ struct Ms3dModel {
     std::vector<Ms3dMaterial> materials;
 };
 
-/// The blocks Frames, Frame, Meshes, Materials, Bones and the four of comments, each at most once; Meshes must be there. Source: the
-/// format specification in MilkShape's SDK. Lines that start with // and empty ones are passed over. Bones and their keys are read and
-/// dropped: the vertices stand in the rest pose. Throws InputError at the place in `file`.
+/// The blocks Frames, Frame, Meshes, Materials, Bones and the four of comments, each at most once; Meshes must be
+/// there. Source: the format specification in MilkShape's SDK. Lines that start with // and empty ones are passed over.
+/// Bones and their keys are read and dropped: the vertices stand in the rest pose. Throws InputError at the place in
+/// `file`.
 Ms3dModel parse_ms3d(std::string_view text, const std::string& file);
 
 }  // namespace gib

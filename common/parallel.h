@@ -19,8 +19,8 @@ void parallel_blocks(std::size_t count, std::size_t block_size,
 /// Runs both, possibly at the same time.
 void parallel_pair(const std::function<void()>& first, const std::function<void()>& second);
 
-/// What the blocks of a loop hold in one vector, in block order, so that the result does not depend on the threads. Each block's part is
-/// freed once it is copied: both never stand in memory whole.
+/// What the blocks of a loop hold in one vector, in block order, so that the result does not depend on the threads.
+/// Each block's part is freed once it is copied: both never stand in memory whole.
 template <typename Block, typename Item>
 std::vector<Item> joined(std::vector<Block>& blocks, std::vector<Item> Block::*items) {
     std::size_t count = 0;

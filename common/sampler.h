@@ -29,8 +29,8 @@ inline std::uint64_t combine_keys(std::uint64_t a, std::uint64_t b) {
     return mix64(mix64(a + 0x9e3779b97f4a7c15ull) ^ (b + 0xd1b54a32d192ed03ull));
 }
 
-/// The same for 32 bits, in vector registers too. Source: lowbias32 of C. Wellons, "Prospecting for Hash Functions" (2018), whose
-/// avalanche is closer to 1/2 than that of MurmurHash3's finaliser.
+/// The same for 32 bits, in vector registers too. Source: lowbias32 of C. Wellons, "Prospecting for Hash Functions"
+/// (2018), whose avalanche is closer to 1/2 than that of MurmurHash3's finaliser.
 template <typename Numbers>
 inline Numbers mix32(Numbers x) {
     x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -110,8 +110,8 @@ enum class PointSet {
 };
 inline constexpr std::array<std::string_view, 2> point_set_names = {"independent", "sobol"};
 
-/// The dimensions of a path from the eye or from a light: which point of the square decides what. The same everywhere, so
-/// that a value is never used twice.
+/// The dimensions of a path from the eye or from a light: which point of the square decides what. The same everywhere,
+/// so that a value is never used twice.
 namespace dimension {
 inline constexpr std::uint32_t film = 0;
 inline constexpr std::uint32_t lens = 1;
@@ -169,8 +169,8 @@ public:
         pass_key_ = Key(combine_keys(sequence, pass));
     }
 
-    /// The numbers of path i of n that split off this one; `tag` tells the places apart where paths do. Those of all passes are one
-    /// sequence, in which this pass has n places, so they are stratified over all passes.
+    /// The numbers of path i of n that split off this one; `tag` tells the places apart where paths do. Those of all
+    /// passes are one sequence, in which this pass has n places, so they are stratified over all passes.
     Sampler split(std::uint32_t i, std::uint32_t n, std::uint64_t tag) const {
         Sampler path = *this;
         const std::uint64_t sequence = combine_keys(sequence_key_.whole(), tag);

@@ -60,8 +60,8 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
     return eta;
 }
 
-/// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as the index is.
-/// 0 where neither is given.
+/// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as
+/// the index is. 0 where neither is given.
 float parse_dispersion(Properties& properties, const std::string& interior) {
     const bool has_abbe = properties.has("abbe");
     if (has_abbe && properties.has("cauchy_b"))

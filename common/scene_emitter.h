@@ -10,8 +10,8 @@ namespace gib {
 Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files);
 
 /// point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width, texture), directional
-/// (direction or to_world, irradiance), constant (radiance) or envmap (filename, scale, to_world), moved by -origin. Sampling
-/// weights are checked, and mean nothing here: lights are chosen by their power. Throws InputError.
+/// (direction or to_world, irradiance), constant (radiance) or envmap (filename, scale, to_world), moved by -origin.
+/// Sampling weights are checked, and mean nothing here: lights are chosen by their power. Throws InputError.
 Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin);
 
 }  // namespace gib

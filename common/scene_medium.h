@@ -6,9 +6,9 @@
 
 namespace gib {
 
-/// homogeneous (sigma_t and albedo, or sigma_s and sigma_a) or heterogeneous (sigma_t and albedo, each a number, a colour or a
-/// <volume>), both with `scale` and a phase function, isotropic or hg. `origin`: of the scene, in the file's coordinates. Throws
-/// InputError.
+/// homogeneous (sigma_t and albedo, or sigma_s and sigma_a) or heterogeneous (sigma_t and albedo, each a number, a
+/// colour or a <volume>), both with `scale` and a phase function, isotropic or hg. `origin`: of the scene, in the
+/// file's coordinates. Throws InputError.
 Medium parse_medium(const NestedObject& object, TextureFiles& files, const Vec3d& origin);
 
 }  // namespace gib

@@ -7,9 +7,9 @@
 
 namespace gib {
 
-/// Diffuse, with its colour texture in place of the diffuse colour; with a highlight Phong's model, of which both colours are
-/// scaled down together where they sum to more than 1; behind a mask where it is not opaque. `where` is the shape's element, for
-/// messages about the texture.
+/// Diffuse, with its colour texture in place of the diffuse colour; with a highlight Phong's model, of which both
+/// colours are scaled down together where they sum to more than 1; behind a mask where it is not opaque. `where` is the
+/// shape's element, for messages about the texture.
 Material material_of(const Ms3dMaterial& material, TextureFiles& files, const SourceLocation& where);
 
 }  // namespace gib

@@ -164,8 +164,8 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
         throw InputError(properties.where("near_clip"), "'near_clip' must be below 'far_clip'");
 }
 
-/// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next to 180 degrees,
-/// an offset or a filter can be so large that float cannot hold their lengths' squares.
+/// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next
+/// to 180 degrees, an offset or a filter can be so large that float cannot hold their lengths' squares.
 bool has_sound_rays(const Sensor& sensor) {
     const FloatTrapsPaused paused;  // whether there are such is the question
     for (const int x : {0, sensor.width() - 1})

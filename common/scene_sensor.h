@@ -12,11 +12,11 @@ struct ParsedSensor {
     std::optional<NestedObject> medium;  ///< that the sensor stands in
 };
 
-/// perspective, thinlens (fov or focal_length, fov_axis; the first with principal_point_offset_x and _y, the second with
-/// aperture_radius and focus_distance) or orthographic, all with to_world, near_clip, far_clip, an hdrfilm and a sampler.
-/// Clip distances act only if they are given. A film's crop window becomes the image; `resolution` replaces the image's
-/// width and height, and a crop window stays where it is on the film. Throws InputError, also for an image of more than
-/// 1e9 samples.
+/// perspective, thinlens (fov or focal_length, fov_axis; the first with principal_point_offset_x and _y, the second
+/// with aperture_radius and focus_distance) or orthographic, all with to_world, near_clip, far_clip, an hdrfilm and a
+/// sampler. Clip distances act only if they are given. A film's crop window becomes the image; `resolution` replaces
+/// the image's width and height, and a crop window stays where it is on the film. Throws InputError, also for an image
+/// of more than 1e9 samples.
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution);
 

@@ -86,8 +86,8 @@ ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
             properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
 }
 
-/// From p0 to p1, front outside. A mirroring transform does not turn it inside out (Mitsuba takes the normal of the mirrored
-/// parametrisation and flips it).
+/// From p0 to p1, front outside. A mirroring transform does not turn it inside out (Mitsuba takes the normal of the
+/// mirrored parametrisation and flips it).
 ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
                 p1 = properties.point("p1").value_or(Vec3d::UnitZ());
@@ -115,7 +115,8 @@ struct MeshOptions {
     bool face_normals, flip_normals, flip_v;
 };
 
-/// The options of every mesh file, in Mitsuba's order: normals that the file lacks are computed unless the faces' are wanted.
+/// The options of every mesh file, in Mitsuba's order: normals that the file lacks are computed unless the faces' are
+/// wanted.
 ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d& to_world) {
     ParsedMesh mesh{std::move(data), options.flip_normals};
     if (options.flip_v)

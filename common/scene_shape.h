@@ -45,8 +45,8 @@ struct ParsedShapes {
 
 using BoundsD = Eigen::AlignedBox3d;
 
-/// A shape with a surface, with its own parameters; those that every shape takes are the caller's. The bytes of mesh files
-/// are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
+/// A shape with a surface, with its own parameters; those that every shape takes are the caller's. The bytes of mesh
+/// files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
 ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);

@@ -35,8 +35,9 @@ private:
     std::size_t parts_ = 0;             ///< of the outermost one of them so far, each as often as it is referred to
 };
 
-/// Marks a texture or material as being parsed. Throws InputError if it is already: references can make it hold itself. With
-/// them a short file can also ask for a chain that is too deep for recursion, or a tree of 2^n parts; both are refused.
+/// Marks a texture or material as being parsed. Throws InputError if it is already: references can make it hold itself.
+/// With them a short file can also ask for a chain that is too deep for recursion, or a tree of 2^n parts; both are
+/// refused.
 class OpenElement {
 public:
     OpenElement(const NestedObject& object, TextureFiles& files);

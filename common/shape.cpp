@@ -13,8 +13,8 @@ constexpr float gamma(int n) {
     return static_cast<float>(n) * unit_roundoff / (1.f - static_cast<float>(n) * unit_roundoff);
 }
 
-/// A coordinate plane through the origin has no rounding errors, but a ray that starts on it would find it at distance 0: this
-/// fraction of the shape's size takes it off.
+/// A coordinate plane through the origin has no rounding errors, but a ray that starts on it would find it at distance
+/// 0: this fraction of the shape's size takes it off.
 constexpr float off_the_plane = 0x1p-33f;
 
 float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
@@ -53,7 +53,8 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     return s;
 }
 
-/// Around the axis `normal` is the only direction that p's rounding counts in; it is that of the sums and of a unit vector's length.
+/// Around the axis `normal` is the only direction that p's rounding counts in; it is that of the sums and of a unit
+/// vector's length.
 SurfacePoint point_on_cylinder(const Cylinder& cylinder, const Vec3& normal, float v) {
     SurfacePoint s;
     s.p = cylinder.base + v * cylinder.axis + cylinder.radius * normal;
@@ -69,7 +70,8 @@ float turns(float x, float y) {
     return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
 }
 
-/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits near a pole.
+/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits
+/// near a pole.
 Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
     const Vec3 d = sphere.axes.transpose() * direction;
     return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
@@ -117,10 +119,10 @@ void Mesh::prepare() {
 }
 
 /// A point's offset is the sum of two bounds of distances along the normal, component by component,
-/// so that a floor of any size that lies in a coordinate plane needs next to none. The first is of the rounding of p, which
-/// is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 - p) . n, in
-/// which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are sums of, m (Higham
-/// 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
+/// so that a floor of any size that lies in a coordinate plane needs next to none. The first is of the rounding of p,
+/// which is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 -
+/// p) . n, in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are
+/// sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
     // In double: areas of small triangles are less than a float holds.

@@ -33,8 +33,9 @@ struct Mesh {
     std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
     bool flip_normals = false;
 
-    /// What finding a point of a triangle takes, in one line of the cache: of a large mesh every ray waits for it to be fetched, and
-    /// would for the indices and then the vertices. The path tracer's rate on ten million triangles rises by 5 %.
+    /// What finding a point of a triangle takes, in one line of the cache: of a large mesh every ray waits for it to be
+    /// fetched, and would for the indices and then the vertices. The path tracer's rate on ten million triangles rises
+    /// by 5 %.
     struct alignas(64) Facet {
         Eigen::Vector4f v0;      ///< a vertex (x, y, z); the offset of points (w)
         Eigen::Vector4f e1, e2;  ///< the edges from it to the second and third (x, y, z)
@@ -97,13 +98,13 @@ SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u,
 /// The same for a shape that is no mesh.
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray);
 
-/// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line) they
-/// are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in the centre of a disk, where the
-/// point does not move with the angle, that derivative keeps its direction and is tiny instead of zero.
+/// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line)
+/// they are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in the centre of a
+/// disk, where the point does not move with the angle, that derivative keeps its direction and is tiny instead of zero.
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
 
-/// The smallest t in (t_min, t_max) at which the ray meets a shape that is no mesh. In double: a quadratic's difference of
-/// nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+/// The smallest t in (t_min, t_max) at which the ray meets a shape that is no mesh. In double: a quadratic's difference
+/// of nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
 std::optional<float> intersect(const Disk& disk, const Ray& ray);
 std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray);
@@ -118,7 +119,8 @@ public:
     SurfaceGeometry sample_geometry(const Shape& shape, const Vec2& u) const;
     float area() const { return area_; }
 
-    /// Of a mesh: the triangle that a first number u leads to, where the numbers of triangle i begin, and u's place among them, 0 to 1.
+    /// Of a mesh: the triangle that a first number u leads to, where the numbers of triangle i begin, and u's place
+    /// among them, 0 to 1.
     std::size_t triangle_at(float u) const { return triangles_.sample(u).index; }
     float begin_of_triangle(std::size_t i) const { return triangles_.begin(i); }
     double within_triangle(std::size_t i, float u) const {

@@ -26,8 +26,8 @@ SurfaceDerivatives tangent_basis(const Vec3& normal) {
     return {frame.s, frame.t};
 }
 
-/// The two edges are linear functions of the two differences of uv; their matrix is inverted, in double, as uv may be any
-/// numbers.
+/// The two edges are linear functions of the two differences of uv; their matrix is inverted, in double, as uv may be
+/// any numbers.
 SurfaceDerivatives derivatives_of(const Mesh& mesh, std::uint32_t triangle, const SurfaceGeometry& at) {
     const auto fallback = [&] { return tangent_basis(mesh.flip_normals ? Vec3(-at.ng) : at.ng); };
     if (mesh.uvs.empty()) return fallback();

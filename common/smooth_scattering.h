@@ -1,6 +1,6 @@
 #pragma once
-// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they have
-// samples, but neither f nor density.
+// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they
+// have samples, but neither f nor density.
 
 #include "common/conductor_index.h"
 #include "common/fault.h"
@@ -56,7 +56,8 @@ struct Dielectric {
 };
 
 /// A thin sheet of a dielectric: what is transmitted goes straight on, and light reflected between its two faces is
-/// summed up, R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R) without absorption. `eta` = index of the sheet / index around it.
+/// summed up, R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R) without absorption. `eta` = index of the sheet / index
+/// around it.
 struct ThinDielectric {
     float eta = 1.f;
     Color specular_reflectance = Color::Ones();

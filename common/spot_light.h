@@ -1,5 +1,6 @@
 #pragma once
-// A spot light: full intensity in the beam, a linear fall-off in angle from there to the cut-off, and a slide in front of it.
+// A spot light: full intensity in the beam, a linear fall-off in angle from there to the cut-off, and a slide in front
+// of it.
 
 #include "common/direction_cone.h"
 #include "common/texture.h"
@@ -12,8 +13,8 @@ namespace gib {
 /// Mitsuba's: the axis is z of its frame.
 class SpotLight {
 public:
-    /// Angles from the axis [rad], 0 <= beam_width <= cutoff_angle <= pi and cutoff_angle > 0; below pi / 2 with a slide.
-    /// `axes` in world space, orthonormal, of either handedness.
+    /// Angles from the axis [rad], 0 <= beam_width <= cutoff_angle <= pi and cutoff_angle > 0; below pi / 2 with a
+    /// slide. `axes` in world space, orthonormal, of either handedness.
     SpotLight(const Vec3& position, const Frame& axes, const Color& intensity, double cutoff_angle, double beam_width,
               std::optional<Texture> slide);
 

@@ -74,8 +74,8 @@ Color color_of(const BitmapTexture& texture, const Vec2& uv) {
 
 float number(const Color& c, bool grey) { return grey ? c[0] : luminance(c); }
 
-/// Versions of Mitsuba that multiply by the resolution after to_uv instead of before differ where to_uv mixes the axes of
-/// an image that is not square; this is the derivative.
+/// Versions of Mitsuba that multiply by the resolution after to_uv instead of before differ where to_uv mixes the axes
+/// of an image that is not square; this is the derivative.
 Vec2 gradient_of(const BitmapTexture& texture, const Vec2& uv) {
     if (texture.filter == TextureFilter::nearest) return Vec2::Zero();
     const Quad q = quad_at(texture, uv);

@@ -40,11 +40,11 @@ public:
     explicit Texture(CheckerboardTexture checkerboard);
 
     bool constant() const { return !varying_; }
-    /// Linear RGB, sRGB's primaries. Within minimum() and maximum() for every uv; a coordinate that is not finite counts
-    /// as 0. Throws RunError if an image that is paged has disappeared.
+    /// Linear RGB, sRGB's primaries. Within minimum() and maximum() for every uv; a coordinate that is not finite
+    /// counts as 0. Throws RunError if an image that is paged has disappeared.
     Color color(const Vec2& uv) const { return varying_ ? varying_color(uv) : constant_; }
-    /// One number, as Mitsuba's eval_1: a grey; the luminance of a bitmap's colour; the mean of the channels of a constant
-    /// one. A checkerboard has its two colours exchanged here: Mitsuba keeps this convention of old.
+    /// One number, as Mitsuba's eval_1: a grey; the luminance of a bitmap's colour; the mean of the channels of a
+    /// constant one. A checkerboard has its two colours exchanged here: Mitsuba keeps this convention of old.
     float value(const Vec2& uv) const;
     /// d value / d (u, v), per unit of uv. 0 for the filter `nearest`.
     Vec2 gradient(const Vec2& uv) const;

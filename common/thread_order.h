@@ -1,6 +1,6 @@
 #pragma once
-// What oneTBB and Embree order in time, told to the thread sanitizer, which sees only what was compiled with it; nothing in
-// other builds.
+// What oneTBB and Embree order in time, told to the thread sanitizer, which sees only what was compiled with it;
+// nothing in other builds.
 
 #if defined(__SANITIZE_THREAD__) || defined(GIB_THREAD_SANITIZER)
 #include <sanitizer/tsan_interface.h>

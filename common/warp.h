@@ -21,7 +21,8 @@ inline float power_heuristic(float pdf, float other_pdf) {
 struct SineCosine {
     float sine, cosine;
 };
-/// For |x| <= pi / 4, by Taylor's series: their next terms are below 2^-25. No call, which would spill every register around it.
+/// For |x| <= pi / 4, by Taylor's series: their next terms are below 2^-25. No call, which would spill every register
+/// around it.
 inline SineCosine small_sine_cosine(float x) {
     const float x2 = x * x;
     return {x * (1.f + x2 * (-1.f / 6 + x2 * (1.f / 120 + x2 * (-1.f / 5040 + x2 * (1.f / 362880))))),
@@ -87,7 +88,8 @@ inline double sample_linear(double u, double f0, double f1) {
     return denominator > 0 ? std::min(u * (f0 + f1) / denominator, 1.0) : u;
 }
 
-/// The polar part of a density over directions: f(theta) sin(theta) on [theta0, theta1], f linear from f0 >= 0 to f1 >= 0.
+/// The polar part of a density over directions: f(theta) sin(theta) on [theta0, theta1], f linear from f0 >= 0 to f1 >=
+/// 0.
 struct PolarRamp {
     double theta0, theta1;
     double f0, f1;

@@ -91,8 +91,8 @@ void check_version(const XmlElement& root) {
         throw InputError(version.where, fmt::format("version '{}' is not supported: only 2.x and 3.x", version.value));
 }
 
-/// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under either
-/// tag. Here the tag tells those that are the same everywhere from those that vary.
+/// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
+/// either tag. Here the tag tells those that are the same everywhere from those that vary.
 void unify_texture_tag(XmlElement& element) {
     if (element.tag != "texture" && element.tag != "spectrum") return;
     const XmlAttribute* type = element.find("type");

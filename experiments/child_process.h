@@ -12,8 +12,8 @@ namespace gib {
 /// Interrupted, after stopping it, on Ctrl-C (see InterruptGuard).
 void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line);
 
-/// Makes the kernel end this process when the one that started it dies, so that no cell goes on without a run that wants
-/// it. Throws RunError if that was not `parent`, which then is dead already; 0: whichever it is.
+/// Makes the kernel end this process when the one that started it dies, so that no cell goes on without a run that
+/// wants it. Throws RunError if that was not `parent`, which then is dead already; 0: whichever it is.
 void die_with_parent(int parent = 0);
 
 }  // namespace gib

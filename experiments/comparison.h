@@ -23,14 +23,16 @@ struct EqualTimeRow {
 /// Of every scene with two methods or more. Errors between two checkpoints follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
-/// A checkpoint that no other one of any method beats: none is as close to the reference in less time, nor closer in the same.
+/// A checkpoint that no other one of any method beats: none is as close to the reference in less time, nor closer in
+/// the same.
 struct FrontierPoint {
     std::string scene, method;
     std::uint32_t passes;
     double seconds;        ///< mean over the seeds
     double relative_rmse;  ///< of the whole image, as in EqualTimeRow; 0: below what the reference resolves
 };
-/// Pareto's frontier over the checkpoints of all methods, of every scene with two methods or more; by scene, then by time.
+/// Pareto's frontier over the checkpoints of all methods, of every scene with two methods or more; by scene, then by
+/// time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
 
 /// bias^2 = c x^-exponent over the values x of a parameter, all else equal.

@@ -35,8 +35,8 @@ struct Footing {
     MeanEnergy energy;  ///< the method's
     double unit = 0;    ///< what differences are relative to
     /// (mean of the method - mean of the reference) over pixels and channels, relative to the reference's mean of this
-    /// component, or of a hundredth of the total where that is more; with its 99 % interval (Welch's, over seeds and the
-    /// reference's groups), if there are two seeds or more.
+    /// component, or of a hundredth of the total where that is more; with its 99 % interval (Welch's, over seeds and
+    /// the reference's groups), if there are two seeds or more.
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::unresolved;
 

@@ -267,7 +267,8 @@ std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::ve
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
         std::string damage;
-        // From here on the old one is no result: whoever goes on after an interruption must not take it for a fresh one.
+        // From here on the old one is no result: whoever goes on after an interruption must not take it for a fresh
+        // one.
         if (options_.fresh) fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
         const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {

@@ -21,8 +21,8 @@ public:
     /// Reads and checks everything, then takes the folder for itself until it is destroyed. Throws InputError.
     explicit ExperimentRun(const RunOptions& options);
 
-    /// Brings every selected scene's reference to its goal, and measures every selected cell that is not complete. A scene
-    /// whose reference cannot be made fails with all its cells. False: interrupted by the user.
+    /// Brings every selected scene's reference to its goal, and measures every selected cell that is not complete. A
+    /// scene whose reference cannot be made fails with all its cells. False: interrupted by the user.
     bool measure();
     /// Tables, images and report from all complete cells of the experiment. Returns the report's path.
     std::string write_results();

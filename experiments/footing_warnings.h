@@ -15,9 +15,9 @@ struct FootingWarning {
     bool differs;           ///< else it is not resolved
     std::string text;       ///< a sentence that names all three
 };
-/// First one for each method with components that differ from the reference; then, where the reference cannot judge a component of
-/// several methods, one for the two that differ most surely from each other; then one for each method with components
-/// that are not resolved.
+/// First one for each method with components that differ from the reference; then, where the reference cannot judge a
+/// component of several methods, one for the two that differ most surely from each other; then one for each method with
+/// components that are not resolved.
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis);
 
 /// The section of table.md that stands before every number.

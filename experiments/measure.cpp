@@ -63,8 +63,8 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         const bool ends =
             result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
         if (ends || is_checkpoint(passes)) {
-            // The peak is read before the image is taken, and starts again after it is stored: copies for the driver are not
-            // the method's memory.
+            // The peak is read before the image is taken, and starts again after it is stored: copies for the driver
+            // are not the method's memory.
             peak = std::max(peak, peak_rss_mib());
             result.checkpoints.push_back({passes, charged, run->counts(), peak});
             sink(result.checkpoints.back(), run->image());

@@ -32,8 +32,8 @@ struct Crossover {
     std::string scene, method;
     std::string before;  ///< the best until then; empty: none had an image
     double seconds;      ///< charged
-    /// 95 %, delete-one jackknife over the seeds of both methods, in log(time); empty below 3 seeds, or where some of the
-    /// means without one seed do not change places.
+    /// 95 %, delete-one jackknife over the seeds of both methods, in log(time); empty below 3 seeds, or where some of
+    /// the means without one seed do not change places.
     std::optional<Interval> interval;
     double relative_rmse;  ///< of `method`, there; 0: below what the reference resolves
 };

@@ -41,8 +41,8 @@ struct Fit {
     double residual = 0;  ///< sum over the points of (law / error2 - 1)^2
 };
 
-/// Floor and factor for a given slope: min sum (1 - F a_i - c b_i)^2 with a_i = 1 / e_i, b_i = u_i / e_i, F >= 0, c >= 0.
-/// `unit`: times are divided by it, for the condition of the problem.
+/// Floor and factor for a given slope: min sum (1 - F a_i - c b_i)^2 with a_i = 1 / e_i, b_i = u_i / e_i, F >= 0, c >=
+/// 0. `unit`: times are divided by it, for the condition of the problem.
 Fit fit_linear_part(const Curve& curve, double start, double slope, double unit, bool with_floor) {
     double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
     for (const auto& p : curve) {

@@ -34,8 +34,8 @@ struct PriceLaw {
     /// Share of the squared error by which the worst point is off the law: near 0 where the law holds.
     double misfit = 0;
     double first_seconds = 0, last_seconds = 0;  ///< what was measured; beyond, the law extrapolates
-    /// What the time has to be multiplied by, from the last point on, for half its error. Extrapolated. Empty: the floor is
-    /// above that, or was fitted and is not resolved, so that only a lower bound is known (extrapolate()).
+    /// What the time has to be multiplied by, from the last point on, for half its error. Extrapolated. Empty: the
+    /// floor is above that, or was fitted and is not resolved, so that only a lower bound is known (extrapolate()).
     std::optional<Estimate> next_halving;
 
     /// What is known of the time to a squared error that was not measured.
@@ -47,16 +47,16 @@ struct PriceLaw {
     std::optional<Extrapolation> extrapolate(double error2) const;
 };
 
-/// Fits the mean of the runs' squared errors at equal points of their curves (equal passes): weighted least squares, the
-/// weight of a point the inverse of its squared error's variance (the scatter of the runs, pooled, proportional to the
-/// squared error itself: noise of an image's error is relative). For every slope, floor >= 0 and factor are the solution
-/// of a linear problem of two unknowns; the slope is found by a search of one dimension in [0.1, 4].
+/// Fits the mean of the runs' squared errors at equal points of their curves (equal passes): weighted least squares,
+/// the weight of a point the inverse of its squared error's variance (the scatter of the runs, pooled, proportional to
+/// the squared error itself: noise of an image's error is relative). For every slope, floor >= 0 and factor are the
+/// solution of a linear problem of two unknowns; the slope is found by a search of one dimension in [0.1, 4].
 /// Intervals: delete-one jackknife over whole runs, as the points of one run are correlated, with Student's t; that of
 /// the floor is cut off at 0. No intervals below 3 runs. Noise of independent samples falls as 1 / t; what falls faster
 /// at first, as low-discrepancy points do, bends as if there were a floor. So the floor's interval begins at 0 unless
-/// the slope at the curve's end, over the last factor of 4 in t - start, is below 1 with its whole interval. Empty if fewer than 4 points have a positive mean error, or if
-/// the squared error falls by less than 1 %.
-/// `resolved`: the squared error below which the reference resolves nothing; curves end there.
+/// the slope at the curve's end, over the last factor of 4 in t - start, is below 1 with its whole interval. Empty if
+/// fewer than 4 points have a positive mean error, or if the squared error falls by less than 1 %. `resolved`: the
+/// squared error below which the reference resolves nothing; curves end there.
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,
                                       double resolved = 0);
 

@@ -40,7 +40,8 @@ bool overlap(const Estimate& a, const Estimate& b) {
 
 std::string percent(double share) { return percent_text(share) + " %"; }
 
-/// The component that carries most of a method's squared error after some time, and its share of the sum over components.
+/// The component that carries most of a method's squared error after some time, and its share of the sum over
+/// components.
 std::string largest_part(const Analysis& analysis, const std::vector<const Cell*>& cells, const std::string& scene,
                          double seconds) {
     double sum = 0, largest = 0;
@@ -152,8 +153,8 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
     return text + (time.empty() ? "." : fmt::format("; {} %: {}.", target_names[target], time));
 }
 
-/// "2.30 (1.90 to 2.70): bias 1.10, fixed noise 2.02", of relative errors in percent; a floor whose interval reaches 0 is
-/// not resolved.
+/// "2.30 (1.90 to 2.70): bias 1.10, fixed noise 2.02", of relative errors in percent; a floor whose interval reaches 0
+/// is not resolved.
 std::string floor_text(const TableRow& row) {
     if (!row.law) return "";
     const auto& [floor, interval] = row.law->floor;

@@ -63,9 +63,9 @@ public:
     }
 
 private:
-    /// In images of all components and the total, while the file is written: the groups, the reference with groups of its
-    /// own, the same as layers, and its bytes twice, since noise hardly compresses. A round takes less: a batch of each
-    /// group and two references.
+    /// In images of all components and the total, while the file is written: the groups, the reference with groups of
+    /// its own, the same as layers, and its bytes twice, since noise hardly compresses. A round takes less: a batch of
+    /// each group and two references.
     void require_memory_for_groups() const {
         const auto& sensor = work_.scene.scene->sensor();
         const double whole = reference_groups + 2;

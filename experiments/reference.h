@@ -38,8 +38,8 @@ std::string reference_key(const std::string& content_hash, const MethodLabel& la
 std::string cached_reference_path(const std::string& key);
 
 /// Brings the file to the goal: every round adds one batch of equal length to each group. Progress to `progress`. Call
-/// it inside with_threads and under lock_reference(). Throws Interrupted on Ctrl-C, after the complete rounds were stored, and RunError if the
-/// image is not finite.
+/// it inside with_threads and under lock_reference(). Throws Interrupted on Ctrl-C, after the complete rounds were
+/// stored, and RunError if the image is not finite.
 FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progress);
 
 /// The identity of a finished file; empty if there is none or it cannot be read.

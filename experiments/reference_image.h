@@ -35,8 +35,8 @@ struct Reference {
 /// From a file with or without standard errors (any renderer's image will do). Layers: R,G,B; NAME; stderr;
 /// NAME_stderr; group00, NAME_group00 and so on. Throws InputError.
 Reference read_reference(const std::string& path);
-/// With its groups, metadata and a digest of what matters of them, which read_reference() checks: a file that was damaged
-/// or edited since is refused there. Throws RunError.
+/// With its groups, metadata and a digest of what matters of them, which read_reference() checks: a file that was
+/// damaged or edited since is refused there. Throws RunError.
 void write_reference(const std::string& path, const Reference& reference);
 /// Whether it was read from a file with a digest; those of earlier versions have none.
 bool is_verified(const Reference& reference);

@@ -127,8 +127,8 @@ private:
     std::string path_;
 };
 
-/// Throws InputError, with the reason, if no file can be made in a folder (RunError on a full disk). Asking for permissions would not do: they do
-/// not bind root, and know nothing of read-only file systems.
+/// Throws InputError, with the reason, if no file can be made in a folder (RunError on a full disk). Asking for
+/// permissions would not do: they do not bind root, and know nothing of read-only file systems.
 void require_writable(const std::string& folder);
 
 /// SHA-1 of a file's bytes.

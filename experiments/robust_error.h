@@ -1,6 +1,6 @@
 #pragma once
-// Relative squared errors that a few pixels cannot decide, beside the plain mean: one firefly of 1e8 in a million pixels
-// makes rel_mse 1e10 and says nothing of the others.
+// Relative squared errors that a few pixels cannot decide, beside the plain mean: one firefly of 1e8 in a million
+// pixels makes rel_mse 1e10 and says nothing of the others.
 
 #include "experiments/reference_image.h"
 

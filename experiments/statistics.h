@@ -30,8 +30,8 @@ struct Estimate {
     std::optional<Interval> interval;
 };
 
-/// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), Student's t with n - 1 degrees
-/// of freedom. `without`: its values without each of the n >= 2 runs in turn.
+/// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), Student's t with n - 1
+/// degrees of freedom. `without`: its values without each of the n >= 2 runs in turn.
 Estimate jackknife(double value, const std::vector<double>& without);
 
 /// What several independently seeded images of one method say about it.

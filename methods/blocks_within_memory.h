@@ -10,8 +10,9 @@
 
 namespace gib {
 
-/// parallel_blocks() over [0, count), whose body fills `blocks[block].*items`. The first blocks tell how much memory all of them will
-/// take at `bytes_per_item`; if that is more than there is, InputError, and the rest is not begun. `what` names the request.
+/// parallel_blocks() over [0, count), whose body fills `blocks[block].*items`. The first blocks tell how much memory
+/// all of them will take at `bytes_per_item`; if that is more than there is, InputError, and the rest is not begun.
+/// `what` names the request.
 template <typename Block, typename Item, typename Body>
 std::vector<Block> blocks_within_memory(std::size_t count, std::size_t block_size, std::vector<Item> Block::*items,
                                         double bytes_per_item, const std::string& what, const Body& body) {

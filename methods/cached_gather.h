@@ -2,11 +2,12 @@
 // Indirect light on ideal diffuse surfaces through an irradiance cache. methods/irradiance_cache.h says how records are
 // interpolated, methods/final_gather.h how they are made; this decides where.
 //
-// An overture fills the cache before the first pass: pixels on a coarse grid first, then on ever finer ones, each where the records so
-// far do not serve what it sees. Candidates of a grid are taken in a scattered order, a few at a time, which are tested against all
-// records before them, computed at once and added in order: no result depends on the number of threads. The last grid is that of the
-// pixels, with the paths of the first pass. Passes interpolate with more slack than the overture asked for, and where there is
-// still no record they make one, which the others see after the pass.
+// An overture fills the cache before the first pass: pixels on a coarse grid first, then on ever finer ones, each where
+// the records so far do not serve what it sees. Candidates of a grid are taken in a scattered order, a few at a time,
+// which are tested against all records before them, computed at once and added in order: no result depends on the
+// number of threads. The last grid is that of the pixels, with the paths of the first pass. Passes interpolate with
+// more slack than the overture asked for, and where there is still no record they make one, which the others see after
+// the pass.
 
 #include "methods/final_gather.h"
 #include "methods/parameters.h"
@@ -39,8 +40,8 @@ public:
     /// Fills the cache by the paths of the first pass. Returns the number of rays traced.
     std::uint64_t overture(const WalkSettings& walk, std::uint64_t seed, StageProgress* progress);
 
-    /// What indirect light the ideal diffuse surface sends to the eye, at the vertex where `walk` is; empty: the surface is another,
-    /// or paths are limited so that the records do not hold here.
+    /// What indirect light the ideal diffuse surface sends to the eye, at the vertex where `walk` is; empty: the
+    /// surface is another, or paths are limited so that the records do not hold here.
     std::optional<Color> reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
                                             DensityEstimator::Found& found);
     /// To be called when no thread samples: adds the records that were missing.

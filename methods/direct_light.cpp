@@ -7,8 +7,8 @@ namespace {
 bool is_blocked(float visible) { return visible == 0.f; }
 bool is_blocked(const Color& visible) { return is_black(visible); }
 
-/// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a call at every
-/// vertex would be what scenes without media pay for them.
+/// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a
+/// call at every vertex would be what scenes without media pay for them.
 template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
                                                         const Vec3& wo_local, LightTechniques techniques, Lobes which,

@@ -1,5 +1,6 @@
 #pragma once
-// What dispersion does to a path, from the eye or from a light, and to two of them that are joined. See common/dispersion.h.
+// What dispersion does to a path, from the eye or from a light, and to two of them that are joined. See
+// common/dispersion.h.
 
 #include "common/dispersion.h"
 #include "common/scene.h"
@@ -8,8 +9,8 @@
 
 namespace gib {
 
-/// Makes a hit on a material that splits light what it is to the path's stratum of wavelengths, which the first such hit decides by
-/// `u`; from there on `beta`, the path's throughput or power, has the stratum's weight.
+/// Makes a hit on a material that splits light what it is to the path's stratum of wavelengths, which the first such
+/// hit decides by `u`; from there on `beta`, the path's throughput or power, has the stratum's weight.
 inline void disperse(const Scene& scene, float u, SurfaceHit& hit, std::optional<int>& stratum, Color& beta) {
     if (!scene.material_of_shape(hit.shape).is_dispersive()) return;
     if (!stratum) {
@@ -22,8 +23,8 @@ inline void disperse(const Scene& scene, float u, SurfaceHit& hit, std::optional
 /// Whether paths of these strata carry the same light somewhere.
 inline bool can_join(std::optional<int> a, std::optional<int> b) { return !a || !b || *a == *b; }
 
-/// The factor of a product of two paths that can be joined: both have the weight of their stratum, and of pairs of strata only those
-/// that are equal are counted.
+/// The factor of a product of two paths that can be joined: both have the weight of their stratum, and of pairs of
+/// strata only those that are equal are counted.
 inline Color joint_weight(std::optional<int> a, std::optional<int> b) {
     if (!a || !b) return Color::Ones();
     const Color& weight = stratum_weight(*a);

@@ -1,10 +1,10 @@
 #pragma once
-// Final gathering: indirect light at a diffuse surface by rays over the hemisphere to other surfaces, instead of by the photons
-// around it, and irradiance records by the same rays. Source: Jensen 1996; Jensen 2001, section 9.4.
+// Final gathering: indirect light at a diffuse surface by rays over the hemisphere to other surfaces, instead of by the
+// photons around it, and irradiance records by the same rays. Source: Jensen 1996; Jensen 2001, section 9.4.
 //
-// For a point x and the rays w_i of density p(w), reflected light is the mean of f(wo, w_i) L(x <- w_i) cos(theta_i) / p(w_i),
-// sampled by f; a pixel's rays of all passes are one Sobol' sequence. A record takes one ray in each of M x N equal strata of
-// cos(theta) (methods/irradiance_record.h).
+// For a point x and the rays w_i of density p(w), reflected light is the mean of f(wo, w_i) L(x <- w_i) cos(theta_i) /
+// p(w_i), sampled by f; a pixel's rays of all passes are one Sobol' sequence. A record takes one ray in each of M x N
+// equal strata of cos(theta) (methods/irradiance_record.h).
 
 #include "methods/gathered_light.h"
 #include "methods/irradiance_cache.h"
@@ -29,8 +29,8 @@ public:
 
     const GatheredLight& light() const { return light_; }
 
-    /// Indirect radiance [W/(sr m^2)] that the hit's diffuse lobes send towards wo, at the vertex where `walk` is: by as many rays as
-    /// this gathers with.
+    /// Indirect radiance [W/(sr m^2)] that the hit's diffuse lobes send towards wo, at the vertex where `walk` is: by
+    /// as many rays as this gathers with.
     Color reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
                              DensityEstimator::Found& found) const;
 

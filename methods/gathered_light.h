@@ -1,6 +1,7 @@
 #pragma once
-// What a gather ray sees: the radiance that arrives from diffuse surfaces, L (S|D)* D S*. Light that comes straight from its source
-// or from specular surfaces alone is direct light or a caustic where the gather ray starts, and found otherwise.
+// What a gather ray sees: the radiance that arrives from diffuse surfaces, L (S|D)* D S*. Light that comes straight
+// from its source or from specular surfaces alone is direct light or a caustic where the gather ray starts, and found
+// otherwise.
 
 #include "methods/path.h"
 #include "methods/precomputed_irradiance.h"
@@ -23,9 +24,10 @@ public:
     PhotonLengths() = default;
     explicit PhotonLengths(const std::vector<Photon>& photons);
 
-    /// What is estimated from photons of at most `limit` edges, as a share of what is from those of at most `longest`: that of their
-    /// power everywhere. Light of many bounces is nearly the same everywhere, and a rescaling by up to 5 % is taken as right everywhere, once at the surface that the eye sees
-    /// and once where a gather ray ends; empty: it would be more.
+    /// What is estimated from photons of at most `limit` edges, as a share of what is from those of at most `longest`:
+    /// that of their power everywhere. Light of many bounces is nearly the same everywhere, and a rescaling by up to 5
+    /// % is taken as right everywhere, once at the surface that the eye sees and once where a gather ray ends; empty:
+    /// it would be more.
     std::optional<float> share(int limit, int longest) const;
 
 private:
@@ -46,8 +48,8 @@ struct GatheredLight {
     /// The longest path of photons where a gather ray from a surface that the eye sees ends.
     int longest_photon_path() const { return max_edges - 2; }
 
-    /// Radiance [W/(sr m^2)] that arrives along a gather ray that was traced, by paths of at most `edges` edges, the ray's included.
-    /// `sampler` decides all that follows.
+    /// Radiance [W/(sr m^2)] that arrives along a gather ray that was traced, by paths of at most `edges` edges, the
+    /// ray's included. `sampler` decides all that follows.
     Color arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
                    DensityEstimator::Found& found) const;
 };

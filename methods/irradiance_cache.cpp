@@ -11,7 +11,8 @@ namespace gib {
 
 namespace {
 
-/// A record that lies behind a point sees what the point does not. Rounding and curved surfaces are given this much of R.
+/// A record that lies behind a point sees what the point does not. Rounding and curved surfaces are given this much of
+/// R.
 constexpr float behind_tolerance = 0.01f;
 /// Deeper nodes hold no fewer records than these.
 constexpr int deepest = 24;

@@ -46,8 +46,8 @@ Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
 
 Vec3d in_plane(double phi) { return {std::cos(phi), std::sin(phi), 0}; }
 
-/// The mean of tan(theta) over a row, sin^2(theta) = s in [j / M, (j + 1) / M]: the integral of sqrt(s / (1 - s)) is theta -
-/// sin(theta) cos(theta). At the horizon it is far from what it is in the middle of the row.
+/// The mean of tan(theta) over a row, sin^2(theta) = s in [j / M, (j + 1) / M]: the integral of sqrt(s / (1 - s)) is
+/// theta - sin(theta) cos(theta). At the horizon it is far from what it is in the middle of the row.
 double mean_tangent(int row, int rows) {
     const auto integral = [&](int j) {
         const double s = double(j) / rows;
@@ -76,7 +76,8 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
     rotation.fill(Vec3d::Zero());
     translation.fill(Vec3d::Zero());
     for (int k = 0; k < N; ++k) {
-        // u_k points along the middle of the column, v_k at right angles to it; the edge to the column before lies at phi_k-.
+        // u_k points along the middle of the column, v_k at right angles to it; the edge to the column before lies at
+        // phi_k-.
         const Vec3d u = in_plane(width * (k + 0.5)), v = in_plane(width * (k + 0.5) + pi_d / 2);
         const Vec3d v_edge = in_plane(width * k + pi_d / 2);
         for (int j = 0; j < M; ++j) {

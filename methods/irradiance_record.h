@@ -1,11 +1,11 @@
 #pragma once
 // Irradiance at a point with its gradients, from one stratified sample of the hemisphere.
 //
-// M x N rays: stratum (j, k) holds sin^2(theta) in [j / M, (j + 1) / M) and phi in 2 pi [k / N, (k + 1) / N), which is equal
-// parts of cos(theta) d omega, so E = pi / (M N) sum L_jk. Source: Ward and Heckbert 1992, "Irradiance Gradients", which gives
-// both gradients from the same rays (equations 1 and 2 there): how E changes when the surface turns follows from the cosine of
-// each ray, how it changes when the point moves from the motion of the edges between strata, which is that of the nearer of
-// the two surfaces seen.
+// M x N rays: stratum (j, k) holds sin^2(theta) in [j / M, (j + 1) / M) and phi in 2 pi [k / N, (k + 1) / N), which is
+// equal parts of cos(theta) d omega, so E = pi / (M N) sum L_jk. Source: Ward and Heckbert 1992, "Irradiance
+// Gradients", which gives both gradients from the same rays (equations 1 and 2 there): how E changes when the surface
+// turns follows from the cosine of each ray, how it changes when the point moves from the motion of the edges between
+// strata, which is that of the nearer of the two surfaces seen.
 
 #include "common/math.h"
 
@@ -44,8 +44,8 @@ struct IrradianceRecord {
     Color irradiance;             ///< [W/m^2]
     IrradianceGradient rotation;  ///< E changes by rotation . (n x n') when the normal turns to n' [W/m^2 per radian]
     IrradianceGradient translation;  ///< E changes by translation . (p' - p) [W/m^2 per scene unit]
-    float
-        distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is; 0: it touches
+    float distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is; 0: it
+                     ///< touches
 
     /// False: a ray has found what is no radiance, and the record must not be used elsewhere.
     bool is_finite() const;

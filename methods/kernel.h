@@ -14,8 +14,8 @@ inline constexpr float gaussian_sigma = 0.5f;
 enum class Kernel { uniform, cone, gaussian, epanechnikov };
 inline constexpr std::array<std::string_view, 4> kernel_names = {"uniform", "cone", "gaussian", "epanechnikov"};
 
-/// K(d) [1/area] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the disc of radius r. In double: at a focus discs are
-/// so small that 1 / r^2 is no float.
+/// K(d) [1/area] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the disc of radius r. In double: at a focus discs
+/// are so small that 1 / r^2 is no float.
 double kernel_weight(Kernel kernel, float d2, float r);
 /// The share of the kernel's integral that lies within `s` of 0..1 radii of the centre.
 float kernel_mass(Kernel kernel, float s);

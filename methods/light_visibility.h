@@ -16,7 +16,8 @@
 //    n photons all say `lit` with probability v^n and `dark` with (1 - v)^n, were they independent; then (1 - v) E is
 //    reflected too much, or v E too little. The mean of either is below E / (e n). More photons shrink the cells where
 //    that happens, to the edges of shadows; more `agreeing` ones make it rarer.
-//  - skip: P(l) = P_scene(l). both: w is 0 for a dark light, and `rest` at least 1 %, or 0 where every light has photons.
+//  - skip: P(l) = P_scene(l). both: w is 0 for a dark light, and `rest` at least 1 %, or 0 where every light has
+//  photons.
 //
 // Surfaces are told apart by shape and by the axis next to their normal; those with fewer than 8 photons for each
 // light are looked at together, and nothing is settled there.

@@ -21,7 +21,8 @@ struct PathSettings {
     PathFeatures features;
 };
 
-/// One sample of a pixel by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along the camera's ray.
+/// One sample of a pixel by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along the
+/// camera's ray.
 PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings);
 
 }  // namespace gib

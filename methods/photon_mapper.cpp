@@ -3,9 +3,9 @@
 //
 // Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the
 // caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
-// way), or by final gathering (gather > 0), through an irradiance cache if cache=on. Where a free flight through a medium
-// ends: light that comes straight from its source by light sampling, all other from the volume map. Light found at the
-// end of specular paths counts only before that surface or event (emission), so that every path is counted once.
+// way), or by final gathering (gather > 0), through an irradiance cache if cache=on. Where a free flight through a
+// medium ends: light that comes straight from its source by light sampling, all other from the volume map. Light found
+// at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
 // [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache, accuracy,
 // spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows (methods/light_visibility.h); spp and

@@ -39,8 +39,8 @@ const char* name_of(PhotonMapKind kind) {
     return "photons";
 }
 
-/// From this hit on survival is capped, so that walks among white surfaces end; the rescaling keeps them unbiased. Among
-/// specular ones they are longer: see roulette.h.
+/// From this hit on survival is capped, so that walks among white surfaces end; the rescaling keeps them unbiased.
+/// Among specular ones they are longer: see roulette.h.
 constexpr int first_capped_hit = 64;
 constexpr float capped_survival = 0.9f;
 float most_survival_at(int vertex, bool only_specular) {

@@ -13,8 +13,8 @@
 
 namespace gib {
 
-/// Calls body(pixel, TracedRay, Sampler) for pixels [begin, end) of a pass, with a ray from the camera. Rays into neighbouring
-/// pixels are traced at once.
+/// Calls body(pixel, TracedRay, Sampler) for pixels [begin, end) of a pass, with a ray from the camera. Rays into
+/// neighbouring pixels are traced at once.
 template <typename Body>
 void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::uint32_t pass, std::size_t begin,
                     std::size_t end, Body&& body) {

@@ -29,7 +29,8 @@ std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) 
     return hit;
 }
 
-/// How far a place's estimate reaches, in the bits that hold a photon's edges: as a part of the largest radius, rounded down.
+/// How far a place's estimate reaches, in the bits that hold a photon's edges: as a part of the largest radius, rounded
+/// down.
 constexpr float radius_steps = 65535.f;
 int coded_radius(float radius, float largest) {
     return largest > 0.f ? static_cast<int>(radius_steps * std::min(radius / largest, 1.f)) : 0;
@@ -41,8 +42,8 @@ float radius_of(const Photon& place, float largest) {
 /// The mark of a place: a photon's place in a medium has no other use on a surface.
 bool is_near_obstacle(const Photon& place) { return place.in_medium(); }
 
-/// Whether a place lies in the tangent plane of the hit, with nothing standing between them: a ray close above the surface meets
-/// nothing.
+/// Whether a place lies in the tangent plane of the hit, with nothing standing between them: a ray close above the
+/// surface meets nothing.
 bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const Photon& place) {
     constexpr float rise = 0.02f;
     const Vec3 way = place.p - hit.p;

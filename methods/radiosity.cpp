@@ -12,12 +12,11 @@
 // is seen. Where surfaces stand on patches or shadows cross them, the mean is sent out where only a part can be seen:
 // indirect light is too low by a share that shrinks with the size of patches.
 // A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first, or as many
-// reflections again as all passes before; a change of the solution starts the samples of indirect light again. Then one sample of every pixel. `facts` say how far the
-// solver came, and how closed the system is.
-// Cost: with S sides of charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there
-// on it grows with the number of patches.
-// Fails: with InputError and the number of bytes if the system would take more memory than the parameter allows, and
-// where paths have no limit and light is shut in among surfaces that absorb none of it.
+// reflections again as all passes before; a change of the solution starts the samples of indirect light again. Then one
+// sample of every pixel. `facts` say how far the solver came, and how closed the system is. Cost: with S sides of
+// charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there on it grows with the
+// number of patches. Fails: with InputError and the number of bytes if the system would take more memory than the
+// parameter allows, and where paths have no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/radiosity_view.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #pragma once
 // The surfaces of a scene as charts: pieces with two coordinates each, which radiosity divides into patches. A
 // parallelogram or another convex quadrilateral of two coplanar triangles of a mesh is one chart, every other
-// triangle is one of its own; a sphere has six (the faces of a cube around it), a cylinder four, a disk one. Of surfaces
-// in the same place no ray meets any but the first, so only that one has a chart.
+// triangle is one of its own; a sphere has six (the faces of a cube around it), a cylinder four, a disk one. Of
+// surfaces in the same place no ray meets any but the first, so only that one has a chart.
 
 #include "methods/polygon_form_factor.h"
 #include "methods/ray_queries.h"
@@ -40,8 +40,8 @@ struct Chart {
 
 class Charts {
 public:
-    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances; of triangles with the
-    /// same corners and of equal curved shapes, of the first. `scene` must outlive this.
+    /// Of all surfaces with an area, in the order of the scene's shapes and then of its instances; of triangles with
+    /// the same corners and of equal curved shapes, of the first. `scene` must outlive this.
     explicit Charts(const Scene& scene);
 
     const Scene& scene() const { return scene_; }

@@ -104,8 +104,8 @@ std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system,
 /// The light of at most `reflections` reflections. A sweep doubles how many are summed; the residual is 0 once all are.
 std::unique_ptr<RadiositySolution> start_series(const RadiositySystem& system, int reflections);
 
-/// The share of reflected light that has to be lost on its way to the next patch, at least. Rows of K are known to 1e-7,
-/// by which the share is in doubt, and with it the solution: by a tenth at ten times as much.
+/// The share of reflected light that has to be lost on its way to the next patch, at least. Rows of K are known to
+/// 1e-7, by which the share is in doubt, and with it the solution: by a tenth at ten times as much.
 inline constexpr double least_absorption = 1e-6;
 
 /// [bytes] that the direct solver's matrix takes.

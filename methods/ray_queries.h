@@ -53,9 +53,9 @@ public:
         for (std::size_t i = 0; i < rays.size(); ++i)
             scene_.prefetch(found[i]);
     }
-    /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes (masks).
-    /// Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them needs no
-    /// epsilon.
+    /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes
+    /// (masks). Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them
+    /// needs no epsilon.
     float visibility(const SurfacePoint& from, const LightSample& to) {
         const Vec3 origin = offset_origin(from, to.wi);
         if (scene_.has_holes()) return visibility_through_holes(origin, to);
@@ -64,8 +64,8 @@ public:
         return scene_.occluded(ray) ? 0.f : 1.f;
     }
 
-    /// The same in a scene with media, by channel: an unbiased estimate of the share that reaches `origin`, which lies in `medium`
-    /// (null: in nothing).
+    /// The same in a scene with media, by channel: an unbiased estimate of the share that reaches `origin`, which lies
+    /// in `medium` (null: in nothing).
     Color transmittance(Vec3 origin, const Medium* medium, const LightSample& to, NumberStream& u) {
         for (Color transmitted = Color::Ones();;) {
             TracedRay way{Ray{origin, to.target - origin, 0.f, 1.f}};
@@ -116,8 +116,8 @@ private:
         }
     }
 
-    /// Whether a way along w has come to its end, which may lie in the surface that it has just left behind: the next step
-    /// would lead back to it, again and again.
+    /// Whether a way along w has come to its end, which may lie in the surface that it has just left behind: the next
+    /// step would lead back to it, again and again.
     static bool is_past(const Vec3& origin, const Vec3& end, const Vec3& w) { return !((end - origin).dot(w) > 0.f); }
 
     void note(const Ray& ray, bool shadow) {

@@ -1,6 +1,6 @@
 #pragma once
-// Paths that end at diffuse surfaces and in media, and go on by specular lobes: from the eye, or along a gather ray. The photon
-// mapper's second pass is made of them. Source: Jensen 2001, chapter 9.
+// Paths that end at diffuse surfaces and in media, and go on by specular lobes: from the eye, or along a gather ray.
+// The photon mapper's second pass is made of them. Source: Jensen 2001, chapter 9.
 
 #include "methods/direct_light.h"
 #include "methods/dispersed_path.h"
@@ -16,9 +16,9 @@ struct WalkSettings {
     bool follows_specular;  ///< off where no surface is specular
 };
 
-/// One path, or a tree of paths: at its first smooth interfaces between dielectrics it follows both what is reflected and what is
-/// transmitted, as often as the visitor's `splits` says. Choosing one of them would make the reflection of a lamp in glass, 25 times
-/// brighter than its mean, the noisiest part of an image. A visitor is shown what it meets:
+/// One path, or a tree of paths: at its first smooth interfaces between dielectrics it follows both what is reflected
+/// and what is transmitted, as often as the visitor's `splits` says. Choosing one of them would make the reflection of
+/// a lamp in glass, 25 times brighter than its mean, the noisiest part of an image. A visitor is shown what it meets:
 ///  - emitted(radiance): light at the end of the specular path [W/(sr m^2)], times its throughput;
 ///  - diffuse(hit, wo, u): a surface with diffuse lobes; the path goes on by the specular ones, if there are any;
 ///  - scattered(p, wo): an event in a medium, where the path ends.
@@ -107,8 +107,8 @@ private:
         return true;
     }
 
-    /// The weight of the way along a sample that is chosen with `probability`, the density of its direction for what else could
-    /// have sampled it.
+    /// The weight of the way along a sample that is chosen with `probability`, the density of its direction for what
+    /// else could have sampled it.
     void take(const BsdfSample& lobe, float probability, float pdf_w) {
         at_.beta *= lobe.f * (std::abs(lobe.wi.z()) / probability);
         at_.eta_scale *= sqr(lobe.eta);

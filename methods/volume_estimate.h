@@ -20,8 +20,8 @@
 
 namespace gib {
 
-/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3 is no float
-/// below r = 1e-13.
+/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3 is no
+/// float below r = 1e-13.
 double ball_kernel_weight(Kernel kernel, float d2, float r);
 /// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
 float ball_kernel_radius(Kernel kernel, float u);
@@ -38,10 +38,11 @@ struct VolumeEstimator {
                              const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                              std::vector<PhotonMap::Neighbour>& found) const;
 
-    /// An unbiased estimate of 1 / phi, phi the share of the kernel's ball of radius r around p that lies before the first surface: how
-    /// many independent points of the ball are probed until m are in sight, over m. The number is a negative binomial variable of mean m /
-    /// phi; the reciprocal of a share found by n probes would be too bright by (1 - phi) / (n phi), which is 12 % where half of the ball is
-    /// hidden from 8 probes. Takes the dimensions from `dimension` on, all of which must be independent.
+    /// An unbiased estimate of 1 / phi, phi the share of the kernel's ball of radius r around p that lies before the
+    /// first surface: how many independent points of the ball are probed until m are in sight, over m. The number is a
+    /// negative binomial variable of mean m / phi; the reciprocal of a share found by n probes would be too bright by
+    /// (1 - phi) / (n phi), which is 12 % where half of the ball is hidden from 8 probes. Takes the dimensions from
+    /// `dimension` on, all of which must be independent.
     float reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
                                     std::uint32_t dimension) const;
 };

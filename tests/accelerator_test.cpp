@@ -32,8 +32,9 @@ LoadedScene every_shape(const std::string& scale = "1") {
                       resize + "</shape>");
 }
 
-// Packets of every size, of rays side by side and of rays in all directions. Embree's kernels for one ray and for eight round
-// differently: t by some ulp of the ray's length, u and v by that over the triangle's size and the cosine of a slanting hit.
+// Packets of every size, of rays side by side and of rays in all directions. Embree's kernels for one ray and for eight
+// round differently: t by some ulp of the ray's length, u and v by that over the triangle's size and the cosine of a
+// slanting hit.
 TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
     const LoadedScene loaded = every_shape();
     const Scene& scene = *loaded.scene;

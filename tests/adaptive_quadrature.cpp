@@ -32,8 +32,9 @@ class Rule {
 public:
     explicit Rule(const PlaneFunction& f) : f_(f) {}
 
-    /// Exact for cubics along each axis. Like Simpson's it looks at the sides, so that a box notices a jump that cuts off a sliver
-    /// of it, which Gauss's points would all miss; but at their inner face, as the density may jump between two boxes.
+    /// Exact for cubics along each axis. Like Simpson's it looks at the sides, so that a box notices a jump that cuts
+    /// off a sliver of it, which Gauss's points would all miss; but at their inner face, as the density may jump
+    /// between two boxes.
     double operator()(const Rectangle& r) {
         constexpr double inset = 0.995;
         constexpr std::array<double, 3> node = {-inset, 0, inset};

@@ -14,8 +14,8 @@ Vec3 random_direction(const Vec2& u) {
 
 constexpr std::uint32_t pairs = 10'000;
 
-// Veach 1997, equation 5.14: light from wi to wo is scattered by f(wo, wi), and f(wo, wi) / eta_o^2 = f(wi, wo) / eta_i^2. Half of
-// the pairs come from the material's own sampling, so that narrow lobes are met too.
+// Veach 1997, equation 5.14: light from wi to wo is scattered by f(wo, wi), and f(wo, wi) / eta_o^2 = f(wi, wo) /
+// eta_i^2. Half of the pairs come from the material's own sampling, so that narrow lobes are met too.
 TEST(BsdfLaws, EveryMaterialIsReciprocal) {
     for (const BsdfModel& model : bsdf_models()) {
         const LocalBsdf bsdf(model);
@@ -71,8 +71,8 @@ std::vector<BsdfModel> all_models() {
     return models;
 }
 
-// Veach 1997, equation 3.22: light that comes along wo is scattered as an eye at wi sees it. Exact for maps too, on which paths
-// from the light and from the eye could otherwise disagree.
+// Veach 1997, equation 3.22: light that comes along wo is scattered as an eye at wi sees it. Exact for maps too, on
+// which paths from the light and from the eye could otherwise disagree.
 TEST(BsdfLaws, PowerIsScatteredAsTheEyeSeesIt) {
     for (const BsdfModel& model : all_models()) {
         const LocalBsdf bsdf(model);

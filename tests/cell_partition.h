@@ -7,8 +7,8 @@
 
 namespace gib::test {
 
-/// A complete binary tree of cuts at medians, across x and y in turn. The cells of a coarser partition are unions of neighbours
-/// in the order of the leaves.
+/// A complete binary tree of cuts at medians, across x and y in turn. The cells of a coarser partition are unions of
+/// neighbours in the order of the leaves.
 class CellPartition {
 public:
     /// Cells with fewer than `least` points are not made; at most 2^max_levels.
@@ -17,8 +17,8 @@ public:
     int levels() const { return levels_; }
     std::size_t cells() const { return std::size_t{1} << levels_; }
     std::size_t cell_of(const Vec2d& point) const;
-    /// The cell cut into boxes that are fine where the points are: few points in each, no break inside, no larger than a
-    /// given part of the domain.
+    /// The cell cut into boxes that are fine where the points are: few points in each, no break inside, no larger than
+    /// a given part of the domain.
     std::vector<Rectangle> boxes(std::size_t cell) const;
 
 private:

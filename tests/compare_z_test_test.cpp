@@ -73,7 +73,8 @@ TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
         variance.set(p, 4 * y_alone);
     }
     EXPECT_EQ(mitsuba_z_test(x, constant(0), variance, 100).passing, 1200u);  // z = 0.1 / 0.2
-    // Without variance the floor of 1e-4 holds; white has Y = 1 and X and Z within 9 % of it: z = 0.0035 sqrt(100 / 1e-4) = 3.5, and 5.
+    // Without variance the floor of 1e-4 holds; white has Y = 1 and X and Z within 9 % of it: z = 0.0035 sqrt(100 /
+    // 1e-4) = 3.5, and 5.
     EXPECT_EQ(mitsuba_z_test(constant(0.0035f), constant(0), constant(0), 100).passing, 1200u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 100).passing, 0u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 50).passing, 1200u);

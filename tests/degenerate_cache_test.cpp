@@ -208,10 +208,10 @@ std::string needles(const TemporaryFolder& folder) {
            diffuse_bsdf(1) + "</bsdf></shape>";
 }
 
-// Of the radiance 1 in the furnace's corner, where walls are seen at distances down to 0, a half is emitted and a quarter is
-// light that comes straight from the walls: a quarter is left. White needles send on all of it, of which a half comes
-// straight. Records are made of paths, so that only their noise is left: of eight seeds the mean deviates by 5.4 of its
-// standard errors in one of a thousand (Student's t of 7).
+// Of the radiance 1 in the furnace's corner, where walls are seen at distances down to 0, a half is emitted and a
+// quarter is light that comes straight from the walls: a quarter is left. White needles send on all of it, of which a
+// half comes straight. Records are made of paths, so that only their noise is left: of eight seeds the mean deviates
+// by 5.4 of its standard errors in one of a thousand (Student's t of 7).
 TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
     const TemporaryFolder folder;
     struct Seen {

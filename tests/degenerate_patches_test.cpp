@@ -52,10 +52,10 @@ class EverySolver : public testing::TestWithParam<SolverCase> {};
 INSTANTIATE_TEST_SUITE_P(Table, EverySolver, testing::ValuesIn(solver_cases()), name_of_solver);
 
 // All light that a closed room's walls send arrives, so that the power of all reflections is that of the first over
-// 1 - rho. What has converged lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by 1e-7 change
-// the share that is lost by as much. The number of sweeps: each of Gauss and Seidel's, or of as many shots as there are
-// patches, leaves at most rho of what is not reflected yet; conjugate gradients take no more steps than there are patches,
-// Cholesky's factors one.
+// 1 - rho. What has converged lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by 1e-7
+// change the share that is lost by as much. The number of sweeps: each of Gauss and Seidel's, or of as many shots as
+// there are patches, leaves at most rho of what is not reflected yet; conjugate gradients take no more steps than there
+// are patches, Cholesky's factors one.
 TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
     const bool iterates =
         GetParam().solver == RadiositySolver::gauss_seidel || GetParam().solver == RadiositySolver::shooting;
@@ -151,8 +151,9 @@ std::string furnace_sphere(double rho, double emission, int max_depth) {
                   "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(emission)));
 }
 
-// L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples a patch, of a
-// relative deviation below 1, on the 96 patches and more of a sphere; and as many in the pixels. Five standard errors.
+// L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples a patch,
+// of a relative deviation below 1, on the 96 patches and more of a sphere; and as many in the pixels. Five standard
+// errors.
 TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
     const double noise = 5 / std::sqrt(16.0 * 96);
     for (const std::string_view solver : radiosity_solver_names) {
@@ -263,10 +264,10 @@ std::string strips(const std::vector<double>& ends) {
     return obj;
 }
 
-// Strips and triangles a millionth as wide as long, in the floor of a closed cube, and a strip a ten-thousandth as wide as
-// the patches beside it. Whatever the patches, rows of a closed system sum up to 1: each factor of leaves is right to 1e-4,
-// and those to neighbours in a nearly equal plane to 1e-6 of the smaller (methods/polygon_form_factor.h). And the power is
-// that of the series.
+// Strips and triangles a millionth as wide as long, in the floor of a closed cube, and a strip a ten-thousandth as wide
+// as the patches beside it. Whatever the patches, rows of a closed system sum up to 1: each factor of leaves is right
+// to 1e-4, and those to neighbours in a nearly equal plane to 1e-6 of the smaller (methods/polygon_form_factor.h). And
+// the power is that of the series.
 TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     const TemporaryFolder folder;
     std::vector<double> fine = {-2e-6, -1e-6, 0, 1e-6, 2e-6, 1};
@@ -301,8 +302,8 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     }
 }
 
-// A tile a ten-thousandth as long as the cube, in its middle, sees the upper half of the walls alone: all that it receives
-// comes from patches 1e8 times as large, in factors that are right to 1e-4.
+// A tile a ten-thousandth as long as the cube, in its middle, sees the upper half of the walls alone: all that it
+// receives comes from patches 1e8 times as large, in factors that are right to 1e-4.
 TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
     const PatchedScene scene(open_cube() +
                                  "<shape type='rectangle'><transform name='to_world'><scale value='1e-4'/>"

@@ -17,8 +17,8 @@ const Vec3 up(0, 0, 1);
 /// Stored powers are rounded to 16 bits; distances, the weights of kernels and the result to 24.
 constexpr double power_rounding = 0x1p-16, float_rounding = 16 * 0x1p-24;
 
-/// The kernels as their papers have them, over the disc and over the ball (methods/kernel.h, methods/volume_estimate.cpp):
-/// the profile of s = d / r over its own integral.
+/// The kernels as their papers have them, over the disc and over the ball (methods/kernel.h,
+/// methods/volume_estimate.cpp): the profile of s = d / r over its own integral.
 double kernel_on_disc(Kernel kernel, double d, double r) {
     const double s = d / r, area = pi_d * r * r;
     switch (kernel) {
@@ -59,8 +59,8 @@ struct PhotonCase {
 };
 
 /// What the estimate is by theory. All photons within the radius count, over the kernel's own radius: asked for, or
-/// because there are fewer than k. Of k or more the k - 1 nearest do, and the k-th sets the radius (methods/density_estimate.h). Is
-/// that below what rounding knows of the place, all within `known` count, over it.
+/// because there are fewer than k. Of k or more the k - 1 nearest do, and the k-th sets the radius
+/// (methods/density_estimate.h). Is that below what rounding knows of the place, all within `known` count, over it.
 double theory(const PhotonCase& c, Kernel kernel, std::size_t k, double known, KernelFormula weight) {
     std::vector<std::pair<double, double>> near;  // distance, power
     for (const Photon& photon : c.photons)
@@ -218,9 +218,9 @@ TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
             }
 }
 
-// The estimate with a fixed radius is each photon's power spread by a kernel of integral 1: over the plane it integrates to
-// the power, wherever the photons are; at a focus too. By midpoints, whose error of second order is below 1e-6 of it; the rim
-// lies between two of them.
+// The estimate with a fixed radius is each photon's power spread by a kernel of integral 1: over the plane it
+// integrates to the power, wherever the photons are; at a focus too. By midpoints, whose error of second order is below
+// 1e-6 of it; the rim lies between two of them.
 TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
     constexpr int steps = 2000;
     const std::vector<Photon> photons = copies(10, photon(0, 0, 0.5f));
@@ -242,9 +242,9 @@ TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
         }
 }
 
-// Of n >= k photons in one place the k nearest lie on the rim everywhere: (k - 1) P / (pi d^2) from d = delta, what rounding
-// knows of places, to the largest radius. Its integral grows with the logarithm of their ratio, for which only a fixed radius
-// helps; within delta it is n P / (pi delta^2), so that it has a bound, and the n P are there.
+// Of n >= k photons in one place the k nearest lie on the rim everywhere: (k - 1) P / (pi d^2) from d = delta, what
+// rounding knows of places, to the largest radius. Its integral grows with the logarithm of their ratio, for which only
+// a fixed radius helps; within delta it is n P / (pi delta^2), so that it has a bound, and the n P are there.
 TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     constexpr std::size_t n = 100, k = 20;
     const PhotonMap map(copies(n, photon(0, 0)));
@@ -276,8 +276,8 @@ TEST(FocusedPhotons, CompensationKeepsTheFocus) {
     EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) * pi_d * pi_d * delta * delta / 40, 1, 1e-5);
 }
 
-// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may be no float; the
-// estimate, over a large disc, is one.
+// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may be no float;
+// the estimate, over a large disc, is one.
 TEST(BrightPhotons, DoNotOverflowOnTheWay) {
     SurfaceHit hit = floor_at(Vec3::Zero());
     hit.ns = Vec3(1, 0, 1).normalized();
@@ -343,8 +343,8 @@ TEST(DegeneratePlaces, OfNoPhotonsServeNothing) {
     EXPECT_EQ(Places({}, 4, 0.5f).at(Vec3::Zero()), std::nullopt);
 }
 
-// E = n P / (pi r^2) where the n photons that are no places, each raised by 8 / 7, lie within r: r is the largest radius if
-// they are all asked for or too few, and what rounding knows of the place if they are more than k.
+// E = n P / (pi r^2) where the n photons that are no places, each raised by 8 / 7, lie within r: r is the largest
+// radius if they are all asked for or too few, and what rounding knows of the place if they are more than k.
 TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
     for (const float power : {0.f, 1e-20f, 1.f, 1e20f})
         for (const std::size_t k : {std::size_t{4}, std::size_t{1000}, all_photons}) {

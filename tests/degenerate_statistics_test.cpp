@@ -117,9 +117,9 @@ TEST_P(Outliers, AreLeftOutAsTheFormulasSay) {
     EXPECT_EQ(is_decided_by_outliers(found), few);
 }
 
-// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)) at the z0 = 3.2905 of which Q is 0.0005: the worst thousandth of normal noise holds
-// 1.27 % of its error. Of 2.5e5 pixels these are 250 with squares of 12.7 +- 1.9, and as many but for 16 had they been drawn:
-// 1.27 % to a twentieth is 5 standard deviations.
+// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)) at the z0 = 3.2905 of which Q is 0.0005: the worst thousandth of normal
+// noise holds 1.27 % of its error. Of 2.5e5 pixels these are 250 with squares of 12.7 +- 1.9, and as many but for 16
+// had they been drawn: 1.27 % to a twentieth is 5 standard deviations.
 TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
     std::mt19937_64 random(5);
     std::normal_distribution<float> normal;
@@ -131,7 +131,8 @@ TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
     const double z0 = 3.290527, q = 0.0005, phi = std::exp(-z0 * z0 / 2) / std::sqrt(2 * M_PI);
     EXPECT_NEAR(found.share, 2 * (z0 * phi + q), 0.05 * 2 * (z0 * phi + q));
     EXPECT_FALSE(is_decided_by_outliers(found));
-    // The median of z^2 is 0.4549; the standard error of a median is 1 / (2 f sqrt(n)) with the density f = 0.4705 there.
+    // The median of z^2 is 0.4549; the standard error of a median is 1 / (2 f sqrt(n)) with the density f = 0.4705
+    // there.
     EXPECT_NEAR(found.median * 1.01 / 0.01, 0.4549, 5 / (2 * 0.4705 * 500));
 }
 
@@ -331,9 +332,9 @@ std::vector<ComponentImages> batches_of(float value) {
     return std::vector<ComponentImages>(reference_groups, batch);
 }
 
-// A reference's means are kept in single precision and updated by each round, mean += share (batch - mean), which rounds by
-// half a unit: after rounds of equal length the i-th rounding counts i / n of it, all together (n + 1) / 4 units of the
-// largest mean at most; a mean that every batch has is exact.
+// A reference's means are kept in single precision and updated by each round, mean += share (batch - mean), which
+// rounds by half a unit: after rounds of equal length the i-th rounding counts i / n of it, all together (n + 1) / 4
+// units of the largest mean at most; a mean that every batch has is exact.
 TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
     ReferenceGroups even, mixed;
     constexpr int rounds = 2000;

@@ -1,4 +1,5 @@
-// Light split by wavelength: the strata and their weights, the prism's angle of minimum deviation, and what must not change.
+// Light split by wavelength: the strata and their weights, the prism's angle of minimum deviation, and what must not
+// change.
 
 #include "common/dispersion.h"
 #include "common/effects.h"
@@ -25,8 +26,8 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Means over seeds are tested at this many standard errors: with some 20 of them here, a false alarm in 1 of 2,000 choices of seeds
-/// (Student's t with 15 degrees of freedom: 5e-5 each, half of it by either side).
+/// Means over seeds are tested at this many standard errors: with some 20 of them here, a false alarm in 1 of 2,000
+/// choices of seeds (Student's t with 15 degrees of freedom: 5e-5 each, half of it by either side).
 constexpr double sigmas = 5.5;
 constexpr int seeds = 16;
 
@@ -118,7 +119,8 @@ double deviation(const Scene& scene, int stratum, double incidence) {
     return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-// sin((A + delta) / 2) = n sin(A / 2) at the angle of incidence (A + delta) / 2 (Born and Wolf, section 4.7.2), A = 60 degrees.
+// sin((A + delta) / 2) = n sin(A / 2) at the angle of incidence (A + delta) / 2 (Born and Wolf, section 4.7.2), A = 60
+// degrees.
 TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     const TemporaryFolder folder;
     const std::string glass =
@@ -143,7 +145,8 @@ TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     }
 }
 
-// A lamp stands where only the shorter waves are sent: the camera, which looks into the prism along one ray, sees their share of white.
+// A lamp stands where only the shorter waves are sent: the camera, which looks into the prism along one ray, sees their
+// share of white.
 TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
     const TemporaryFolder folder;
     const double incidence = std::asin(0.8), degree = std::numbers::pi / 180;
@@ -179,7 +182,8 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
     }
     for (std::size_t c = 0; c < 3; ++c) {
         const double value = expected[static_cast<int>(c)];
-        // Light that goes round once inside, reflected at all three faces, leaves in the same direction: below 1e-3 of the rest.
+        // Light that goes round once inside, reflected at all three faces, leaves in the same direction: below 1e-3 of
+        // the rest.
         EXPECT_NEAR(found[c].mean(), value, sigmas * found[c].standard_error() + 1e-3 * value) << c;
         EXPECT_LT(found[c].standard_error(), 0.02 * value) << "the test would not see an error";
     }

@@ -100,7 +100,8 @@ TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
         for (std::uint32_t i = 0; i < 4096; ++i) {
             const auto sample = map.sample(Sampler(PointSet::sobol, 3, 0, i).get_2d(0));
             EXPECT_NEAR(sample.w.norm(), 1.f, 1e-6f);
-            // The direction's rounding moves it by 1e-7, which is 1e-6 of a cell, in which radiance may change a millionfold.
+            // The direction's rounding moves it by 1e-7, which is 1e-6 of a cell, in which radiance may change a
+            // millionfold.
             EXPECT_TRUE(sample.radiance.isApprox(map.radiance(sample.w), 1e-3f) || sample.radiance.maxCoeff() < 1e-4f)
                 << name;
             EXPECT_NEAR(sample.pdf_w / map.pdf_w(sample.w), 1.f, 1e-3f) << name;

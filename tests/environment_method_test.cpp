@@ -118,7 +118,8 @@ TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
     EXPECT_EQ(floor_radiance(method(), "<emitter type='directional'/>", 1), 0.0) << "from below, on a two-sided floor";
 }
 
-// Under a map with a sun and a black half, both ways of finding it together give the integral of L cos over the hemisphere.
+// Under a map with a sun and a black half, both ways of finding it together give the integral of L cos over the
+// hemisphere.
 TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
     if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;

@@ -50,7 +50,8 @@ TEST(EqualFooting, FindsOnePercentTooMuchLight) {
 }
 
 // A method that is 1 % too bright is passed as agreeing in less than 0.5 % of the experiments, however noisy: 2000 of
-// them leave room for 10 and 4 standard errors. One that is right is accused in less than 1 %: 20 and 4 standard errors.
+// them leave room for 10 and 4 standard errors. One that is right is accused in less than 1 %: 20 and 4 standard
+// errors.
 TEST(EqualFooting, ErrsAsSeldomAsItSays) {
     for (const double deviation : {0.1, 0.5, 2.0}) {
         Scene scene(2);

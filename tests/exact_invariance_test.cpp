@@ -1,17 +1,15 @@
 // Transformations of random scenes that leave every rounding as it was, so that images agree bit for bit with every
 // method.
 //
-// Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum, product,
-// quotient and root of them; comparisons of lengths with lengths, densities of random choices and angles are as before.
-// Only a constant length or power in the code, or a product outside float's range, could tell the difference. With
-// lengths times s, densities of area, squared distances and Embree's determinants range over s^2 to s^3; for 2^20 these
-// stay in range.
-// Translation: positions are dyadic (random_scenes.h), so that moving them and the recentring of the scene, by the
-// middle of bounds that are dyadic too, are exact.
-// Order of shapes: what is hit, and where, does not depend on the numbers of shapes unless two are hit at the same
-// distance; materials and media go with the shapes, and lights keep their numbers. Radiosity numbers its patches by
-// shapes and sums over them in that order: equal only up to rounding and to what its solver leaves, 1e-4 of the light
-// that is reflected first.
+// Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum,
+// product, quotient and root of them; comparisons of lengths with lengths, densities of random choices and angles are
+// as before. Only a constant length or power in the code, or a product outside float's range, could tell the
+// difference. With lengths times s, densities of area, squared distances and Embree's determinants range over s^2 to
+// s^3; for 2^20 these stay in range. Translation: positions are dyadic (random_scenes.h), so that moving them and the
+// recentring of the scene, by the middle of bounds that are dyadic too, are exact. Order of shapes: what is hit, and
+// where, does not depend on the numbers of shapes unless two are hit at the same distance; materials and media go with
+// the shapes, and lights keep their numbers. Radiosity numbers its patches by shapes and sums over them in that order:
+// equal only up to rounding and to what its solver leaves, 1e-4 of the light that is reflected first.
 
 #include "tests/hard_cases.h"
 #include "tests/scene_transforms.h"

@@ -23,8 +23,8 @@ const std::vector<std::string> ways = {
     "gather=128 cache=on source=paths accuracy=0.3",
 };
 
-/// The indirect light's mean over the image is the path tracer's, by channel: within 1 %, which blurring may cost, and 4 standard
-/// errors of less than `resolution`.
+/// The indirect light's mean over the image is the path tracer's, by channel: within 1 %, which blurring may cost, and
+/// 4 standard errors of less than `resolution`.
 void expect_the_path_tracers_mean(const LoadedScene& scene, const std::string& depth, double resolution) {
     const auto truth = means_over_seeds(scene, 256, 8, Component::indirect, "path" + depth);
     for (const auto& way : ways) {
@@ -89,8 +89,8 @@ TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
     }
 }
 
-// Walls thinner than the spacing of photons, places and records: what is gathered must not be farther from the path tracer's image
-// than the estimate that ends where the surface does. A leak is ten times as much.
+// Walls thinner than the spacing of photons, places and records: what is gathered must not be farther from the path
+// tracer's image than the estimate that ends where the surface does. A leak is ten times as much.
 TEST(FinalGather, LeaksNotThroughThinWalls) {
     const auto wall = test::shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
     const Image truth = *render(wall, "path", 1024, 99)[Component::indirect];
@@ -100,8 +100,9 @@ TEST(FinalGather, LeaksNotThroughThinWalls) {
         EXPECT_LT(relative_error(*render(wall, photons + way, 4)[Component::indirect], truth), estimate) << way;
 }
 
-// In a furnace of albedo 1/2 indirect light is 1/4 of its radiance, whatever is gathered: no gradient, no blur. An estimate by k = 50
-// photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)); what a pixel gathers is the mean of many, of which 4 or more do not overlap.
+// In a furnace of albedo 1/2 indirect light is 1/4 of its radiance, whatever is gathered: no gradient, no blur. An
+// estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)); what a pixel gathers is the mean of many, of
+// which 4 or more do not overlap.
 TEST(FinalGather, FurnaceIsEven) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
     for (const auto& way : ways) {

@@ -123,8 +123,8 @@ TEST(Flip, IsSymmetricAndFromZeroToOne) {
     EXPECT_GT(map.mean(), 0.1);
 }
 
-// 100 apart in lightness, none in colour. Green and blue are 203.302 apart: the knee is 0.4 of 203.302^0.7 = 41.2761, so
-// 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
+// 100 apart in lightness, none in colour. Green and blue are 203.302 apart: the knee is 0.4 of 203.302^0.7 = 41.2761,
+// so 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
 TEST(Flip, BlackAgainstWhiteIsAsTheFormulasSay) {
     const FlipMap map = ldr_flip(constant_image({0, 0, 0}), constant_image({1, 1, 1}));
     EXPECT_THAT(map.values, Each(::testing::FloatNear(0.967380f, 1e-5f)));

@@ -1,5 +1,5 @@
-// What fuzzing and reading with its eyes found: short files that asked for too much memory, time or depth, and values that passed the
-// readers' checks. Each is refused with its place, or has a defined result.
+// What fuzzing and reading with its eyes found: short files that asked for too much memory, time or depth, and values
+// that passed the readers' checks. Each is refused with its place, or has a defined result.
 
 #include "common/error.h"
 #include "common/mesh_ms3d.h"
@@ -253,8 +253,8 @@ TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
 }
 
 TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
-    // y = 1.5e308 * 8 - 1.5e308 * 8, the difference of two infinities. The other coordinates are near the second mesh, so that
-    // nothing is too far from the scene's centre.
+    // y = 1.5e308 * 8 - 1.5e308 * 8, the difference of two infinities. The other coordinates are near the second mesh,
+    // so that nothing is too far from the scene's centre.
     const TemporaryFolder folder;
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");

@@ -1,6 +1,6 @@
 #pragma once
-// What tests of hard cases are written with: methods with the options that have numerical cases of their own, and pieces
-// of scenes.
+// What tests of hard cases are written with: methods with the options that have numerical cases of their own, and
+// pieces of scenes.
 
 #include "tests/scene_fixtures.h"
 #include "tests/scene_text.h"

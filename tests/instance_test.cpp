@@ -124,8 +124,8 @@ std::optional<SurfaceHit> expect_same_surface(const Scene& moved, const Scene& i
     return b;
 }
 
-/// Shading normals are interpolated in the group and carried by the inverse transpose. A mesh that was moved interpolates unit
-/// normals of the scene, which differs under a stretch (in Mitsuba too).
+/// Shading normals are interpolated in the group and carried by the inverse transpose. A mesh that was moved
+/// interpolates unit normals of the scene, which differs under a stretch (in Mitsuba too).
 TEST(Instance, IsTheMovedMesh) {
     const TemporaryFolder folder;
     const std::string file = folder.write("m.obj", blob(12, false)), balls = corners(90);

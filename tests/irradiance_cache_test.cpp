@@ -49,7 +49,8 @@ TEST(IrradianceCache, InterpolatesALinearFieldExactly) {
     EXPECT_EQ(served, 500);
 }
 
-// The octree finds exactly the records whose error is below the accuracy: served or not is decided as by looking at all of them.
+// The octree finds exactly the records whose error is below the accuracy: served or not is decided as by looking at all
+// of them.
 TEST(IrradianceCache, ServesWhereARecordsErrorIsSmallAndNowhereElse) {
     constexpr float accuracy = 0.2f;
     IrradianceCache cache(unit_box(), accuracy);

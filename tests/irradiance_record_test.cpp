@@ -12,8 +12,8 @@ namespace {
 /// A rectangle of even radiance 1, by its corners in order, seen from its front.
 using Rectangle = std::array<Vec3d, 4>;
 
-/// Irradiance by a polygon that lies above the horizon of n everywhere. Source: Lambert 1760, as in Baum et al. 1989, "Improving
-/// Radiosity Solutions Through the Use of Analytically Determined Form-Factors", equation 8.
+/// Irradiance by a polygon that lies above the horizon of n everywhere. Source: Lambert 1760, as in Baum et al. 1989,
+/// "Improving Radiosity Solutions Through the Use of Analytically Determined Form-Factors", equation 8.
 double lambert(const Rectangle& corners, const Vec3d& p, const Vec3d& n) {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -59,7 +59,8 @@ HemisphereSample dark_lamp(const Vec3d& p, const Vec3d& w) {
     return t ? HemisphereSample{Color::Zero(), static_cast<float>(*t)} : HemisphereSample{Color::Ones(), 1e4f};
 }
 
-/// The derivatives of E(p, n) along x and y of p, and of the normal's turns about x and y, by central differences of the closed form.
+/// The derivatives of E(p, n) along x and y of p, and of the normal's turns about x and y, by central differences of
+/// the closed form.
 struct Derivatives {
     Vec3d translation = Vec3d::Zero(), rotation = Vec3d::Zero();
 };
@@ -86,9 +87,10 @@ TEST(IrradianceRecord, OfEvenLightIsPiAndHasNoGradients) {
     EXPECT_NEAR(record.distance, 2, 1e-5);
 }
 
-// Of 90,000 strata both gradients are those of Lambert's formula within 2 %, in length and direction together, for a bright polygon in
-// the dark and for a dark one before light. Seen from the last normal the lamp surrounds the pole and the motions of its edges all but
-// cancel: there the bound is 2 % of E over the lamp's distance, the size of what cancels.
+// Of 90,000 strata both gradients are those of Lambert's formula within 2 %, in length and direction together, for a
+// bright polygon in the dark and for a dark one before light. Seen from the last normal the lamp surrounds the pole and
+// the motions of its edges all but cancel: there the bound is 2 % of E over the lamp's distance, the size of what
+// cancels.
 TEST(IrradianceRecord, GradientsAreThoseOfLambertsFormula) {
     const Vec3 p(0.1f, -0.2f, 0);
     for (const Vec3& n : {Vec3(0, 0, 1), Vec3(-0.28f, 0, 0.96f), Vec3(0, -0.6f, 0.8f), Vec3(0.48f, 0.36f, 0.8f)}) {
@@ -108,8 +110,8 @@ TEST(IrradianceRecord, GradientsAreThoseOfLambertsFormula) {
     }
 }
 
-// An edge between strata has the distance of a sample inside one of them, so the mean over records is off at first order: as 1 / M,
-// by less than 15 % with 256 rays. Their number goes as M^2.
+// An edge between strata has the distance of a sample inside one of them, so the mean over records is off at first
+// order: as 1 / M, by less than 15 % with 256 rays. Their number goes as M^2.
 TEST(IrradianceRecord, GradientsOfFewRaysAreOffAtFirstOrder) {
     const Vec3 p(0.1f, -0.2f, 0), n(0, 0, 1);
     const auto truth = derivatives_at(p.cast<double>(), n.cast<double>(), Frame(n));

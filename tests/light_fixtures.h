@@ -45,7 +45,8 @@ inline Vec3 envmap_direction(double theta, double phi) {
     return Vec3d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)).cast<float>();
 }
 
-/// Integral over the sphere in envmap_direction's angles: midpoints in `cells_theta` x `cells_phi` cells, `n` x `n` in each.
+/// Integral over the sphere in envmap_direction's angles: midpoints in `cells_theta` x `cells_phi` cells, `n` x `n` in
+/// each.
 inline double sphere_integral(int cells_theta, int cells_phi, int n, const std::function<double(const Vec3&)>& f) {
     double sum = 0;
     const int rows = cells_theta * n, columns = cells_phi * n;

@@ -283,8 +283,8 @@ TEST(EveryLight, MeanOfEmissionIsThePower) {
     }
 }
 
-// Light that crosses the ball, followed from the lights, is what the ball's surface receives: power of the photons that hit it
-// against the irradiance of its points, integrated over it. The two know nothing of each other.
+// Light that crosses the ball, followed from the lights, is what the ball's surface receives: power of the photons that
+// hit it against the irradiance of its points, integrated over it. The two know nothing of each other.
 TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
     const TemporaryFolder folder;
     const std::string above =

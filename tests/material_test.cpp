@@ -137,7 +137,8 @@ TEST(Material, AFlatNormalMapChangesNothing) {
     EXPECT_NEAR(bsdf.pdf_w_local(wo, wi), wi.z() * inv_pi, 1e-6f);
 }
 
-// Estevez, Lecocq and Stein 2019: 2 / (1 + sqrt(1 + alpha^2 tan^2 theta)) of the light, alpha^2 = tan^2(theta_n) / 8 up to 1.
+// Estevez, Lecocq and Stein 2019: 2 / (1 + sqrt(1 + alpha^2 tan^2 theta)) of the light, alpha^2 = tan^2(theta_n) / 8 up
+// to 1.
 TEST(Material, ShadowingOfATiltedNormalIsThatOfTheLight) {
     const Vec3 eye = direction(10, 0), light = direction(60, 0.7f);
     const struct {
@@ -174,7 +175,8 @@ TEST(Material, ANormalThatTheEyeSeesFromBehindIsTurned) {
     EXPECT_NEAR(bsdf.f_local(behind, light).diffuse[0] * light.z(), 0.5f * inv_pi * turned.dot(light), 1e-6f);
     EXPECT_NEAR(bsdf.pdf_w_local(behind, light), turned.dot(light) * inv_pi, 1e-6f);
     EXPECT_NEAR(bsdf.coefficients_local(behind).diffuse[0], 0.5f, 1e-6f) << "one of both normals";
-    // A photon scatters towards either eye as that eye sees it. Its caller divides by the cosine of the photon's direction.
+    // A photon scatters towards either eye as that eye sees it. Its caller divides by the cosine of the photon's
+    // direction.
     for (const Vec3& eye : {front, behind})
         EXPECT_NEAR(bsdf.f_local(light, eye, Transport::power).diffuse[0], bsdf.f_local(eye, light).diffuse[0], 1e-6f);
     const Vec3 below = direction(120, 0);  // the eye inside, for which n lies behind
@@ -186,8 +188,8 @@ TEST(Material, ANormalThatTheEyeSeesFromBehindIsTurned) {
     EXPECT_NEAR(holes.at(flat_point()).coefficients_local(front).diffuse[0], 0.5f, 1e-6f);
 }
 
-// The mean weight of samples is the integral of f cos, whichever normal was sampled, and no light is made. A z-test of each row
-// at 5 standard errors: alpha below 1e-5 over all rows.
+// The mean weight of samples is the integral of f cos, whichever normal was sampled, and no light is made. A z-test of
+// each row at 5 standard errors: alpha below 1e-5 over all rows.
 TEST(Material, SamplesOfTurnedAndShadowedNormalsAgreeWithTheirDensity) {
     constexpr std::uint32_t n = 1 << 17;
     for (const Vec3& normal : {Vec3(0.3f, 0.1f, 1.f), Vec3(-1.f, 0.5f, 0.7f)})

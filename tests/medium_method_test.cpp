@@ -57,7 +57,8 @@ void expect_mean(const std::array<Moments, 3>& found, const Colord& expected, co
     }
 }
 
-// A medium that absorbs nothing under a sky of radiance 1 cannot be seen, whatever its density, phase function and boundary.
+// A medium that absorbs nothing under a sky of radiance 1 cannot be seen, whatever its density, phase function and
+// boundary.
 TEST(MediumFurnace, WhiteMediaVanish) {
     const TemporaryFolder folder;
     const std::string cloud =
@@ -125,8 +126,9 @@ TEST(MediumAbsorption, FillsTheExteriorAndTheCamerasSpace) {
         EXPECT_NEAR(image.total().at(5)[c], std::exp(-0.4f * static_cast<float>(c + 1)), 1e-4f);
 }
 
-/// Radiance scattered once in a homogeneous medium between z = -1 and 1 that fills x, y, towards a camera at (0, 0, -4) along z,
-/// from a point light of intensity 1 at (x, 0, z) in the medium: integral of sigma_s p I / r^2 exp(-sigma_t (t + r)) dt.
+/// Radiance scattered once in a homogeneous medium between z = -1 and 1 that fills x, y, towards a camera at (0, 0, -4)
+/// along z, from a point light of intensity 1 at (x, 0, z) in the medium: integral of sigma_s p I / r^2 exp(-sigma_t (t
+/// + r)) dt.
 double single_scattering(double sigma, double albedo, double g, double x, double z) {
     double sum = 0;
     constexpr int steps = 200000;

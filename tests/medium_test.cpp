@@ -12,7 +12,8 @@ namespace {
 using test::Moments;
 
 constexpr double pi_d = std::numbers::pi;
-/// Means are tested at this many standard errors: with some 100 comparisons in this file, a false alarm in 1 of 10,000 seeds.
+/// Means are tested at this many standard errors: with some 100 comparisons in this file, a false alarm in 1 of 10,000
+/// seeds.
 constexpr double sigmas = 5;
 
 TEST(PhaseFunction, HasItsMeanCosine) {

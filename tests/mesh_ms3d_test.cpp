@@ -16,7 +16,8 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Two meshes: a square with one normal, and a folded one whose triangles share an edge but no normal; two materials, a bone.
+/// Two meshes: a square with one normal, and a folded one whose triangles share an edge but no normal; two materials, a
+/// bone.
 const std::string meshes =
     "// MilkShape 3D ASCII\n"  // line 1
     "\n"
@@ -225,7 +226,8 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     };
     const auto scene = load("");
     ASSERT_EQ(scene->shapes().size(), 2u);
-    // Half transparent; its map is red on the left and green on the right, and what the highlight leaves of 0.9 / 1.9 bounds it.
+    // Half transparent; its map is red on the left and green on the right, and what the highlight leaves of 0.9 / 1.9
+    // bounds it.
     EXPECT_NEAR(albedo(*scene, 0, 0.25f)[0], 1 - 0.9f / 1.9f, 1e-6f);
     EXPECT_EQ(albedo(*scene, 0, 0.25f)[1], 0.f);
     EXPECT_NEAR(albedo(*scene, 0, 0.75f)[1], 1 - 0.8f / 1.9f, 1e-6f);

@@ -81,7 +81,8 @@ TEST_P(EveryMethod, DirectLightFromAPolygonFollowsLambertsFormula) {
     }
 }
 
-/// The radiance of a floor of reflectance 0.5 in z = 0, `size` wide, straight under what `light` describes at the origin's zenith.
+/// The radiance of a floor of reflectance 0.5 in z = 0, `size` wide, straight under what `light` describes at the
+/// origin's zenith.
 double floor_radiance(const MethodDescription& method, const std::string& light, double size, std::uint32_t passes) {
     const std::string view = std::to_string(1e-3 * size);
     const auto scene = test::scene_of(test::scene_xml(
@@ -92,8 +93,8 @@ double floor_radiance(const MethodDescription& method, const std::string& light,
     return mean_of(*render(scene, method.name + " max_depth=2", passes)[Component::direct])[1];
 }
 
-// A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. The floor is lowered
-// by a second, distant plate, so that the recentred lamp lies at the scene's middle.
+// A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. The floor is
+// lowered by a second, distant plate, so that the recentred lamp lies at the scene's middle.
 TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string ceiling =
@@ -105,7 +106,8 @@ TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
     for (double r : {1e-4, 1e-2, 0.1}) {
         const std::string size = std::to_string(r);
         const double L = 1e6 * 0.5;  // radiance of the lamp times the floor's reflectance
-        // Form factors straight below at height 10: sphere (r/h)^2, disk r^2 / (r^2 + h^2), small square 4 r^2 / (pi h^2).
+        // Form factors straight below at height 10: sphere (r/h)^2, disk r^2 / (r^2 + h^2), small square 4 r^2 / (pi
+        // h^2).
         EXPECT_NEAR(floor_radiance(method(),
                                    ceiling +
                                        "<shape type='sphere'><point name='center' x='0' y='0' z='10'/>"
@@ -144,7 +146,8 @@ TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
     EXPECT_NEAR(floor_radiance(method(), lights, 1, 4096) / (0.5 / std::numbers::pi / 4), 1.0, 0.027);
 }
 
-// A plate just above a wide floor hides the lamp: rays must not start beyond it, whatever the size of the floor's triangles.
+// A plate just above a wide floor hides the lamp: rays must not start beyond it, whatever the size of the floor's
+// triangles.
 TEST_P(EveryMethod, NoLightLeaksUnderAPlateOnAVastFloor) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string plate_and_lamp =
@@ -239,8 +242,8 @@ TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
     EXPECT_NEAR(mean_of(image).mean(), 1.0, 0.005);
 }
 
-// A disc that emits 1, out of focus on the axis of a lens: the rays of the film's middle reach it from the lens points within
-// R / |1 - z / f|, so its image has the radiance (R / (A |1 - z / f|))^2 there.
+// A disc that emits 1, out of focus on the axis of a lens: the rays of the film's middle reach it from the lens points
+// within R / |1 - z / f|, so its image has the radiance (R / (A |1 - z / f|))^2 there.
 TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
     const double radius = 0.1, z = 3, aperture = 0.5;
     for (const double focus : {2.0, 6.0}) {

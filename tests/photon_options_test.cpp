@@ -19,8 +19,8 @@ bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
 
 bool has(const std::string& label, const char* option) { return label.find(option) != std::string::npos; }
 
-/// `start` with every combination of the choices of those parameters that `counts`, and of the words that stand beside a number
-/// with that number's default.
+/// `start` with every combination of the choices of those parameters that `counts`, and of the words that stand beside
+/// a number with that number's default.
 template <typename Counts>
 std::vector<std::string> combined(const std::string& start, Counts&& counts) {
     std::vector<std::string> labels = {start};
@@ -37,7 +37,8 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
     return labels;
 }
 
-/// Those of the density estimates without gathering, and those of gathering with each of the options that reach into it.
+/// Those of the density estimates without gathering, and those of gathering with each of the options that reach into
+/// it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
         // Without shadow photons, which have tests of their own, what they are for makes no difference.
@@ -46,7 +47,8 @@ std::vector<std::string> combinations() {
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
     });
-    // Estimates at every ray's end are slow; a record's are few, and 8 would be too noisy for 1.5 % of the image's mean.
+    // Estimates at every ray's end are slow; a record's are few, and 8 would be too noisy for 1.5 % of the image's
+    // mean.
     for (std::string& label : gathered)
         if (has(label, "source=photons") && has(label, "cache=off"))
             label.replace(label.find("gather=32"), 9, "gather=8");

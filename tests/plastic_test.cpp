@@ -64,8 +64,8 @@ TEST(Plastic, DiffuseFresnelReflectanceIsWalshs) {
     EXPECT_NEAR(static_cast<double>(diffuse_fresnel_reflectance(1 / 1.5f)), sum, 2e-5);
 }
 
-// Nothing is absorbed: what is not reflected by the coat comes back from the base. The tolerance is the quadrature's, which
-// loses more where light cannot enter beyond a critical angle.
+// Nothing is absorbed: what is not reflected by the coat comes back from the base. The tolerance is the quadrature's,
+// which loses more where light cannot enter beyond a critical angle.
 TEST(Plastic, AWhiteOneReflectsAllLight) {
     for (float eta : {1.2f, 1.49f, 1.9f, 0.8f})
         for (bool nonlinear : {false, true})

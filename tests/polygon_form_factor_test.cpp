@@ -25,7 +25,8 @@ const std::vector<double> distances = {1e-3, 1e-2, 0.1, 0.3, 1, 3, 10, 100, 1e3}
 // The closed forms are differences of large numbers at 1e3 sizes; long double leaves 1e-6 of them.
 using Long = long double;
 
-/// From a differential area to a parallel rectangle a x b at the distance c with a corner above it (Howell's catalogue).
+/// From a differential area to a parallel rectangle a x b at the distance c with a corner above it (Howell's
+/// catalogue).
 double element_to_corner(double a, double b, double c) {
     const double x = a / c, y = b / c, p = std::hypot(1.0, x), q = std::hypot(1.0, y);
     return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * pi_d);

@@ -37,9 +37,9 @@ TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     EXPECT_NEAR(power, static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
-// At points that have nothing to do with the photons, irradiance is right in the mean over 200 maps within 5 standard errors of less
-// than 0.2 %. Were the photons that give places counted too, it would be too small by about 1 / k in the cells around places, and
-// too large by that at the places.
+// At points that have nothing to do with the photons, irradiance is right in the mean over 200 maps within 5 standard
+// errors of less than 0.2 %. Were the photons that give places counted too, it would be too small by about 1 / k in the
+// cells around places, and too large by that at the places.
 TEST(PrecomputedIrradiance, IsRightInTheMean) {
     const auto loaded = floor_scene();
     const Scene& scene = *loaded.scene;

@@ -288,8 +288,8 @@ TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     EXPECT_LE(map.kept(0), 1.03 * truth);
 }
 
-// A lamp of intensity 1e8 at 1e4 sends a square of side 2 its solid angle, 4e-8, times that: 4 W; a sphere of the same power
-// with as many.
+// A lamp of intensity 1e8 at 1e4 sends a square of side 2 its solid angle, 4e-8, times that: 4 W; a sphere of the same
+// power with as many.
 TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
     for (const auto& at :
          {Vec3(0, 0, 1e4f), Vec3(0, 0, -1e4f), Vec3(1e4f, 0, 0), Vec3(0, -1e4f, 0), Vec3(0, 6e3f, 8e3f)})

@@ -3,13 +3,14 @@
 // Two rectangles A and B, ideally diffuse, stand in a closed room without other lights. If A emits the radiance L from
 // all of its points into all directions of its front side, the power that arrives on B is
 //   P(A, B) = L * integral over x in A, y in B of G(x, y) dA dA,
-// where G sums over all paths from x to y: products of f, cosines over squared distances, visibility, and transmittances
-// and phase functions in media. The product of a path is that of the reversed path: every f is symmetric, but for
-// refractions, where f(i, o) / n_o^2 is (Veach 1997, section 5.2); along a path these factors leave the indices at its
-// ends. So P(A, B) / n_B^2 = P(B, A) / n_A^2, where n_A is that of a sphere of glass around A, if there is one: a lamp
-// in glass sends n^2 times less out than comes in from one outside. And since reversed paths are in the same component (x S+ y, x y, the
-// rest), for each component alone; and for each length, so that max_depth cuts both off alike.
-// B reflects its irradiance P / area evenly: the mean radiance of an image that shows B and nothing else is
+// where G sums over all paths from x to y: products of f, cosines over squared distances, visibility, and
+// transmittances and phase functions in media. The product of a path is that of the reversed path: every f is
+// symmetric, but for refractions, where f(i, o) / n_o^2 is (Veach 1997, section 5.2); along a path these factors leave
+// the indices at its ends. So P(A, B) / n_B^2 = P(B, A) / n_A^2, where n_A is that of a sphere of glass around A, if
+// there is one: a lamp in glass sends n^2 times less out than comes in from one outside. And since reversed paths are
+// in the same component (x S+ y, x y, the rest), for each component alone; and for each length, so that max_depth cuts
+// both off alike. B reflects its irradiance P / area evenly: the mean radiance of an image that shows B and nothing
+// else is
 //   Lo(B) = rho_B / pi * P(A, B) / area_B,
 // without emission, since only A emits. Photons from A carry P(A, B) to B: the sum of those stored there.
 //
@@ -29,8 +30,9 @@ namespace {
 
 using namespace test;
 
-/// Whether both sides find the light in each seed. Where one of them meets a small lamp in glass by chance, or not at all,
-/// its means are far from normal, and nothing follows from one component; the sums of all are compared in any case.
+/// Whether both sides find the light in each seed. Where one of them meets a small lamp in glass by chance, or not at
+/// all, its means are far from normal, and nothing follows from one component; the sums of all are compared in any
+/// case.
 bool both_find(const Moments& a, const Moments& b) { return a.zeros() + b.zeros() == 0; }
 
 /// Of the table, half for single numbers, half for all scenes together. The two sides have different laws, whose means

@@ -44,7 +44,8 @@ struct SamplerCase {
     /// Empty where the sampler gives up.
     std::function<std::optional<Sampled>(const RandomNumbers&)> sample;
     PlaneFunction pdf;
-    /// The integral of the density where theory gives it: 1, or less because of delta lobes or samples that are given up.
+    /// The integral of the density where theory gives it: 1, or less because of delta lobes or samples that are given
+    /// up.
     std::optional<double> total = 1.0;
     /// The numerator of `weight`, if the weight is to be tested too.
     PlaneFunction value = nullptr;
@@ -54,15 +55,16 @@ struct SamplerCase {
     double largest_mean_weight = infinity;
 };
 
-/// (1 - cos theta, phi) around an axis: area is solid angle. 1 - cos is formed without cancellation around the axis, so that
-/// lobes and cones of any width are resolved there.
+/// (1 - cos theta, phi) around an axis: area is solid angle. 1 - cos is formed without cancellation around the axis, so
+/// that lobes and cones of any width are resolved there.
 class SphereChart {
 public:
     explicit SphereChart(const Vec3d& axis = Vec3d::UnitZ());
 
     Vec2d point(const Vec3d& w) const;
     Vec3d direction(const Vec2d& point) const;
-    /// Of all directions; a jump at the equator (the horizon of a surface) is expected, and at further values of 1 - cos.
+    /// Of all directions; a jump at the equator (the horizon of a surface) is expected, and at further values of 1 -
+    /// cos.
     static Domain domain(const std::vector<double>& breaks = {});
 
 private:
@@ -110,7 +112,8 @@ struct CaseResult {
 };
 
 /// Draws `samples` and tests:
-/// - counts in 1024 cells of equal probability, and in 16, against the integrals of the density over them (chi-square), where the
+/// - counts in 1024 cells of equal probability, and in 16, against the integrals of the density over them (chi-square),
+/// where the
 ///   samples that were given up are one more cell;
 /// - the mean weight against the integral of `value` (normal law), if there is one;
 /// - that the densities of a sample agree, are positive and finite, also at the ends of the random numbers' ranges;

@@ -24,7 +24,8 @@ struct BsdfModel {
 };
 
 std::vector<BsdfModel> bsdf_models();
-/// Bump and normal maps, which are not reciprocal: their cosine and their shadowing are the light's, and the normal is the eye's.
+/// Bump and normal maps, which are not reciprocal: their cosine and their shadowing are the light's, and the normal is
+/// the eye's.
 std::vector<BsdfModel> perturbed_models();
 
 /// A material as the rest of the program calls it. What a change of that interface costs the tests is in here.

@@ -33,8 +33,8 @@ std::string translate(double x, double y, double z) {
     return fmt::format("<translate x='{}' y='{}' z='{}'/>", x, y, z);
 }
 
-/// What a path that finds the light by chance must assume: the density of the light that the ray meets. Surfaces that do not
-/// emit are looked through, as the samplers do.
+/// What a path that finds the light by chance must assume: the density of the light that the ray meets. Surfaces that
+/// do not emit are looked through, as the samplers do.
 double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
@@ -74,8 +74,8 @@ SamplerCase light_case(const std::string& name, const std::string& xml, const Ve
     return test;
 }
 
-/// A cylinder from outside, by the angle and height of its points. By direction its density has no bound at the silhouette, and
-/// what lies within a float's rounding of that is more than the scatter of the counts.
+/// A cylinder from outside, by the angle and height of its points. By direction its density has no bound at the
+/// silhouette, and what lies within a float's rounding of that is more than the scatter of the counts.
 SamplerCase outside_of_cylinder_case() {
     const ScenePointer scene = load(area_light("cylinder", "")).scene;
     const Vec3 origin = scene->sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;

@@ -133,7 +133,8 @@ SamplerCase filter_case(const std::string& name, const ReconstructionFilter& fil
 SamplerCase gaussian_filter_case(double stddev) {
     const double radius = 4 * stddev, tail = std::exp(-8.0);
     const double integral = std::sqrt(2 * pi_d) * stddev * std::erf(4 / std::sqrt(2.0)) - 2 * radius * tail;
-    // The sampled filter is a table of 512 steps: the density at the very rim, where the filter is 0, is that of a step.
+    // The sampled filter is a table of 512 steps: the density at the very rim, where the filter is 0, is that of a
+    // step.
     const auto density = [=](double x) {
         return std::max(std::exp(-x * x / (2 * stddev * stddev)) - tail, 1e-9) / integral;
     };

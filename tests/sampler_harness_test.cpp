@@ -14,7 +14,8 @@ namespace {
 constexpr double pi_d = std::numbers::pi;
 constexpr std::uint64_t samples = 1'000'000;
 
-/// The first threshold of Holm's correction, were the case one of those behind 1000 p-values at a family's alpha of 0.01.
+/// The first threshold of Holm's correction, were the case one of those behind 1000 p-values at a family's alpha of
+/// 0.01.
 constexpr double threshold = 0.01 / 1000;
 
 bool has_unlikely_p(const CaseResult& result) {
@@ -71,8 +72,8 @@ SamplerCase cosine_power_case(const std::string& name, double sampled, double cl
         pdf);
 }
 
-/// The von Mises-Fisher distribution around a mirror direction: a lobe as narrow as one likes, of which a part lies below
-/// the horizon and is given up. `claimed`: the concentration that the pdf is made with.
+/// The von Mises-Fisher distribution around a mirror direction: a lobe as narrow as one likes, of which a part lies
+/// below the horizon and is given up. `claimed`: the concentration that the pdf is made with.
 SamplerCase narrow_lobe_case(const std::string& name, double theta, double concentration, double claimed) {
     const SphereChart lobe(direction_at(theta, 220).cast<double>());
     const auto pdf = [lobe, claimed](const Vec3& w) {
@@ -117,8 +118,8 @@ SamplerCase two_lobes_case(const std::string& name, double sampled, double claim
     return test;
 }
 
-/// Reflection about a half vector of density `exponent`; the Jacobian 1 / (4 wo . h) is left out on demand (Walter et al.
-/// 2007, equation 14).
+/// Reflection about a half vector of density `exponent`; the Jacobian 1 / (4 wo . h) is left out on demand (Walter et
+/// al. 2007, equation 14).
 SamplerCase half_vector_case(const std::string& name, bool with_jacobian) {
     constexpr double exponent = 20;
     const Vec3 wo = direction_at(50, 40);

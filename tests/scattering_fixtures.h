@@ -43,8 +43,8 @@ struct SampledShare {
     double valid = 0;   ///< the share of the samples that are not empty
 };
 
-/// With 2^16 points, one in each of 64 x 32 x 32 boxes of what chooses the lobe and what the direction. A jump of the weight
-/// crosses some 3000 of them, each with a variance of 1/4 at most: the standard error is below 4e-4.
+/// With 2^16 points, one in each of 64 x 32 x 32 boxes of what chooses the lobe and what the direction. A jump of the
+/// weight crosses some 3000 of them, each with a variance of 1/4 at most: the standard error is below 4e-4.
 template <typename Model>
 SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transport = Transport::power,
                            Lobes which = Lobes::all) {

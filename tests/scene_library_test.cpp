@@ -1,5 +1,5 @@
-// The scenes of scenes/: that they load and are lit as they say, and that what is known of them in closed form is what the path
-// tracer finds.
+// The scenes of scenes/: that they load and are lit as they say, and that what is known of them in closed form is what
+// the path tracer finds.
 #include "common/files.h"
 #include "tests/moments.h"
 #include "tests/scene_fixtures.h"
@@ -97,7 +97,8 @@ void expect_radiance(const Moments& found, double expected) {
     EXPECT_LT(found.standard_error(), 0.004 * expected);
 }
 
-/// Lambert's formula for radiance 1 (Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources", eq. 3).
+/// Lambert's formula for radiance 1 (Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources",
+/// eq. 3).
 double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::vector<Vec3d>& polygon) {
     double E = 0;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -156,8 +157,8 @@ TEST(SceneLibrary, UncoveredFloorFollowsLambertsFormula) {
                             Vec3d(-2.2, 0, -1.5));
 }
 
-/// The part of a coffer's lamp that p on the floor sees through the coffer's mouth, which as seen from there is a square 1 wide
-/// at 2.5, 3.98 / 2.5 times as large in the lamp's plane.
+/// The part of a coffer's lamp that p on the floor sees through the coffer's mouth, which as seen from there is a
+/// square 1 wide at 2.5, 3.98 / 2.5 times as large in the lamp's plane.
 std::optional<std::vector<Vec3d>> lamp_through_coffer(const Vec3d& p, double x, double z) {
     constexpr double height = 3.98, scale = height / 2.5;
     const auto seen = [&](double from, double middle) {
@@ -233,9 +234,9 @@ TEST(SceneLibrary, AHollowSphereIsLitEvenly) {
     }
 }
 
-// A ray that leaves the axis 1.8 below the centre of a glass sphere of radius 1 under the angle t passes the centre at the
-// distance p = 1.8 sin t, on its way in as on its way out, and is turned by 2 (i - r) with sin i = p = 1.5 sin r. It meets the
-// lamp, a sphere of radius 0.4 whose centre lies 4.5 above, if it passes that centre at less than 0.4.
+// A ray that leaves the axis 1.8 below the centre of a glass sphere of radius 1 under the angle t passes the centre at
+// the distance p = 1.8 sin t, on its way in as on its way out, and is turned by 2 (i - r) with sin i = p = 1.5 sin r.
+// It meets the lamp, a sphere of radius 0.4 whose centre lies 4.5 above, if it passes that centre at less than 0.4.
 TEST(SceneLibrary, TheGlassSpheresCausticOnItsAxisIsAnIntegral) {
     const double below = 1.8, above = 4.5, widest = std::asin(1 / below);
     const double E = 2 * pi * 700 * widest * integral(100000, [&](double u) {

@@ -189,7 +189,8 @@ TEST(ReconstructionFilter, TentSamplesFollowItsDensity) {
     }
 }
 
-// Offsets are distributed like the filter: its second moment in closed form, the cut at 4 deviations and the shift included.
+// Offsets are distributed like the filter: its second moment in closed form, the cut at 4 deviations and the shift
+// included.
 TEST(ReconstructionFilter, GaussianSamplesHaveItsMoments) {
     const double sigma = 0.5, r = 4 * sigma, cut = std::exp(-8.0), root = sigma * std::sqrt(2 * std::numbers::pi);
     const double mass = root * std::erf(r / (sigma * std::sqrt(2.0))) - cut * 2 * r;

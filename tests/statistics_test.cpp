@@ -212,8 +212,8 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     }
 }
 
-// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time, 1000 repetitions: 92 to 98.5 %. Three
-// seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
+// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time, 1000 repetitions: 92 to 98.5 %.
+// Three seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
 TEST(ReplicateStatistics, IntervalsContainTheTruth) {
     constexpr int repetitions = 1000;
     for (const int seeds : {3, 5, 8})
@@ -238,9 +238,9 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
         }
 }
 
-// White noise of the same power in all channels has it in closed form: sqrt(2 / (m (m - 1) pixels)) times the variance of
-// a group, times 1.96. A perfect image seems to have more error than that against one reference
-// in forty: 25 of 1000, within 3 standard errors of 5.
+// White noise of the same power in all channels has it in closed form: sqrt(2 / (m (m - 1) pixels)) times the variance
+// of a group, times 1.96. A perfect image seems to have more error than that against one reference in forty: 25 of
+// 1000, within 3 standard errors of 5.
 TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
     Random random(11);
     std::normal_distribution<double> normal;

@@ -51,8 +51,8 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
             throw InputError(where, "the file's chromaticities are not those of sRGB");
 }
 
-/// A header of some bytes can claim any size, and memory for it would be taken before a pixel is read. No format of photographs or
-/// renders packs this many pixels into a byte; what takes little memory may claim what it likes.
+/// A header of some bytes can claim any size, and memory for it would be taken before a pixel is read. No format of
+/// photographs or renders packs this many pixels into a byte; what takes little memory may claim what it likes.
 void check_size(const OIIO::ImageSpec& spec, const std::string& path) {
     constexpr double most_free = 1 << 24, most_per_byte = 4096;
     std::error_code error;

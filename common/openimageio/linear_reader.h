@@ -1,5 +1,6 @@
 #pragma once
-// An image file by OpenImageIO, row by row as linear floats. What it accepts and refuses stands in common/linear_file.h.
+// An image file by OpenImageIO, row by row as linear floats. What it accepts and refuses stands in
+// common/linear_file.h.
 
 #include "common/error.h"
 #include "common/image_library.h"

@@ -1,6 +1,6 @@
 #pragma once
-// What benchmarks share that compare two pieces of work: both in turn within each iteration, so that a machine whose speed drifts
-// cannot favour one, and the median ratio of the pairs.
+// What benchmarks share that compare two pieces of work: both in turn within each iteration, so that a machine whose
+// speed drifts cannot favour one, and the median ratio of the pairs.
 
 #include <benchmark/benchmark.h>
 

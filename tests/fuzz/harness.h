@@ -1,6 +1,6 @@
 #pragma once
-// What a fuzz target is: one reader, fed with any bytes. The same functions run under libFuzzer (preset `fuzz`) and, in every
-// other build, over the files of tests/fuzz/corpus (the tests FuzzCorpus.*).
+// What a fuzz target is: one reader, fed with any bytes. The same functions run under libFuzzer (preset `fuzz`) and, in
+// every other build, over the files of tests/fuzz/corpus (the tests FuzzCorpus.*).
 
 #include "common/error.h"
 #include "common/mesh_data.h"
@@ -10,8 +10,8 @@
 
 namespace gib::fuzz {
 
-/// Each target's program has its own. Reads the input, which may be refused; whatever else is thrown, and whatever require() finds in what
-/// was read, is a finding.
+/// Each target's program has its own. Reads the input, which may be refused; whatever else is thrown, and whatever
+/// require() finds in what was read, is a finding.
 void run_input(std::string_view input);
 
 /// Runs it. InputError is a refusal and ends here.
@@ -26,8 +26,8 @@ void unless_refused(const Read& read) {
 /// Throws std::logic_error, which no reader throws on purpose.
 void require(bool holds, const std::string& what);
 
-/// What every mesh must be that a reader returns: finite, with as many normals and uv as vertices or none, indices in range; and after the
-/// steps that follow a file's reading under a few transforms: normals unit or zero, areas finite.
+/// What every mesh must be that a reader returns: finite, with as many normals and uv as vertices or none, indices in
+/// range; and after the steps that follow a file's reading under a few transforms: normals unit or zero, areas finite.
 void check_mesh(const MeshData& mesh);
 
 /// A folder in memory, removed when the program ends.

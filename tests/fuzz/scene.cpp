@@ -1,5 +1,5 @@
-// Scene files. An input is the scene, and after a line `%% name` another file of its folder: an include, a mesh, a spectrum, a
-// volume. What loads is planned by every method and rendered in a few pixels.
+// Scene files. An input is the scene, and after a line `%% name` another file of its folder: an include, a mesh, a
+// spectrum, a volume. What loads is planned by every method and rendered in a few pixels.
 
 #include "common/parallel.h"
 #include "common/scene_file.h"
@@ -14,7 +14,8 @@ namespace gib::fuzz {
 
 namespace {
 
-/// Whether no name in an XML text can lead out of its folder: they have no slash, no two dots, and no escapes that become one.
+/// Whether no name in an XML text can lead out of its folder: they have no slash, no two dots, and no escapes that
+/// become one.
 bool stays_in_folder(std::string_view text) {
     if (text.find("..") != text.npos || text.find("&#") != text.npos) return false;
     // Only those of tags: </name> and <name/>.

@@ -1,5 +1,5 @@
-// Changes what is inside the compressed part of a serialized mesh: changed from outside, nearly every input would end at zlib's
-// checksum.
+// Changes what is inside the compressed part of a serialized mesh: changed from outside, nearly every input would end
+// at zlib's checksum.
 
 #include <zlib.h>
 #include <algorithm>
