@@ -155,7 +155,7 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
             bounds.add(mesh.vertex(v));
         const SurfacePoint point = mesh.point_at(i, 0.f, 0.f);
         // One without an area has no normal, and is never chosen.
-        if (!mesh.normal_of(i).isZero(0.f)) axis += point.ng.cast<double>();
+        if (!mesh.normal_of(i).isZero(0)) axis += point.ng.cast<double>();
         offset = std::max(offset, static_cast<double>(point.offset));
     }
     RayBundle bundle{bounds.center().cast<double>(), 0.5 * static_cast<double>(bounds.diagonal()), {}};
@@ -165,7 +165,7 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
     const Frame frame(n);
     double turn = 0;  // of the frames; it also bounds that of the normals
     for (std::size_t i = range.first; i <= range.last; ++i) {
-        if (mesh.normal_of(i).isZero(0.f)) continue;
+        if (mesh.normal_of(i).isZero(0)) continue;
         const Frame own(mesh.point_at(i, 0.f, 0.f).ng);
         turn = std::max({turn, static_cast<double>((own.s - frame.s).norm()),
                          static_cast<double>((own.t - frame.t).norm()), static_cast<double>((own.n - frame.n).norm())});
@@ -313,7 +313,7 @@ bool cannot_see_itself(const AreaLight& light, const std::vector<Shape>& shapes)
     if (mesh->triangles.size() * mesh->vertices.size() > (1u << 20)) return false;
     for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
         const SurfacePoint point = mesh->point_at(i, 0.f, 0.f);
-        if (mesh->normal_of(i).isZero(0.f)) continue;
+        if (mesh->normal_of(i).isZero(0)) continue;
         // Rays start at the offset in front of the triangle and go on to the front.
         for (const auto& t : mesh->triangles)
             for (const std::uint32_t v : t)

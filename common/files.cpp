@@ -54,7 +54,7 @@ public:
                 path_.clear();
                 fail(target, "cannot create a file in its folder");
             }
-            // remove_leftovers() may hold it, for a moment.
+            // remove_leftovers_in() may hold it, for a moment.
             while (::flock(descriptor_->get(), LOCK_EX) != 0 && errno == EINTR) {
             }
         } while (::fstat(descriptor_->get(), &status) == 0 && status.st_nlink == 0);
@@ -106,6 +106,22 @@ std::string binary_digest(std::string_view data) {
     return {reinterpret_cast<const char*>(hash.hash), sizeof hash.hash};
 }
 
+/// `ours(name)`: whether the file that the temporary one was to become is of concern.
+template <typename Ours>
+void remove_leftovers(const std::filesystem::path& folder, const Ours& ours) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        const std::size_t tail = temporary_mark.size() + temporary_letters;
+        if (name.size() <= tail || name.compare(name.size() - tail, temporary_mark.size(), temporary_mark) != 0)
+            continue;
+        if (!ours(std::string_view(name).substr(0, name.size() - tail))) continue;
+        const Descriptor file(::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+        if (file.get() >= 0 && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
+    }
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path) {
@@ -144,22 +160,13 @@ void write_file(const std::string& path, std::string_view content) {
     if (directory.get() >= 0) ::fsync(directory.get());
 }
 
-void remove_leftovers(const std::string& path) {
-    namespace fs = std::filesystem;
-    // In a folder that is not ours others may have names like them.
-    const bool of_any = fs::is_directory(path);
-    const std::string of = fs::path(path).filename().string();
-    const fs::path folder = of_any ? fs::path(path) : fs::absolute(path).parent_path();
-    std::error_code error;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        const std::string name = entry->path().filename().string();
-        const std::size_t tail = temporary_mark.size() + temporary_letters;
-        if (name.size() <= tail || name.compare(name.size() - tail, temporary_mark.size(), temporary_mark) != 0)
-            continue;
-        if (!of_any && name.substr(0, name.size() - tail) != of) continue;
-        const Descriptor file(::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-        if (file.get() >= 0 && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
-    }
+void remove_leftovers_in(const std::string& folder) {
+    remove_leftovers(folder, [](std::string_view) { return true; });
+}
+
+void remove_leftovers_of(const std::string& file) {
+    const std::filesystem::path path = std::filesystem::absolute(file);
+    remove_leftovers(path.parent_path(), [name = path.filename().string()](std::string_view of) { return of == name; });
 }
 
 void ContentHash::add(std::string_view piece) { pieces_ += binary_digest(piece); }

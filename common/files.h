@@ -10,8 +10,10 @@ namespace gib {
 std::string read_file(const std::string& path);
 /// Writes to a temporary file in the same folder, flushes it to disk and renames it. Throws RunError.
 void write_file(const std::string& path, std::string_view content);
-/// Removes what write_file() of dead processes left in a folder, not in those below it; or of a file, given its path.
-void remove_leftovers(const std::string& folder);
+/// Removes what write_file() of dead processes left in a folder of ours, not in those below it.
+void remove_leftovers_in(const std::string& folder);
+/// The same of one file only: in a folder that is not ours others may have names like them.
+void remove_leftovers_of(const std::string& file);
 
 /// Collects what a result depends on.
 class ContentHash {

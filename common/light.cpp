@@ -71,11 +71,6 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
                        false, shadow_ray_target(q, p)};
 }
 
-/// How far the end of a ray between two points may be off.
-float rounding_of_connection(const Vec3& a, const Vec3& b) {
-    return 8.f * unit_roundoff * (a.cwiseAbs().sum() + b.cwiseAbs().sum());
-}
-
 /// Where the shadow ray of a light at infinity may end.
 LightSample distant_sample(const BoundingSphere& scene, const Vec3& p, const Vec3& wi, const Color& Le, float pdf_w,
                            bool delta) {

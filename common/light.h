@@ -120,11 +120,16 @@ inline Vec3 offset_origin(const SurfacePoint& point, const Vec3& w) {
     return point.p + (w.dot(point.ng) >= 0.f ? point.offset : -point.offset) * point.ng;
 }
 
-/// The end, in front of the emitting side of `light`, of a shadow ray from near `p`. Forming the ray rounds its end by
-/// up to an ulp of the larger of the two positions, which the light's own offset does not know of.
+/// How far rounding may move the end of a ray between two points: it is the sum of an origin and a distance along a
+/// direction, each of them rounded a few times, relative to positions of this size.
+inline float rounding_of_connection(const Vec3& a, const Vec3& b) {
+    return 8.f * unit_roundoff * (a.cwiseAbs().sum() + b.cwiseAbs().sum());
+}
+
+/// The end, in front of the emitting side of `light`, of a shadow ray from near `p`. The light's own offset does not
+/// know of the rounding of the ray between them.
 inline Vec3 shadow_ray_target(const SurfacePoint& light, const Vec3& p) {
-    const float connection = 8.f * unit_roundoff * (p.cwiseAbs().sum() + light.p.cwiseAbs().sum());
-    return light.p + (light.offset + connection) * light.ng;
+    return light.p + (light.offset + rounding_of_connection(light.p, p)) * light.ng;
 }
 
 }  // namespace gib

@@ -29,11 +29,15 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
-/// In double: the two products of a needle's edges cancel.
-double area_of_triangle(const Mesh& mesh, std::size_t i) {
-    const Triangle t = triangle_of(mesh, i);
-    return 0.5 * t.e1.cast<double>().cross(t.e2.cast<double>()).norm();
+/// e1 x e2, exact edges. In double: those of a needle are nearly parallel, so that their products cancel, and the
+/// products of a small triangle's are less than a float holds.
+Vec3d product_of_edges(const Mesh& mesh, std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3d v0 = mesh.vertex(t[0]).cast<double>();
+    return (mesh.vertex(t[1]).cast<double>() - v0).cross(mesh.vertex(t[2]).cast<double>() - v0);
 }
+
+double area_of_triangle(const Mesh& mesh, std::size_t i) { return 0.5 * mesh.normal_of(i).norm(); }
 
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
@@ -125,13 +129,12 @@ void Mesh::prepare() {
 /// sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
-    // In double: areas of small triangles are less than a float holds.
-    const Vec3d e1 = t.e1.cast<double>(), e2 = t.e2.cast<double>(), n = e1.cross(e2);
+    const Vec3d n = product_of_edges(*this, i);
     const double length = n.norm();
     // A triangle without an area has no normal, and no ray finds it.
     const double scale = length > 0 ? 1 / length : std::numeric_limits<double>::quiet_NaN();
     const Vec3 ng = (scale * n).cast<float>();
-    const Vec3d a1 = e1.cwiseAbs(), a2 = e2.cwiseAbs();
+    const Vec3d a1 = t.e1.cwiseAbs().cast<double>(), a2 = t.e2.cwiseAbs().cast<double>();
     const Vec3d m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
                   a1.x() * a2.y() + a1.y() * a2.x());
     const Vec3 furthest = t.v0.cwiseAbs().cwiseMax((t.v0 + t.e1).cwiseAbs()).cwiseMax((t.v0 + t.e2).cwiseAbs());
@@ -154,10 +157,9 @@ Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng
     return length > 0.f ? Vec3(ns * ((flip_normals ? -1.f : 1.f) / length)) : ng;
 }
 
-Vec3 Mesh::normal_of(std::size_t i) const {
-    const Triangle t = triangle_of(*this, i);
-    const Vec3 n = t.e1.cross(t.e2);
-    return flip_normals ? Vec3(-n) : n;
+Vec3d Mesh::normal_of(std::size_t i) const {
+    const Vec3d n = product_of_edges(*this, i);
+    return flip_normals ? Vec3d(-n) : n;
 }
 
 Bounds bounds_of(const Shape& shape) {

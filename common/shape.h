@@ -51,7 +51,7 @@ struct Mesh {
 
     Vec3 vertex(std::uint32_t i) const { return {vertices[i][0], vertices[i][1], vertices[i][2]}; }
     /// (v1 - v0) x (v2 - v0) of triangle i, towards its front side; its length is twice the area.
-    Vec3 normal_of(std::size_t i) const;
+    Vec3d normal_of(std::size_t i) const;
 
 private:
     Facet facet_of(std::size_t i) const;

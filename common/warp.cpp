@@ -45,6 +45,7 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
     if (!(total_ > 0)) return;
     // Between random numbers, which are multiples of 2^-24, an interval has no chance, whatever its width.
     std::vector<float> ends;
+    ends.reserve(weights.size());
     double sum = 0;
     for (double w : weights) {
         sum += w;
@@ -56,6 +57,7 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
         if (weights[i] > 0) break;
     }
     // The probability is that of the rounded interval, which is what is sampled.
+    items_.reserve(weights.size());
     float begin = 0.f;
     for (float end : ends) {
         const float probability = end - begin;

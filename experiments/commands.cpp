@@ -63,7 +63,7 @@ void check_writable(const std::string& path) {
         throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
     if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));
     require_writable(folder);
-    remove_leftovers(path);
+    remove_leftovers_of(path);
 }
 
 int render(const RenderOptions& options, std::ostream& out) {

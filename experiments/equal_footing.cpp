@@ -20,19 +20,17 @@ double mean_energy(const Image& image) {
     return sum / static_cast<double>(image.rgb.size());
 }
 
-MeanEnergy mean_energies(const std::vector<Image>& images) {
+SampleMean mean_energies(const std::vector<Image>& images) {
     std::vector<double> energies;
     for (const Image& image : images)
         energies.push_back(mean_energy(image));
-    const SampleMean mean = sample_mean(energies);
-    if (images.size() < 2) return MeanEnergy{mean.value};
-    return {mean.value, mean.variance};
+    return sample_mean(energies);
 }
 
 /// Without groups, pixels and channels are taken as independent; without a standard error the reference is exact.
-MeanEnergy reference_energy(const ReferenceLayer& reference) {
+SampleMean reference_energy(const ReferenceLayer& reference) {
     if (reference.groups.size() > 1) return mean_energies(reference.groups);
-    MeanEnergy mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
+    SampleMean mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
     if (!reference.standard_error) return mean;
     const auto size = static_cast<double>(reference.standard_error->rgb.size());
     for (const float v : reference.standard_error->rgb)
@@ -51,7 +49,7 @@ FootingVerdict verdict_of(const Estimate& excess, double truth) {
     return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::unresolved;
 }
 
-Footing compared(const MeanEnergy& method, const MeanEnergy& truth, double unit) {
+Footing compared(const SampleMean& method, const SampleMean& truth, double unit) {
     Footing footing{method, unit, {(method.value - truth.value) / unit, std::nullopt}};
     const double half = half_width({method.variance, truth.variance}, tail) / unit;
     if (std::isfinite(half))
@@ -78,7 +76,7 @@ Footing Footing::against(const Footing& other) const { return compared(energy, o
 
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total) {
-    const MeanEnergy truth = reference_energy(reference);
+    const SampleMean truth = reference_energy(reference);
     const double unit = std::max(truth.value, least_share * mean_energy(total));
     if (!(unit > 0)) return std::nullopt;
     return compared(mean_energies(replicates), truth, unit);

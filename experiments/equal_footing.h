@@ -5,7 +5,6 @@
 #include "experiments/statistics.h"
 #include "experiments/student_t.h"
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,15 +23,9 @@ inline constexpr double footing_tolerance = 0.01;  ///< of the mean energy
 /// Differences that are certain but smaller are not worth a warning: half the tolerance.
 inline constexpr double footing_least = 0.005;
 
-/// A mean over pixels and channels [radiance], and its variance; infinite from one image.
-struct MeanEnergy {
-    double value = 0;
-    VarianceTerm variance{std::numeric_limits<double>::infinity(), 1};
-};
-
 /// The mean energy of one component of one method against the reference's.
 struct Footing {
-    MeanEnergy energy;  ///< the method's
+    SampleMean energy;  ///< the method's, over pixels and channels [radiance]; its variance is unknown from one image
     double unit = 0;    ///< what differences are relative to
     /// (mean of the method - mean of the reference) over pixels and channels, relative to the reference's mean of this
     /// component, or of a hundredth of the total where that is more; with its 99 % interval (Welch's, over seeds and

@@ -98,7 +98,7 @@ private:
 }  // namespace
 
 void link_file(const std::string& from, const std::string& to) {
-    const std::string fresh = to + ".tmp-linked";  // remove_leftovers() knows it by its ending
+    const std::string fresh = to + ".tmp-linked";  // remove_leftovers_in() knows it by its ending
     std::error_code error;
     fs::remove(fresh, error);
     fs::create_hard_link(from, fresh, error);
@@ -111,6 +111,16 @@ void link_file(const std::string& from, const std::string& to) {
     }
     fs::remove(fresh, error);  // rename leaves it where both already were one file
 }
+
+namespace {
+
+/// What stands there otherwise is of an earlier run.
+void link_or_remove(bool is_there, const std::string& from, const std::string& to) {
+    if (is_there) link_file(from, to);
+    else fs::remove(to);
+}
+
+}  // namespace
 
 ExperimentRun::ExperimentRun(const RunOptions& options)
     : options_(options),
@@ -140,7 +150,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     ResultFolder::make(references);
     require_writable(references);
     folder_.remove_leftovers();
-    remove_leftovers(references);
+    remove_leftovers_in(references);
     // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
     // with.
     const auto notes = stored_notes(folder_);
@@ -178,6 +188,7 @@ bool ExperimentRun::selected(const SceneState& scene) const {
 }
 
 bool ExperimentRun::measure() {
+    if (options_.fresh) forget_cells();
     try {
         make_references();
         run_cells();
@@ -185,6 +196,11 @@ bool ExperimentRun::measure() {
         return false;
     }
     return true;
+}
+
+void ExperimentRun::forget_cells() {
+    for (const auto& cell : cells())
+        if (selected(*cell.scene, *cell.label)) fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
 }
 
 void ExperimentRun::make_references() {
@@ -267,10 +283,7 @@ std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::ve
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
         std::string damage;
-        // From here on the old one is no result: whoever goes on after an interruption must not take it for a fresh
-        // one.
-        if (options_.fresh) fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
-        const auto stored = options_.fresh ? std::nullopt : folder_.read_cell(cell.name, cell.identity.key(), &damage);
+        const auto stored = folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {
             if (!damage.empty()) progress_.message(fmt::format("warning: {}; the cell is done again", damage));
             to_do.push_back(&cell);
@@ -406,11 +419,10 @@ void ExperimentRun::link_images(const ResultIndex& index) {
             const std::string name = cell_folder_name(scene.name, method, 1);
             const auto key = index.cell_keys.find(name);
             const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
-            if (!complete) continue;
-            link_file(folder_.cell_image(name), folder_.method_image(scene.name, method));
-            const std::string map = folder_.method_flip_map(scene.name, method);
-            if (fs::exists(folder_.flip_map(name))) link_file(folder_.flip_map(name), map);
-            else fs::remove(map);  // of an image that was replaced by one without FLIP
+            link_or_remove(complete, folder_.cell_image(name), folder_.method_image(scene.name, method));
+            // Without FLIP there is none.
+            link_or_remove(complete && fs::exists(folder_.flip_map(name)), folder_.flip_map(name),
+                           folder_.method_flip_map(scene.name, method));
         }
 }
 

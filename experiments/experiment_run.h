@@ -51,6 +51,8 @@ private:
 
     bool selected(const SceneState& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
+    /// From here on the old ones are no results: who goes on after an interruption must not take them for fresh ones.
+    void forget_cells();
     void make_references();
     void run_cells();
     void make_reference_of(SceneState& scene);

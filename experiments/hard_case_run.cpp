@@ -47,7 +47,7 @@ public:
         ResultFolder::make(folder_.path());
         require_writable(folder_.path());
         lock_.emplace(lock_result_folder(folder_.path()));
-        remove_leftovers(folder_.path());
+        remove_leftovers_in(folder_.path());
     }
 
     /// Pairs side by side, each by one thread: their images are too small to be shared.

@@ -135,20 +135,22 @@ private:
         const double start = now();
         const std::uint32_t passes = next_passes();
         std::vector<ComponentImages> batches;
+        DroppedSamples dropped = groups_.dropped;  // of rounds that come to their end
         for (int g = 0; g < reference_groups; ++g) {
             show(static_cast<double>(g) / reference_groups * passes);
             const std::uint32_t batch =
                 groups_.rounds * static_cast<std::uint32_t>(reference_groups) + static_cast<std::uint32_t>(g);
-            batches.push_back(run_batch(batch_seed(key_, batch), passes));
+            batches.push_back(run_batch(batch_seed(key_, batch), passes, dropped));
         }
         groups_.add_round(batches, passes);
+        groups_.dropped = dropped;
         groups_.seconds += now() - start;
         ++result_.rounds_added;
         unsaved_ = true;
         update();
     }
 
-    ComponentImages run_batch(std::uint64_t seed, std::uint32_t passes) {
+    ComponentImages run_batch(std::uint64_t seed, std::uint32_t passes, DroppedSamples& dropped) {
         StageTimes stages;
         const auto run = method_->start(*work_.scene.scene, seed, stages);
         for (std::uint32_t pass = 0; pass < passes; ++pass) {
@@ -156,9 +158,9 @@ private:
             if (run->advance(pass) == Progress::converged) break;
         }
         const NonFinite bad = run->counts().non_finite;
-        if (bad.count > 0 && groups_.not_finite == 0)
-            groups_.first_not_finite = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
-        groups_.not_finite += bad.count;
+        if (bad.count > 0 && dropped.count == 0)
+            dropped.first = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
+        dropped.count += bad.count;
         return run->image();
     }
 
@@ -199,10 +201,10 @@ private:
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
                             work_.label.text()));
-        if (groups_.not_finite > 0)
+        if (groups_.dropped.count > 0)
             result_.warnings.push_back(
                 fmt::format("{} samples of the reference were not finite and were dropped; first: {}",
-                            groups_.not_finite, groups_.first_not_finite));
+                            groups_.dropped.count, groups_.dropped.first));
         const double share = dominance_of_one_group(result_.reference.total.groups);
         if (share > heavy_tail_share)
             result_.warnings.push_back(
@@ -228,9 +230,9 @@ private:
             {"epsilon", fmt::format("{}", work_.epsilon)},
             {"dominance_of_one_group", fmt::format("{:.3g}", share)},
             {"program", program_version()}};
-        if (groups_.not_finite > 0) {
-            metadata["not_finite"] = std::to_string(groups_.not_finite);
-            metadata["first_not_finite"] = groups_.first_not_finite;
+        if (groups_.dropped.count > 0) {
+            metadata["not_finite"] = std::to_string(groups_.dropped.count);
+            metadata["first_not_finite"] = groups_.dropped.first;
         }
         return metadata;
     }

@@ -11,8 +11,13 @@ namespace gib {
 namespace {
 
 constexpr const char* digest_key = "digest";
-/// What a top-up believes of a file besides its pixels.
-const std::vector<std::string> digested_keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
+/// What a top-up believes of a file besides its pixels. The last is there only if it is not 0.
+std::string digest_of(const LayeredImage& file) {
+    std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
+    if (file.metadata.count("not_finite") > 0) keys.emplace_back("not_finite");
+    return image_digest(file, keys);
+}
+
 constexpr const char* unresolved_key = "unresolved";  // names of components, separated by ';'
 
 std::string joined(const std::string& name, const std::string& what) { return name.empty() ? what : name + "_" + what; }
@@ -57,14 +62,14 @@ std::vector<Component> components_named(const std::string& names) {
 Reference read_reference(const std::string& path) {
     const LayeredImage file = read_image(path);
     if (const auto digest = file.metadata.find(digest_key);
-        digest != file.metadata.end() && digest->second != image_digest(file, digested_keys))
+        digest != file.metadata.end() && digest->second != digest_of(file))
         throw InputError({path, 0, 0}, "its content is not what its digest says: the file is damaged or was edited");
     return reference_in(file, path);
 }
 
 void write_reference(const std::string& path, const Reference& reference) {
     LayeredImage file = layers_of(reference, true);
-    file.metadata[digest_key] = image_digest(file, digested_keys);
+    file.metadata[digest_key] = digest_of(file);
     write_exr(path, file);
 }
 

@@ -81,9 +81,9 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     if (groups.rounds == 0 || groups.passes == 0) throw InputError({path}, "it holds no samples");
     groups.verified = is_verified(file);
     if (file.metadata.count("not_finite") > 0) {
-        groups.not_finite = number_in<std::uint64_t>(file, "not_finite", path);
+        groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
         if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
-            groups.first_not_finite = first->second;
+            groups.dropped.first = first->second;
     }
     groups.groups_.resize(reference_groups);
     for (auto& group : groups.groups_) {

@@ -9,15 +9,20 @@
 
 namespace gib {
 
+/// Samples that were not finite.
+struct DroppedSamples {
+    std::uint64_t count = 0;
+    std::string first;  ///< its seed, pass and pixel
+};
+
 /// The means of all groups so far, and how they came about.
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;      ///< of each group
-    double seconds = 0;            ///< wall-clock, all rounds together
-    std::uint64_t not_finite = 0;  ///< samples that were dropped
-    std::string first_not_finite;  ///< the seed, pass and pixel of the first of them
-    bool verified = true;          ///< false: read from a file without a digest
+    std::uint64_t passes = 0;  ///< of each group
+    double seconds = 0;        ///< wall-clock, all rounds together
+    DroppedSamples dropped;
+    bool verified = true;  ///< false: read from a file without a digest
 
     /// Adds a round: for each group the image of a batch of `batch_passes`. Throws RunError if the batches' components
     /// differ.

@@ -152,14 +152,14 @@ void ResultFolder::prepare() const {
 
 void ResultFolder::remove_leftovers() const {
     namespace fs = std::filesystem;
-    gib::remove_leftovers(path_);
-    gib::remove_leftovers(path_ + "/images");
+    remove_leftovers_in(path_);
+    remove_leftovers_in(path_ + "/images");
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
         const std::string name = cell.path().filename().string();
         fs::remove_all(work_folder(name));
-        gib::remove_leftovers(cell.path().string());
-        gib::remove_leftovers((cell.path() / "frames").string());
+        remove_leftovers_in(cell.path().string());
+        remove_leftovers_in((cell.path() / "frames").string());
     }
 }
 

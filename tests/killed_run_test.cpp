@@ -108,10 +108,10 @@ TEST_F(KilledRunTest, FilesThatAreBeingWrittenAreNotTaken) {
     write("a.tmp-locked", "");
     const int fd = open(path("a.tmp-locked").c_str(), O_RDONLY);
     ASSERT_EQ(flock(fd, LOCK_EX), 0);
-    remove_leftovers(path());
+    remove_leftovers_in(path());
     EXPECT_TRUE(fs::exists(path("a.tmp-locked")));
     close(fd);
-    remove_leftovers(path());
+    remove_leftovers_in(path());
     EXPECT_FALSE(fs::exists(path("a.tmp-locked")));
 }
 

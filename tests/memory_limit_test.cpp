@@ -2,6 +2,7 @@
 
 #include "common/memory_limit.h"
 
+#include "common/environment_map.h"
 #include "input_error.h"
 #include "methods/irradiance_cache.h"
 #include "run_fixtures.h"
@@ -171,6 +172,17 @@ TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
     });
     EXPECT_THAT(error, refusal("an irradiance cache of more than [0-9]+ records"));
     EXPECT_GT(cache.size(), 1'000u);
+}
+
+TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    Image image(4096, 1025);
+    const AddressSpace limit(address_space_in_use() + (rlim_t{32} << 20));
+    const std::string error = input_error_of([&] { const EnvironmentMap map(std::move(image), Frame(Vec3::UnitZ())); });
+    EXPECT_THAT(error, refusal("an environment of 4096 x 1025 pixels"));
+    EXPECT_THAT(error, HasSubstr(" needs 50331648 bytes")) << "three floats for each column of 1024 rows of cells";
 }
 
 }  // namespace

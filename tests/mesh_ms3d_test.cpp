@@ -236,7 +236,7 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     EXPECT_EQ(floor.normals[0], Vec3(0, 0, 1));
     EXPECT_EQ(floor.uvs[0], Vec2(0, 1));
     EXPECT_FALSE(floor.flip_normals);
-    EXPECT_GT(floor.normal_of(0).z(), 0.f);
+    EXPECT_GT(floor.normal_of(0).z(), 0);
     ASSERT_EQ(scene->lights().size(), 1u);  // the brass glows
     EXPECT_EQ(std::get<AreaLight>(scene->lights()[0]).radiance[2], 0.3f);
     const auto black = load("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");

@@ -171,6 +171,45 @@ TEST(EmissionBounds, HoldEveryRayOfABox) {
     }
 }
 
+/// A shallow bowl of four triangles that shines upwards.
+struct Bowl {
+    explicit Bowl(float size) {
+        Mesh mesh;
+        for (const Vec3& v :
+             {Vec3(-1, -1, 0.1f), Vec3(1, -1, 0), Vec3(1.1f, 1, 0), Vec3(-1, 1, 0.05f), Vec3(0.1f, 0, -0.1f)})
+            mesh.vertices.push_back({size * v.x(), size * v.y(), size * v.z()});
+        mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+        shapes.push_back(mesh);
+    }
+    AreaLight light() const { return {0, shapes[0], Texture(Color(Color::Ones()))}; }
+
+    std::vector<Shape> shapes;
+};
+
+// Powers of two, which round nothing. The last is smaller than a lamp of a scene may be: products of its edges are less
+// than a float holds.
+TEST(EmissionBounds, OfAMeshScaleWithIt) {
+    const Bowl large(1.f);
+    EmissionBox part;
+    part.lower = {0.3f, 0.f, 0.25f, 0.25f};
+    part.upper = {0.9f, 1.f, 0.5f, 0.5f};
+    for (const float size : {0x1p-40f, 0x1p-60f, 0x1p-80f}) {
+        const Bowl small(size);
+        EXPECT_FALSE(cannot_see_itself(small.light(), small.shapes)) << size;
+        for (const EmissionBox& box : {EmissionBox(), part}) {
+            const RayBundle expected = emission_bundle(large.light(), large.shapes, box);
+            const RayBundle bundle = emission_bundle(small.light(), small.shapes, box);
+            EXPECT_LT(bundle.cone.half_angle, 2) << size;
+            EXPECT_EQ(bundle.cone.half_angle, expected.cone.half_angle) << size;
+            EXPECT_EQ(bundle.cone.axis, expected.cone.axis) << size;
+            const double scale = static_cast<double>(size);
+            EXPECT_EQ(bundle.center, Vec3d(scale * expected.center)) << size;
+            if (size < 0x1p-60f) continue;  // so are the squares in its box's diagonal
+            EXPECT_NEAR(bundle.radius, scale * expected.radius, 1e-6 * scale * expected.radius) << size;
+        }
+    }
+}
+
 /// Whether the ray meets a target's surface, first or behind others.
 bool meets(const Scene& scene, Ray ray, TargetSurfaces targets) {
     for (int surfaces = 0; surfaces < 64; ++surfaces) {

@@ -1,6 +1,7 @@
 // `gibench run --repeat`: the same images, or a plain word on why not.
 
 #include "common/image_file.h"
+#include "experiments/analysis.h"
 #include "run_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -22,6 +23,12 @@ protected:
         return nlohmann::json::parse(read_file(path(folder + "/manifest.json")));
     }
     void set_manifest(const nlohmann::json& manifest) { write("results/e/manifest.json", manifest.dump()); }
+    /// From here on the cell of seed 1 cannot succeed: a folder stands where its image belongs.
+    void block_cell(const std::string& folder, const std::string& method) const {
+        const std::string image = path(folder + "/cells/" + cell_folder_name("tiny", method, 1) + "/final.exr");
+        fs::remove(image);
+        fs::create_directories(image + "/in-the-way");
+    }
 };
 
 TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
@@ -81,6 +88,43 @@ TEST_F(RepeatTest, OtherImagesAreToldApart) {
     EXPECT_THAT(again.out,
                 ::testing::ContainsRegex("differs       tiny, path spp=4, seed 1, 3 passes: [1-9][0-9]* of 1"));
     EXPECT_THAT(again.out, HasSubstr("not repeated  tiny, path spp=16"));
+}
+
+TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    block_cell("results/e", "path spp=8");
+    ASSERT_EQ(run("--seeds 1 --fresh").code, 1);
+    ASSERT_EQ(manifest().at("cells").size(), 1u);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n1 of 1 identical\n"));
+    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    EXPECT_FALSE(fs::exists(path("results/e-repeat/cells/" + cell_folder_name("tiny", "path spp=8", 1))));
+}
+
+TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    ASSERT_EQ(repeat().code, 0);
+    block_cell("results/e-repeat", "path spp=8");
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"));
+    EXPECT_THAT(again.out, ::testing::ContainsRegex(
+                               "not repeated  tiny, path spp=8, seed 1, 8 passes: [^\n]*final.exr: cannot write"));
+    EXPECT_THAT(again.out, HasSubstr("1 of 2 identical\n"));
+}
+
+TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    ASSERT_EQ(repeat().code, 0);
+    fs::remove(path("results/e/images/tiny-reference.exr"));  // it has to be made, and its lock cannot be
+    fs::create_directories(fs::directory_iterator(path("results/references"))->path().string() + ".lock");
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    for (const std::string passes : {"4", "8"})
+        EXPECT_THAT(again.out, ::testing::ContainsRegex("not repeated  tiny, path spp=" + passes + ", seed 1, " +
+                                                        passes + " passes: [^\n]*cannot write here"));
+    EXPECT_THAT(again.out, HasSubstr("0 of 2 identical\n"));
 }
 
 TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {

@@ -1,5 +1,7 @@
 // `gibench run` as a whole: what it writes, that complete cells are kept, that a failing cell is said, and Ctrl-C.
 
+#include "experiments/analysis.h"
+#include "experiments/file_lock.h"
 #include "experiments/result_folder.h"
 #include "run_fixtures.h"
 
@@ -11,7 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class RunResumeTest : public ::testing::Test, protected ExperimentFolder {};
+class RunResumeTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// The cells are the same as before, and all were done again.
+    void expect_done_again(const std::map<std::string, fs::file_time_type>& before) const {
+        const auto now = cells();
+        ASSERT_EQ(now.size(), before.size());
+        for (const auto& [name, time] : before) {
+            ASSERT_EQ(now.count(name), 1u) << name;
+            EXPECT_NE(now.at(name), time) << name;
+        }
+    }
+};
 
 TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
     const ProgramResult result = run();
@@ -166,6 +179,50 @@ TEST_F(RunResumeTest, InterruptedRunsKeepWhatIsCompleteAndGoOn) {
     EXPECT_EQ(second.interrupt(SIGTERM), 130);
     EXPECT_EQ(cells(), before);
     EXPECT_EQ(read_file(folder_ / "results/e/curves.csv"), curves);
+}
+
+TEST_F(RunResumeTest, WhatAnInterruptedFreshRunDidNotReachIsDoneAgain) {
+    const std::string first_record = results("cells/" + cell_folder_name("tiny", "path spp=4", 1) + "/cell.json");
+    for (const int signal : {SIGINT, SIGKILL}) {
+        write_experiment("[4, 8]");
+        ASSERT_EQ(run().code, 0);
+        const auto before = cells();
+        const auto first_time = fs::last_write_time(first_record);
+        write_experiment("[4, 100000000, 8]");  // the second cell would take hours
+        BackgroundRun fresh(path(), "run e.toml --threads 1 --fresh");
+        ASSERT_TRUE(comes_true([&] {
+            std::error_code missing;
+            const auto time = fs::last_write_time(first_record, missing);
+            return !missing && time != first_time;
+        })) << fresh.said();
+        if (signal == SIGKILL) kill(-fresh.pid(), signal);  // the cell's process too
+        EXPECT_EQ(fresh.interrupt(signal), signal == SIGINT ? 130 : -1);
+        if (signal == SIGINT) {
+            EXPECT_EQ(table("curves.csv").rows.size(), 4u) << "of the one cell that is complete";
+        }
+        EXPECT_EQ(cells().size(), 1u);
+
+        write_experiment("[4, 8]");
+        const ProgramResult next = run();
+        EXPECT_EQ(next.code, 0) << next.err;
+        EXPECT_THAT(next.err, ::testing::HasSubstr("not done again: 1\n"));
+        expect_done_again(before);
+    }
+}
+
+TEST_F(RunResumeTest, AFreshRunThatWaitsForItsReferenceHasForgottenItsCells) {
+    ASSERT_EQ(run().code, 0);
+    const auto before = cells();
+    {
+        const std::string reference = fs::directory_iterator(path("results/references"))->path().string();
+        const auto lock = FileLock::if_free(reference + ".lock");
+        ASSERT_TRUE(lock);
+        BackgroundRun fresh(path(), "run e.toml --threads 1 --fresh");
+        ASSERT_TRUE(comes_true([&] { return fresh.said().find("waiting until") != std::string::npos; }));
+        EXPECT_EQ(fresh.interrupt(SIGINT), 130);
+    }
+    ASSERT_EQ(run().code, 0);
+    expect_done_again(before);
 }
 
 }  // namespace

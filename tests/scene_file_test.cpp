@@ -333,7 +333,7 @@ TEST(SceneFile, CubesAreClosedAndFaceOutwards) {
     EXPECT_TRUE(mesh.normals.empty());
     EXPECT_EQ(mesh.vertices.size(), 25u);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        EXPECT_GT(mesh.normal_of(i).dot(mesh.vertex(mesh.triangles[i][0])), 0.f) << i;
+        EXPECT_GT(mesh.normal_of(i).dot(mesh.vertex(mesh.triangles[i][0]).cast<double>()), 0) << i;
     const auto top = hit(loaded, Vec3(0, 0, 5), Vec3(0, 0, -1), Vec3::Zero());
     ASSERT_TRUE(top);
     expect_near(Vec3(top->uv.x(), top->uv.y(), 0), Vec3(0.5f, 0.5f, 0));
@@ -378,7 +378,7 @@ TEST(SceneFile, ATransformMovesFileNormalsByItsInverseTranspose) {
     EXPECT_EQ(mesh.uvs[0], Vec2(0, 0.75f));  // OBJ turns v over, as Mitsuba's default
     // The side that the file's normals call the front stays the front under a mirror.
     const Mesh mirrored = load_with("<scale x=\"-1\"/>");
-    EXPECT_GT(mirrored.normal_of(0).z(), 0.f);
+    EXPECT_GT(mirrored.normal_of(0).z(), 0);
 }
 
 TEST(SceneFile, AFarSceneIsRecentredInDouble) {

@@ -266,8 +266,8 @@ TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
         const std::string faceted = "<boolean name=\"face_normals\" value=\"true\"/>";
         const Mesh bare = mesh("bare", ""), full = mesh("full", "");
         ASSERT_EQ(bare.normals.size(), 4u) << type;
-        EXPECT_LT((bare.normals[1] - Vec3(bare.normal_of(0).normalized())).norm(), 1e-6f) << type;
-        EXPECT_GT((bare.normals[0] - Vec3(bare.normal_of(0).normalized())).norm(), 0.1f) << type;
+        EXPECT_LT((bare.normals[1] - bare.normal_of(0).normalized().cast<float>()).norm(), 1e-6f) << type;
+        EXPECT_GT((bare.normals[0] - bare.normal_of(0).normalized().cast<float>()).norm(), 0.1f) << type;
         ASSERT_EQ(full.normals.size(), 4u) << type;
         EXPECT_LT((full.normals[3] - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f) << type;
         EXPECT_TRUE(mesh("bare", faceted).normals.empty()) << type;
@@ -331,6 +331,52 @@ TEST(Mesh, ItsPointsAreTheSameBeforeAndAfterItIsPrepared) {
         ASSERT_LT((expected - a.p.cast<double>()).norm(), 4e-5) << "ulps of 100 in three sums";
         const Vec3d n = (corner(2) - corner(0)).cross(corner(1) - corner(0));
         ASSERT_GT(n.dot(a.ng.cast<double>()), 0.999 * n.norm());
+    }
+}
+
+/// Of a triangle of exactly these vertices times a power of two, which has to be one that floats do not resolve.
+void expect_area_and_normal(const std::array<Vec3, 3>& vertices, float scale) {
+    Mesh mesh;
+    for (const Vec3& v : vertices)
+        mesh.vertices.push_back({scale * v.x(), scale * v.y(), scale * v.z()});
+    mesh.triangles = {{0, 1, 2}};
+    const auto edge = [&](std::uint32_t i) { return Vec3(mesh.vertex(i) - mesh.vertex(0)); };
+    const auto exact_edge = [&](std::uint32_t i) -> Eigen::Matrix<long double, 3, 1> {
+        return mesh.vertex(i).cast<long double>() - mesh.vertex(0).cast<long double>();
+    };
+    const Eigen::Matrix<long double, 3, 1> n = exact_edge(1).cross(exact_edge(2));
+    const auto area = static_cast<double>(0.5L * n.norm());
+    const auto float_area = static_cast<double>(0.5f * edge(1).cross(edge(2)).norm());
+    ASSERT_GT(std::abs(float_area - area), 0.01 * area) << "not hard";
+    EXPECT_NEAR(area_of(mesh), area, 1e-12 * area) << vertices[0].transpose() << " * " << scale;
+    const Vec3d expected = (n / n.norm()).cast<double>(), ng = mesh.point_at(0, 0.f, 0.f).ng.cast<double>();
+    EXPECT_LT((ng - expected).norm(), 1e-6) << vertices[0].transpose() << " * " << scale;
+}
+
+// Longest edge squared over twice the area: 1e6, 1e7 and 1e9.
+TEST(Mesh, NeedlesHaveTheAreaAndTheNormalOfTheirVertices) {
+    for (const float scale : {1.f, 0x1p-22f, 0x1p-80f}) {
+        expect_area_and_normal(
+            {Vec3(6796150, 288062, -8056890), Vec3(6471759, -325822, -6986163), Vec3(6514206, -245494, -7126272)},
+            scale);
+        expect_area_and_normal(
+            {Vec3(-4865363, 8118331, 8122465), Vec3(-2966817, 9979794, 9868643), Vec3(-4107220, 8861666, 8819763)},
+            scale);
+        expect_area_and_normal(
+            {Vec3(-884643, -6107212, -2083301), Vec3(-1033212, -4443210, -4432164), Vec3(-967921, -5174482, -3399919)},
+            scale);
+    }
+}
+
+// 1e6 and 1e9. The differences of these vertices have 25 bits: as floats they are the edges of another triangle.
+TEST(Mesh, NeedlesHaveTheAreaOfTheirVerticesWhereEdgesAreNoFloats) {
+    for (const float scale : {1.f, 0x1p-22f}) {
+        expect_area_and_normal(
+            {Vec3(14564178, 14608682, -9608634), Vec3(8576722, -2786135, -361932), Vec3(9480508, -160503, -1757674)},
+            scale);
+        expect_area_and_normal(
+            {Vec3(14541176, -2630986, 16574943), Vec3(-6707071, 15811223, 938772), Vec3(5502191, 5214313, 9923330)},
+            scale);
     }
 }
 
