@@ -56,6 +56,24 @@ Colord spot_power(const SpotLight& spot, double cutoff) {
     return sum * (cutoff / rings) * (2 * pi_d / sectors);
 }
 
+// The centre and the place on the surface are the same floats, or neighbours.
+TEST(AreaLight, SpheresOfSomeUlpsShineFromTheSideThatIsSeen) {
+    const Vec3 center(4.3f, -1.7f, 5.f);
+    for (const float radius : {1e-9f, 1e-8f, 1e-7f, 3e-7f, 1e-6f}) {
+        const std::vector<Shape> shapes = {Sphere{center, radius}};
+        const AreaLight light(0, shapes[0], Texture(Color(Color::Ones())));
+        for (const float phi : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f}) {
+            const Vec3 p = center + Vec3(2.f * std::cos(phi), 3.f * std::sin(phi), -4.f);
+            const auto sample = sample_light(light, shapes, p, Vec2(0.f, 0.5f));  // the middle of its disc
+            ASSERT_TRUE(sample);
+            EXPECT_LT((sample->target - center).normalized().dot(sample->wi), -0.9f) << radius << ' ' << phi;
+            const EmissionSample start = sample_emission(light, shapes, Vec2(0.3f, 0.2f * phi), Vec2(0.f, 0.2f * phi));
+            EXPECT_NEAR(start.normal.norm(), 1.f, 1e-6f) << radius << ' ' << phi;
+            EXPECT_GT((start.ray.o - center).normalized().dot(start.normal), 0.9f) << radius << ' ' << phi;
+        }
+    }
+}
+
 TEST(SpotLight, PowerIsTheIntegralOfItsIntensity) {
     for (const auto& [cutoff, beam] : {std::pair(20.0, 15.0), std::pair(20.0, 0.0), std::pair(20.0, 20.0),
                                        std::pair(180.0, 90.0), std::pair(180.0, 180.0), std::pair(0.01, 0.004)}) {
