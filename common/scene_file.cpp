@@ -1,6 +1,7 @@
 #include "common/scene_file.h"
-#include "common/coincident_shapes.h"
 
+#include "common/coincident_shapes.h"
+#include "common/float_traps.h"
 #include "common/scene_bsdf.h"
 #include "common/scene_emitter.h"
 #include "common/scene_medium.h"
@@ -48,8 +49,11 @@ public:
     SceneParts finish(const XmlElement& root, Sensor sensor) {
         if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
         SceneParts parts;
-        parts.origin = bounds_.center();
-        if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
+        {
+            const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
+            parts.origin = bounds_.center();
+            if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
+        }
         parts.objects = recentred_objects(pending_, parts.origin);
         refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
         place_instances(parts);

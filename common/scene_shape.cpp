@@ -92,9 +92,9 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
                 p1 = properties.point("p1").value_or(Vec3d::UnitZ());
     const double radius = properties.positive("radius", 1);
-    const Vec3d along = (p1 - p0).stableNormalized();
-    if (!(along.norm() > 0.5))
+    if (p0 == p1)
         throw InputError(properties.where(properties.has("p1") ? "p1" : "p0"), "'p0' and 'p1' are the same point");
+    const Vec3d along = (0.5 * p1 - 0.5 * p0).stableNormalized();  // halves, whose difference is finite
     // Where u is 0 is Mitsuba's choice; the rest of float's rounding is taken off.
     const Vec3d s0 = Frame(along.cast<float>()).s.cast<double>();
     const Vec3d s = (s0 - s0.dot(along) * along).normalized(), t = along.cross(s);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace gib {
@@ -76,7 +77,7 @@ std::string CsvTable::text() const {
     return text;
 }
 
-std::string csv_number(double value) { return fmt::format("{:.9g}", value); }
+std::string csv_number(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.9g}", value); }
 
 CsvTable parse_csv(std::string_view text, const std::string& file) {
     auto records = records_in(text, file);

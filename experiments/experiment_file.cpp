@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 namespace gib {
@@ -115,7 +116,8 @@ double parse_target(const std::string& text, const SourceLocation& where) {
     double value = 0;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
     if (percent) value /= 100;
-    if (error != std::errc() || end != number.data() + number.size() || !(value > 0 && value < 1))
+    if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value) || value <= 0 ||
+        value >= 1)
         throw InputError(where, fmt::format("a target is a relative error such as \"1%\" or 0.01, not '{}'", text));
     return value;
 }

@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::size_t least_points = 4;  // three unknowns, and one to see whether they fit
 constexpr double least_slope = 0.1, largest_slope = 4;
-constexpr double end_span = 4;       // in time: half the error, if it falls as noise does
+constexpr double end_span = 4;  // in time: half the error, if it falls as noise does
+/// Of the last squared error: less is what rounding leaves of no floor at all.
+constexpr double least_floor = 1e-6;
 constexpr double least_fall = 0.01;  // of the squared error over the measured span
 
 using Curve = std::vector<ErrorPoint>;
@@ -52,7 +54,7 @@ Fit fit_linear_part(const Curve& curve, double start, double slope, double unit,
     const double determinant = aa * bb - ab * ab;
     double floor = determinant > 0 ? (a * bb - b * ab) / determinant : 0;
     double factor = determinant > 0 ? (b * aa - a * ab) / determinant : 0;
-    if (!with_floor || !(floor > 0)) floor = 0, factor = b / bb;
+    if (!with_floor || !(floor > least_floor * curve.back().error2)) floor = 0, factor = b / bb;
     if (with_floor && !(factor > 0)) floor = a / aa, factor = 0;
     Fit fit{{floor, factor * std::pow(unit, slope), slope, start}, 0};
     for (const auto& p : curve)

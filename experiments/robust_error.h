@@ -4,6 +4,7 @@
 
 #include "experiments/reference_image.h"
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -29,7 +30,7 @@ RobustError robust_error(const std::vector<Image>& replicates, const Image& refe
 
 /// Whether few pixels hold most of the error, and there are others.
 inline bool is_decided_by_outliers(const RobustError& error) {
-    return error.trimmed == error.trimmed && error.share >= outlier_share_to_flag;
+    return !std::isnan(error.trimmed) && !std::isnan(error.share) && error.share >= outlier_share_to_flag;
 }
 
 }  // namespace gib

@@ -1,6 +1,7 @@
 // Irradiance records and their cache where formulas end: distances of 0, dark edges, values near the ends of floats,
 // corners and needles.
 
+#include "common/float_traps.h"
 #include "methods/irradiance_cache.h"
 #include "tests/hard_cases.h"
 #include "tests/moments.h"
@@ -50,6 +51,7 @@ TEST(DegenerateRecord, ThatTouchesASurfaceIsFiniteAndServesNothingElse) {
 }
 
 TEST(DegenerateRecord, OfWhatIsNoRadianceIsNotFinite) {
+    const FloatTrapsPaused paused;  // what is not finite is given
     for (const float bad : {infinity, std::numeric_limits<float>::quiet_NaN()}) {
         const auto strata = HemisphereStrata::of(16);
         std::vector<HemisphereSample> samples(static_cast<std::size_t>(strata.count()), {Color::Ones(), 1.f});

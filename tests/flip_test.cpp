@@ -3,6 +3,7 @@
 #include "experiments/flip.h"
 
 #include "common/error.h"
+#include "common/float_traps.h"
 #include "common/parallel.h"
 #include "common/srgb.h"
 #include "experiments/flip_filters.h"
@@ -304,6 +305,7 @@ TEST(FlipImage, HasTheColorsOfMagma) {
 }
 
 TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
+    const FloatTrapsPaused paused;  // not a number is given
     const Image image = constant_image({1, 1, 1});
     Image bad = image;
     bad.rgb[7] = std::numeric_limits<float>::quiet_NaN();

@@ -50,8 +50,8 @@ TEST(PriceLaw, GivesBackTheLawOfExactCurves) {
 TEST(PriceLaw, NextHalvingIsWhenTheLawSaysSo) {
     // Pure noise of slope 1 after no preparation: four times the time. With a preparation of 16 s half of which is the
     // end: (16 + 4 * 16) / 32.
-    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 0}, 1), 0)->next_halving->value, 4, 1e-3);
-    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 16}, 1), 16)->next_halving->value, 2.5, 1e-3);
+    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 0}, 1), 0)->next_halving.value().value, 4, 1e-3);
+    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 16}, 1), 16)->next_halving.value().value, 2.5, 1e-3);
     // At 16 s the floor is above a quarter of the squared error: never.
     EXPECT_FALSE(fit_price_law(exact_runs({1e-3, 4e-3, 1, 0}, 4), 0)->next_halving.has_value());
     const ErrorLaw law{1e-4, 4e-3, 1, 2};
