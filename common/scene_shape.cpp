@@ -92,9 +92,10 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
                 p1 = properties.point("p1").value_or(Vec3d::UnitZ());
     const double radius = properties.positive("radius", 1);
-    if (p0 == p1)
+    const Vec3d half_axis = 0.5 * p1 - 0.5 * p0;  // finite, as the whole may not be
+    if (half_axis.isZero(0))
         throw InputError(properties.where(properties.has("p1") ? "p1" : "p0"), "'p0' and 'p1' are the same point");
-    const Vec3d along = (0.5 * p1 - 0.5 * p0).stableNormalized();  // halves, whose difference is finite
+    const Vec3d along = half_axis.stableNormalized();
     // Where u is 0 is Mitsuba's choice; the rest of float's rounding is taken off.
     const Vec3d s0 = Frame(along.cast<float>()).s.cast<double>();
     const Vec3d s = (s0 - s0.dot(along) * along).normalized(), t = along.cross(s);
@@ -107,7 +108,11 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     if (!(unit.transpose() * unit).isIdentity(1e-5))
         throw InputError(properties.where("to_world"),
                          "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
-    return {linear * p0 + to_world.topRightCorner<3, 1>(), linear * (p1 - p0), unit.col(0), unit.col(1), scale * radius,
+    return {linear * p0 + to_world.topRightCorner<3, 1>(),
+            2 * (linear * half_axis),
+            unit.col(0),
+            unit.col(1),
+            scale * radius,
             properties.boolean("flip_normals", false)};
 }
 

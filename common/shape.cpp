@@ -129,7 +129,9 @@ void Mesh::prepare() {
 /// sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
-    const Vec3d n = product_of_edges(*this, i);
+    Vec3d n = product_of_edges(*this, i);
+    // Rays meet the triangle of the rounded edges, which may have an area where the vertices have none.
+    if (n.isZero(0)) n = t.e1.cast<double>().cross(t.e2.cast<double>());
     const double length = n.norm();
     // A triangle without an area has no normal, and no ray finds it.
     const double scale = length > 0 ? 1 / length : std::numeric_limits<double>::quiet_NaN();

@@ -114,7 +114,7 @@ void link_file(const std::string& from, const std::string& to) {
 
 namespace {
 
-/// What stands there otherwise is of an earlier run.
+/// A picture of a cell that is not in the tables goes.
 void link_or_remove(bool is_there, const std::string& from, const std::string& to) {
     if (is_there) link_file(from, to);
     else fs::remove(to);
@@ -199,8 +199,10 @@ bool ExperimentRun::measure() {
 }
 
 void ExperimentRun::forget_cells() {
+    std::size_t forgotten = 0;
     for (const auto& cell : cells())
-        if (selected(*cell.scene, *cell.label)) fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
+        if (selected(*cell.scene, *cell.label)) forgotten += fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
+    if (forgotten > 0) progress_.message(fmt::format("cells complete already, forgotten: {}", forgotten));
 }
 
 void ExperimentRun::make_references() {

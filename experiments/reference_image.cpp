@@ -11,7 +11,7 @@ namespace gib {
 namespace {
 
 constexpr const char* digest_key = "digest";
-/// What a top-up believes of a file besides its pixels. The last is there only if it is not 0.
+/// What a top-up adds up of a file, its pixels and these. The last is there only if it is not 0.
 std::string digest_of(const LayeredImage& file) {
     std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
     if (file.metadata.count("not_finite") > 0) keys.emplace_back("not_finite");

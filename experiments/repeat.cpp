@@ -103,9 +103,8 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
         const auto again = std::find_if(now.begin(), now.end(), [&](const ManifestCell& other) {
             return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
         });
-        // What an earlier repetition left is no repetition of a cell that failed now.
-        const auto failure = failure_of(cell, run.failures());
-        if (failure || again == now.end()) {
+        if (again == now.end()) {
+            const auto failure = failure_of(cell, run.failures());
             out << fmt::format("not repeated  {}: {}\n", name,
                                failure.value_or("the experiment in the manifest does not have it"));
         } else if (again->passes == cell.passes && again->image == cell.image) {

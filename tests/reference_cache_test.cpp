@@ -138,6 +138,10 @@ TEST_F(ReferenceCacheTest, ValuesThatStillDecodeAreCompared) {
     edited.metadata["passes"] = "1000000";
     write_exr(path_, edited);
     EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
+    edited = written;
+    edited.metadata["not_finite"] = "5";
+    write_exr(path_, edited);
+    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
 }
 
 TEST_F(ReferenceCacheTest, FilesThatAreNoReferenceAreMadeAgain) {

@@ -199,6 +199,9 @@ TEST_F(RunResumeTest, WhatAnInterruptedFreshRunDidNotReachIsDoneAgain) {
         EXPECT_EQ(fresh.interrupt(signal), signal == SIGINT ? 130 : -1);
         if (signal == SIGINT) {
             EXPECT_EQ(table("curves.csv").rows.size(), 4u) << "of the one cell that is complete";
+            EXPECT_TRUE(fs::exists(results("images/tiny-path_spp=4.exr")));
+            EXPECT_FALSE(fs::exists(results("images/tiny-path_spp=8.exr"))) << "of the run before";
+            EXPECT_FALSE(fs::exists(results("images/tiny-path_spp=8-flip.png")));
         }
         EXPECT_EQ(cells().size(), 1u);
 

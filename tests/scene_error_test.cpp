@@ -109,6 +109,9 @@ TEST(SceneErrors, Cylinders) {
     expect_errors(
         {{cylinder("<point name=\"p1\" value=\"0\"/>"), "3:18", "'p0' and 'p1' are the same point"},
          {cylinder("<point name=\"p0\" value=\"0 0 1\"/>"), "3:18", "'p0' and 'p1' are the same point"},
+         {cylinder("<point name=\"p1\" value=\"0 0 5e-324\"/>"), "3:18", "'p0' and 'p1' are the same point"},
+         {cylinder("<point name=\"p0\" value=\"0 0 -1e308\"/>\n<point name=\"p1\" value=\"0 0 1e308\"/>"), "1:1",
+          "the scene is too large"},
          {cylinder("<point name=\"p0\" value=\"0 1\"/>"), "3:18", "one or three numbers"},
          {cylinder("<float name=\"radius\" value=\"0\"/>"), "3:22", "'radius' must be above 0"},
          {cylinder("<float name=\"radius\" value=\"1e30\"/>"), "2:1", "coordinates above"},
