@@ -18,8 +18,10 @@ namespace {
 
 constexpr std::size_t stage_colors = 14;  // --stage-N of page.css
 
-std::string root_percent(double rel_mse) { return percent_text(std::sqrt(std::max(0.0, rel_mse))); }
-std::string clipped(double value) { return short_number(std::max(0.0, value)); }
+/// NaN stays: it must not be hidden.
+double at_least_zero(double value) { return std::isless(value, 0.0) ? 0.0 : value; }
+std::string root_percent(double rel_mse) { return percent_text(std::sqrt(at_least_zero(rel_mse))); }
+std::string clipped(double value) { return short_number(at_least_zero(value)); }
 
 std::size_t method_index(const Analysis& analysis, const std::string& method) {
     const auto& methods = analysis.index.methods;

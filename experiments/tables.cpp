@@ -240,12 +240,13 @@ std::string relative_error_text(const TableRow& row, double resolved) {
 }
 
 std::string short_number(double value) {
+    if (std::isnan(value)) return "nan";
     const double size = std::abs(value);
     if (value != 0 && (size < 1e-3 || size >= 1e5)) return fmt::format("{:.2e}", value);
     const int decimals = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.1 ? 3 : 4;
     return fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string percent_text(double share) { return fmt::format("{:.2f}", 100 * share); }
+std::string percent_text(double share) { return std::isnan(share) ? "nan" : fmt::format("{:.2f}", 100 * share); }
 
 }  // namespace gib

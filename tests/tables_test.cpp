@@ -101,5 +101,13 @@ TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
 
 TEST(Csv, NotANumberIsSeen) { EXPECT_EQ(csv_number(std::nan("")), "nan"); }
 
+TEST(Numbers, NotANumberIsSeen) {
+    EXPECT_EQ(short_number(std::nan("")), "nan");
+    EXPECT_EQ(short_number(-std::nan("")), "nan");
+    EXPECT_EQ(percent_text(std::nan("")), "nan");
+    EXPECT_EQ(short_number(0.125), "0.125");
+    EXPECT_EQ(percent_text(0.125), "12.50");
+}
+
 }  // namespace
 }  // namespace gib::test
