@@ -49,11 +49,7 @@ public:
     SceneParts finish(const XmlElement& root, Sensor sensor) {
         if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
         SceneParts parts;
-        {
-            const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
-            parts.origin = bounds_.center();
-            if (!parts.origin.allFinite()) throw InputError(root.where, "the scene is too large");
-        }
+        parts.origin = center(root);
         parts.objects = recentred_objects(pending_, parts.origin);
         refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
         place_instances(parts);
@@ -168,6 +164,13 @@ private:
         const std::uint32_t index = group_index(*group->element);
         bounds_.extend(transformed(to_world, groups_[index].bounds));
         instances_.push_back({object.where, index, to_world});
+    }
+
+    Vec3d center(const XmlElement& root) const {
+        const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
+        const Vec3d center = bounds_.center();
+        if (!center.allFinite()) throw InputError(root.where, "the scene is too large");
+        return center;
     }
 
     static std::vector<SourceLocation> places_of(const std::vector<Pending>& pending) {

@@ -64,9 +64,8 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
         ->check(CLI::Range(1, 100000));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
     command->add_flag("--fresh", options->fresh,
-                      "forget the complete cells that are selected, at once, and measure them again (references are "
-                      "kept: they follow "
-                      "the scene's content)");
+                      "forget at once what is measured of the selected cells and measure them again (references are "
+                      "kept: they follow the scene's content)");
     CLI::Option* repeat = command->add_option(
         "--repeat", *repeated,
         "RESULT_DIR: instead of an experiment file, render every complete cell of these results again, with the passes "

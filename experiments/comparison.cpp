@@ -1,7 +1,7 @@
 #include "experiments/comparison.h"
 
 #include "experiments/curves.h"
-#include "experiments/tables.h"
+#include "experiments/numbers.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

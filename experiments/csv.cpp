@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <stdexcept>
 
 namespace gib {
@@ -76,8 +75,6 @@ std::string CsvTable::text() const {
         append_row(text, row);
     return text;
 }
-
-std::string csv_number(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.9g}", value); }
 
 CsvTable parse_csv(std::string_view text, const std::string& file) {
     auto records = records_in(text, file);

@@ -16,9 +16,6 @@ struct CsvTable {
     std::string text() const;
 };
 
-/// Nine significant digits; "nan" or "inf" where the value is not finite, because a NaN must not be hidden.
-std::string csv_number(double value);
-
 /// The inverse of CsvTable::text(). Throws InputError at `file` for rows of a wrong length and for open quotes.
 CsvTable parse_csv(std::string_view text, const std::string& file);
 

@@ -202,7 +202,7 @@ void ExperimentRun::forget_cells() {
     std::size_t forgotten = 0;
     for (const auto& cell : cells())
         if (selected(*cell.scene, *cell.label)) forgotten += fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
-    if (forgotten > 0) progress_.message(fmt::format("cells complete already, forgotten: {}", forgotten));
+    if (forgotten > 0) progress_.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
 void ExperimentRun::make_references() {

@@ -1,7 +1,5 @@
 #include "experiments/footing_warnings.h"
 
-#include "experiments/tables.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>

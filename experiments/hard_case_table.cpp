@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "experiments/html.h"
+#include "experiments/numbers.h"
 #include "experiments/report_assets.h"
 
 #include <fmt/format.h>

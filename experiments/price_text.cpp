@@ -1,7 +1,7 @@
 #include "experiments/price_text.h"
 
 #include "common/math.h"
-#include "experiments/tables.h"
+#include "experiments/numbers.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -159,7 +159,7 @@ std::string floor_text(const TableRow& row) {
     if (!row.law) return "";
     const auto& [floor, interval] = row.law->floor;
     if (!interval) return floor > 0 ? percent_text(std::sqrt(floor)) : "0";
-    const std::string upper = percent_text(std::sqrt(std::max(0.0, interval->hi)));
+    const std::string upper = percent_text(std::sqrt(at_least_zero(interval->hi)));
     if (!(interval->lo > 0)) return "below " + upper;
     const double bias2 = floor_bias2(row);
     return fmt::format("{} ({} to {}): bias {}, fixed noise {}", percent_text(std::sqrt(floor)),

@@ -3,13 +3,13 @@
 #include "common/files.h"
 #include "experiments/footing_warnings.h"
 #include "experiments/html.h"
+#include "experiments/numbers.h"
 #include "experiments/price_text.h"
 #include "experiments/report_assets.h"
 #include "experiments/report_data.h"
 #include "experiments/report_images.h"
 #include "experiments/report_pictures.h"
 #include "experiments/report_tables.h"
-#include "experiments/tables.h"
 
 #include <fmt/format.h>
 

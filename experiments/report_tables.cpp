@@ -1,6 +1,7 @@
 #include "experiments/report_tables.h"
 
 #include "experiments/html.h"
+#include "experiments/numbers.h"
 #include "experiments/price.h"
 #include "experiments/price_text.h"
 #include "experiments/tables.h"
@@ -18,8 +19,6 @@ namespace {
 
 constexpr std::size_t stage_colors = 14;  // --stage-N of page.css
 
-/// NaN stays: it must not be hidden.
-double at_least_zero(double value) { return std::isless(value, 0.0) ? 0.0 : value; }
 std::string root_percent(double rel_mse) { return percent_text(std::sqrt(at_least_zero(rel_mse))); }
 std::string clipped(double value) { return short_number(at_least_zero(value)); }
 
@@ -133,7 +132,7 @@ std::string law_row(const TableRow& row) {
 /// bias^2 and variance as a share of their sum; nothing if one is not known.
 std::string split_bar(const ReplicateStatistics& s) {
     if (!std::isfinite(s.bias2->value) || !std::isfinite(s.variance->value)) return "";
-    const double bias = std::max(0.0, s.bias2->value), variance = std::max(0.0, s.variance->value);
+    const double bias = at_least_zero(s.bias2->value), variance = at_least_zero(s.variance->value);
     if (!(bias + variance > 0)) return "";
     const double share = 100 * bias / (bias + variance);
     return fmt::format(

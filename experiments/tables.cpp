@@ -3,11 +3,11 @@
 #include "common/files.h"
 #include "experiments/comparison.h"
 #include "experiments/footing_warnings.h"
+#include "experiments/numbers.h"
 #include "experiments/price_text.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -115,7 +115,7 @@ std::string markdown_row(const TableRow& r, double resolved) {
     if (!r.statistics) return "";
     const auto& s = *r.statistics;
     // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
-    const std::string bias2 = s.bias2 ? short_number(std::max(0.0, s.bias2->value)) : "";
+    const std::string bias2 = s.bias2 ? short_number(at_least_zero(s.bias2->value)) : "";
     return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.scene, r.method,
                        short_number(r.seconds), relative_error_text(r, resolved), r.flip ? short_number(*r.flip) : "",
                        bias2, s.variance ? short_number(s.variance->value) : "",
@@ -232,21 +232,11 @@ std::string relative_error_text(const TableRow& row, double resolved) {
     if (s.rel_mse_corrected <= resolved)
         return fmt::format("below {}, not resolved", percent_text(std::sqrt(resolved)));
     const auto root = [&](double rel_mse) {  // the interval of the plain formula, less the reference's variance
-        return std::sqrt(std::max(0.0, rel_mse - (s.rel_mse.value - s.rel_mse_corrected)));
+        return std::sqrt(at_least_zero(rel_mse - (s.rel_mse.value - s.rel_mse_corrected)));
     };
     Estimate relative{std::sqrt(s.rel_mse_corrected), std::nullopt};
     if (s.rel_mse.interval) relative.interval = Interval{root(s.rel_mse.interval->lo), root(s.rel_mse.interval->hi)};
     return with_interval(relative, percent_text);
 }
-
-std::string short_number(double value) {
-    if (std::isnan(value)) return "nan";
-    const double size = std::abs(value);
-    if (value != 0 && (size < 1e-3 || size >= 1e5)) return fmt::format("{:.2e}", value);
-    const int decimals = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.1 ? 3 : 4;
-    return fmt::format("{:.{}f}", value, decimals);
-}
-
-std::string percent_text(double share) { return std::isnan(share) ? "nan" : fmt::format("{:.2f}", 100 * share); }
 
 }  // namespace gib

@@ -22,9 +22,4 @@ void write_tables(const Analysis& analysis, const ResultFolder& folder);
 /// reference does not resolve it.
 std::string relative_error_text(const TableRow& row, double resolved);
 
-/// Three significant digits: "12.3", "0.0123", "1.23e+04".
-std::string short_number(double value);
-/// A share in percent, "4.56".
-std::string percent_text(double share);
-
 }  // namespace gib

@@ -2,6 +2,8 @@
 
 #include "experiments/tables.h"
 
+#include "experiments/numbers.h"
+
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -99,12 +101,13 @@ TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
     EXPECT_THROW(parse_csv("a\n\"open\n", "t.csv"), InputError);
 }
 
-TEST(Csv, NotANumberIsSeen) { EXPECT_EQ(csv_number(std::nan("")), "nan"); }
-
 TEST(Numbers, NotANumberIsSeen) {
+    EXPECT_EQ(csv_number(std::nan("")), "nan");
     EXPECT_EQ(short_number(std::nan("")), "nan");
     EXPECT_EQ(short_number(-std::nan("")), "nan");
     EXPECT_EQ(percent_text(std::nan("")), "nan");
+    EXPECT_TRUE(std::isnan(at_least_zero(std::nan(""))));
+    EXPECT_EQ(at_least_zero(-1), 0);
     EXPECT_EQ(short_number(0.125), "0.125");
     EXPECT_EQ(percent_text(0.125), "12.50");
 }
