@@ -78,7 +78,8 @@ ParameterValues::ParameterValues(const std::vector<Parameter>& declared, const M
     : declared_(declared), values_(label.values) {
     for (std::size_t i = 0; i < values_.size(); ++i) {
         const auto& [key, value] = values_[i];
-        const auto p = std::find_if(declared_.begin(), declared_.end(), [&](const auto& d) { return d.name == key; });
+        const auto p = std::find_if(declared_.begin(), declared_.end(),
+                                    [&wanted = key](const auto& d) { return d.name == wanted; });
         if (p == declared_.end()) {
             std::vector<std::string> names;
             for (const auto& d : declared_)
