@@ -12,8 +12,13 @@ namespace {
 /// exp(-sigma t) by channel, for an infinite t too.
 Color attenuation(const Color& sigma, float t) { return (sigma > 0.f).select((-sigma * t).exp(), Color::Ones()); }
 
-/// The distance to the next of events that come at this rate.
-float free_flight(float rate, float u) { return rate > 0.f ? -std::log1p(-u) / rate : infinity; }
+/// The distance to the next of events that come at this rate. Of two numbers, for 48 bits: from one of 24 bits the
+/// chance of an event within an optical depth of 1e-6 would be a multiple of 2^-24 = 6e-8.
+float free_flight(float rate, NumberStream& numbers) {
+    if (!(rate > 0.f)) return infinity;
+    const double high = numbers.next(), low = numbers.next();
+    return static_cast<float>(-std::log1p(-(high + 0x1p-24 * low))) / rate;
+}
 
 }  // namespace
 
@@ -47,7 +52,7 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
     int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
     while (q[channel] == 0.f)  // a sum of shares that is rounded down
         --channel;
-    const float t = free_flight(sigma[channel], u.next());
+    const float t = free_flight(sigma[channel], u);
     const auto mean = [&](const Color& density) {
         return injected(Fault::flight_channel) ? density[channel] : (q * density).sum();
     };
@@ -67,7 +72,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
     // From the grid's edge on: a flight is an ulp of the way to a dense grid far away.
     const Vec3 edge = from + begin * w;
     for (float t = 0.f;;) {
-        t += free_flight(majorant_, u.next());
+        t += free_flight(majorant_, u);
         if (!(t < end - begin)) return std::nullopt;
         const Vec3 p = edge + t * w;
         const Color sigma = extinction_at(p);
@@ -95,7 +100,7 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
     // Little light is followed by roulette, which ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;
     for (float t = 0.f;;) {
-        t += free_flight(majorant_, u.next());
+        t += free_flight(majorant_, u);
         if (!(t < end - begin)) return transmitted;
         transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
         if (transmitted.maxCoeff() > little) continue;

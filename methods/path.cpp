@@ -79,7 +79,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
                     const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
                     pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
                     if (vertex >= first_roulette_vertex &&
-                        !survives(beta, eta_scale, most_survival, u.roulette(), sample[path.component()]))
+                        !survives(beta, eta_scale, most_survival(vertex), u.roulette(), sample[path.component()]))
                         break;
                     traced.ray = {previous, wi};
                     rays.trace(traced);
@@ -131,7 +131,7 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
         path.scatter(next->lobe);
 
-        const float most = next->delta ? most_specular_survival(vertex) : most_survival;
+        const float most = next->delta ? most_specular_survival(vertex) : most_survival(vertex);
         if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, most, u.roulette(), sample[path.component()]))
             break;
         previous = hit->p;

@@ -39,15 +39,6 @@ const char* name_of(PhotonMapKind kind) {
     return "photons";
 }
 
-/// From this hit on survival is capped, so that walks among white surfaces end; the rescaling keeps them unbiased.
-/// Among specular ones they are longer: see roulette.h.
-constexpr int first_capped_hit = 64;
-constexpr float capped_survival = 0.9f;
-float most_survival_at(int vertex, bool only_specular) {
-    if (only_specular) return most_specular_survival(vertex);
-    return vertex < first_capped_hit ? 1.f : capped_survival;
-}
-
 /// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals
 /// agree.
 /// wo is where the photon came from. Source: Veach 1997, section 5.3.
@@ -162,8 +153,7 @@ private:
             result_.photons.emplace_back(p, fluence, wo, wo, edges, true, stratum_);
         }
         const VertexNumbers u = sampler_.at_vertex(edges - 1);
-        const float most = most_survival_at(edges - 1, false);
-        if (!survives(power_.maxCoeff() / before.maxCoeff(), most, u.roulette())) return false;
+        if (!survives(power_.maxCoeff() / before.maxCoeff(), most_survival(edges - 1), u.roulette())) return false;
         path_.in_medium = true;
         ray = {p, medium_->phase().sample(wo, u.bsdf_direction())};
         return true;
@@ -176,7 +166,7 @@ private:
         const Color albedo = c.diffuse + c.specular;
         account(power_ * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = sampler_.at_vertex(vertex);
-        const float most = most_survival_at(vertex, is_black(c.diffuse));
+        const float most = is_black(c.diffuse) ? most_specular_survival(vertex) : most_survival(vertex);
         if (!survives(albedo.maxCoeff(), most, u.roulette())) return false;
 
         const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);

@@ -4,6 +4,7 @@
 #include "methods/method.h"
 #include "methods/surface_disc.h"
 
+#include <algorithm>
 #include <atomic>
 
 namespace gib {
@@ -20,13 +21,19 @@ const Bsdf& white() {
     return bsdf;
 }
 
-/// The surface that a photon lies on, found by a short ray down to it; empty if rounding keeps it from being found.
+/// The surface that a photon lies on, found by short rays down to it; empty if rounding keeps it from being found. They
+/// begin within some ulps of the place, so that they stay within a room that is small against the scene, and end where
+/// the rounding of a shape does that is as large as the scene.
 std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) {
+    constexpr float growth = 8.f, lowest = 1e-10f, highest = 1e-5f;  // the latter two of the diagonal
     const Vec3 normal = photon.surface_normal();
-    const float height = 1e-5f * rays.scene().diagonal();
-    auto hit = rays.intersect({photon.p + height * normal, -normal, 0.f, 2.f * height});
-    if (!hit || normal_towards(*hit, normal).dot(normal) < min_normal_cosine) return std::nullopt;
-    return hit;
+    const float diagonal = rays.scene().diagonal();
+    const float nearest = std::max(8.f * unit_roundoff * photon.p.cwiseAbs().maxCoeff(), lowest * diagonal);
+    for (float height = nearest; height <= highest * diagonal; height *= growth) {
+        auto hit = rays.intersect({photon.p + height * normal, -normal, 0.f, 2.f * height});
+        if (hit && normal_towards(*hit, normal).dot(normal) >= min_normal_cosine) return hit;
+    }
+    return std::nullopt;
 }
 
 /// How far a place's estimate reaches, in the bits that hold a photon's edges: as a part of the largest radius, rounded

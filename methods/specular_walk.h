@@ -160,7 +160,7 @@ private:
             hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, Lobes::specular);
         if (!next) return std::nullopt;
         take(*next, next->pdf_w, next->delta || !sees_lights ? infinity : next->pdf_w);
-        const float most = next->delta ? most_specular_survival(at_.vertex) : most_survival;
+        const float most = next->delta ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (at_.vertex >= first_roulette_vertex && !survives(most, u.roulette(), visitor)) return std::nullopt;
         return hit.shading.to_world(next->wi);
     }

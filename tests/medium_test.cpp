@@ -1,9 +1,12 @@
 #include "common/medium.h"
 
+#include "common/parallel.h"
 #include "tests/moments.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <atomic>
 #include <numbers>
 
 namespace gib {
@@ -159,6 +162,22 @@ TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
             expect("place", place[k], first);
         }
     }
+}
+
+// The chance of an event is the optical depth, here 1e-11; of 5e7 flights none ends (alpha = 5e-4). Were it made of one
+// number of 24 bits, three would.
+TEST(Medium, ThinOnesScatterAsRarelyAsTheyShould) {
+    const Medium medium(GridVolume(Color::Constant(1e-11f)), 1.f, GridVolume(Color::Ones()), {});
+    std::atomic<int> events = 0;
+    parallel_blocks(50000000, 1 << 16, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Sampler sampler(PointSet::independent, 5, i, 0);
+            NumberStream u(sampler);
+            Color throughput = Color::Ones();
+            if (medium.sample_flight(Vec3::Zero(), Vec3::UnitX(), 1.f, u, throughput)) ++events;
+        }
+    });
+    EXPECT_EQ(events, 0);
 }
 
 TEST(Medium, TransmittanceHasItsMean) {
