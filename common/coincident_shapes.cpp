@@ -108,6 +108,18 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
                                                place_text(where[it->second], where[i].file)));
         });
     }
+    if (first.empty()) return;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        if (objects[i].radiance) continue;
+        for_each_place(objects[i].shape, [&](const Place& place) {
+            const auto lamp = first.find(place);
+            if (lamp == first.end() || lamp->second < i) return;
+            throw InputError(where[lamp->second],
+                             fmt::format("this lamp lies exactly in the place of the surface at {}: rays would meet "
+                                         "that. Put the lamp first, leave the other out, or a gap between them",
+                                         place_text(where[i], where[lamp->second].file)));
+        });
+    }
 }
 
 void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, std::span<const Material> materials,

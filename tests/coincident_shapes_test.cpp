@@ -67,6 +67,17 @@ TEST(CoincidentShapes, GroupsAreLookedInto) {
     EXPECT_THAT(input_error_of([&] { load(group(water)); }), HasSubstr("test.xml:4:1: this surface lies exactly"));
 }
 
+TEST(CoincidentShapes, LampsBehindSurfacesAreRefused) {
+    const std::string emitter = "<emitter type='area'><rgb name='radiance' value='1'/></emitter>";
+    EXPECT_EQ(error_of(emitter, diffuse), "no error") << "the lamp is seen";
+    EXPECT_THAT(error_of(diffuse, emitter),
+                HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the surface at line 2: rays would"));
+    const std::string square = "<shape type='rectangle'>";
+    EXPECT_THAT(
+        input_error_of([&] { load(square + "</shape><shape type='sphere'/>\n" + square + emitter + "</shape>"); }),
+        HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the surface at line 2"));
+}
+
 TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
     const std::string lamp =
         "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";
