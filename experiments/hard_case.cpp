@@ -7,9 +7,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 namespace gib {
 
@@ -68,6 +70,14 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
                         : fmt::format("the interval is {:.3g} % wide to either side, more than {:.3g} %",
                                       100 * found.half_width / hard.expected, 100 * resolve);
     return verdict;
+}
+
+HardCaseVerdict judge_omission(const std::string& missing, const std::vector<std::string>& may_leave_out) {
+    std::istringstream names(missing);
+    for (std::string name; std::getline(names, name, ';');)
+        if (std::find(may_leave_out.begin(), may_leave_out.end(), name) == may_leave_out.end())
+            return failed({}, fmt::format("leaves out {}, which `leaves_out` does not allow", name));
+    return {Verdict::left_out, std::nullopt, 0, "leaves out " + missing};
 }
 
 }  // namespace
@@ -151,14 +161,15 @@ std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& me
     return std::nullopt;
 }
 
-HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve) {
+HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
+                      const std::vector<std::string>& may_leave_out) {
     if (hard.relation == Relation::refused) {
         if (images.refusal.empty()) return failed({}, "not refused");
         if (images.refusal.find(hard.refusal) == std::string::npos) return failed({}, "refused: " + images.refusal);
         return {Verdict::holds, std::nullopt, 0, images.refusal};
     }
     if (!images.refusal.empty()) return failed({}, "refused: " + images.refusal);
-    if (!images.missing.empty()) return {Verdict::left_out, std::nullopt, 0, "leaves out " + images.missing};
+    if (!images.missing.empty()) return judge_omission(images.missing, may_leave_out);
     const HardCaseVerdict found = mean_of_seeds(images.means, tail);
     if (images.not_finite > 0) return failed(found, fmt::format("{} values are not finite", images.not_finite));
     if (images.negative > 0) return failed(found, fmt::format("{} values are negative", images.negative));

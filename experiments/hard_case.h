@@ -15,7 +15,8 @@ namespace gib {
 /// What came of a case, seed by seed.
 struct HardCaseImages {
     std::string refusal;        ///< the message if the scene or the method was refused; then there is nothing else
-    std::string missing;        ///< effects that the scene calls for and the method leaves out; then nothing else
+    std::string missing;        ///< effects that the scene calls for and the method leaves out, with `;` between them;
+                                ///< then nothing else
     std::vector<double> means;  ///< [W/(sr m^2)] of each seed's image, over pixels and channels
     double smallest = 0;        ///< of all pixels' means over the channels
     double largest = 0;
@@ -52,7 +53,9 @@ std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& me
 /// The seeds' means scatter around the method's true mean with Student's t distribution, whatever is correlated within
 /// one image. What is tested: that the interval (leaving out `tail`, both sides together) holds the answer within its
 /// accuracy, and that its half width is at most `resolve` of the answer (for `at_most`, that it ends at most that far
-/// above it); that no pixel is negative or not finite; for `black`, that every pixel is 0.
-HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve);
+/// above it); that no pixel is negative or not finite; for `black`, that every pixel is 0. Nothing is tested where the
+/// method leaves out effects, and fails if these are not all among `may_leave_out`.
+HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
+                      const std::vector<std::string>& may_leave_out = {});
 
 }  // namespace gib

@@ -1,10 +1,12 @@
 #include "experiments/hard_case_file.h"
 
+#include "common/effects.h"
 #include "common/files.h"
 #include "experiments/method_sweep.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -84,6 +86,19 @@ std::vector<std::pair<std::string, std::map<std::string, std::string>>> paramete
     return grid;
 }
 
+std::vector<std::string> read_effects(const TomlReader& reader, const TomlReader::Entry& entry) {
+    std::vector<std::string> names;
+    for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects")) {
+        const std::string name = reader.string(value, entry.key);
+        const auto& known = effect_descriptions();
+        if (std::none_of(known.begin(), known.end(), [&](const auto& effect) { return effect.name == name; }))
+            throw InputError(reader.at(value),
+                             fmt::format("there is no effect '{}'; `gibench list effects` has all", name));
+        names.push_back(name);
+    }
+    return names;
+}
+
 void read_case(const TomlReader& reader, const toml::node& node, HardCases& file) {
     const toml::table& table = reader.table(node, "case");
     const SourceLocation where = reader.at(node);
@@ -129,12 +144,20 @@ std::string_view name_of(Relation relation) {
     throw std::logic_error("an unknown relation");
 }
 
+std::vector<std::string> HardCases::may_leave_out(const MethodLabel& method) const {
+    std::vector<std::string> names;
+    for (const auto& [part, effects] : leaves_out)
+        if (method.text().find(part) != std::string::npos) names.insert(names.end(), effects.begin(), effects.end());
+    return names;
+}
+
 bool holds_hard_cases(const std::string& path) { return TomlReader(read_file(path), path).root().contains("case"); }
 
 HardCases parse_hard_cases(const std::string& text, const std::string& path) {
     const TomlReader reader(text, path);
     const auto& root = reader.root();
-    reader.check_keys(root, "a file of hard cases", {"title", "seeds", "alpha", "resolve", "method", "case"});
+    reader.check_keys(root, "a file of hard cases",
+                      {"title", "seeds", "alpha", "resolve", "method", "leaves_out", "case"});
     HardCases file;
     file.path = path;
     file.text = text;
@@ -151,6 +174,9 @@ HardCases parse_hard_cases(const std::string& text, const std::string& path) {
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "hard cases need at least one [[method]]");
     file.methods = read_methods(reader, *methods);
+    if (const auto* leaves_out = root.get("leaves_out"))
+        for (const auto& entry : reader.entries(reader.table(*leaves_out, "leaves_out")))
+            file.leaves_out[entry.key] = read_effects(reader, entry);
     const auto* cases = root.get("case");
     if (!cases) throw InputError({path}, "a file of hard cases needs at least one [[case]]");
     for (const auto& node : reader.filled_array(*cases, "case", "[[case]] tables"))

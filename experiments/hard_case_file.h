@@ -7,7 +7,9 @@
 //     resolve = "5%"               # an answer whose interval is wider than this, to either side, is unresolved; a
 //                                  # bound, if the interval ends further above it
 //     [[method]]                   # as in every experiment
-//     name = "path"
+//     name = "radiosity"
+//     [leaves_out]                 # effects that methods whose label contains the key may leave out of a scene's; a
+//     radiosity = ["refraction"]   # method that leaves out more fails
 //     [[case]]
 //     scene = "../scenes/hard/glass.xml"
 //     name = "glass"               # else the scene's
@@ -54,7 +56,11 @@ struct HardCases {
     double alpha = 0.01;
     double resolve = 0.05;
     std::vector<MethodLabel> methods;
+    std::map<std::string, std::vector<std::string>> leaves_out;  ///< part of a label: names of effects
     std::vector<HardCase> cases;
+
+    /// The effects that this method may leave out.
+    std::vector<std::string> may_leave_out(const MethodLabel& method) const;
 
     /// What each verdict may be wrong with, so that all of them together are with `alpha` (Bonferroni).
     double tail() const { return alpha / static_cast<double>(cases.size() * methods.size()); }

@@ -110,7 +110,9 @@ private:
                 {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(file_.seeds)},
                 [&](const std::string& line) { said += line; });
             row.images = images_from_json(nlohmann::json::parse(said));
-            row.verdict = judge(row.hard, row.images, file_.tail(), file_.resolve);
+            row.verdict = judge(
+                row.hard, row.images, file_.tail(), file_.resolve,
+                row.method.empty() ? std::vector<std::string>() : file_.may_leave_out(MethodLabel::parse(row.method)));
         } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& error) {

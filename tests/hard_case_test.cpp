@@ -56,7 +56,7 @@ TEST_P(HardCaseTable, Holds) {
     const auto& [hard, method] = GetParam();
     const HardCases& file = shipped_cases();
     const HardCaseImages images = render_hard_case(*hard, method, file.seeds, 1);
-    const HardCaseVerdict verdict = judge(*hard, images, file.tail(), file.resolve);
+    const HardCaseVerdict verdict = judge(*hard, images, file.tail(), file.resolve, file.may_leave_out(method));
     if (verdict.verdict == Verdict::left_out) GTEST_SKIP() << verdict.why;
     EXPECT_EQ(gib::name_of(verdict.verdict), "holds") << hard->reason << ": " << verdict.why;
 }
@@ -160,6 +160,17 @@ TEST(HardCaseVerdicts, NeitherNanNorNegativeNorRefusedScenesPass) {
     EXPECT_EQ(judge(hard, bad, 0.01, 0.05).verdict, Verdict::holds);
 }
 
+TEST(HardCaseVerdicts, MethodsMayOnlyLeaveOutWhatIsAllowed) {
+    HardCase hard{};
+    hard.expected = 1;
+    HardCaseImages images;
+    images.missing = "caustics;dispersion";
+    EXPECT_EQ(judge(hard, images, 0.01, 0.05, {"dispersion", "textures", "caustics"}).verdict, Verdict::left_out);
+    const HardCaseVerdict verdict = judge(hard, images, 0.01, 0.05, {"caustics"});
+    EXPECT_EQ(verdict.verdict, Verdict::fails);
+    EXPECT_THAT(verdict.why, HasSubstr("leaves out dispersion"));
+}
+
 class HardCaseFile : public testing::Test {
 protected:
     HardCaseFile() { folder_.write("a.xml", "<scene/>"); }
@@ -182,6 +193,17 @@ TEST_F(HardCaseFile, ListsOfParametersMakeCases) {
     EXPECT_EQ(file.cases[3].name, "a b=2 c=y");
     EXPECT_EQ(file.cases[3].parameters, (std::map<std::string, std::string>{{"a", "5"}, {"b", "2"}, {"c", "y"}}));
     EXPECT_EQ(file.tail(), 0.01 / 4);
+}
+
+TEST_F(HardCaseFile, SaysWhatMethodsMayLeaveOut) {
+    const HardCases file = parse(
+        "[leaves_out]\n'path spp' = ['caustics']\npath = ['refraction']\n"
+        "[[case]]\nscene = 'a.xml'\nblack = true\nreason = 'r'\n");
+    EXPECT_THAT(file.may_leave_out(MethodLabel::parse("path")), testing::ElementsAre("refraction"));
+    EXPECT_THAT(file.may_leave_out(MethodLabel::parse("path spp=4")),
+                testing::UnorderedElementsAre("caustics", "refraction"));
+    EXPECT_TRUE(file.may_leave_out(MethodLabel::parse("radiosity")).empty());
+    EXPECT_THAT(error_of("[leaves_out]\npath = ['glass']\n"), HasSubstr("h.toml:4:9: there is no effect 'glass'"));
 }
 
 TEST_F(HardCaseFile, ErrorsHaveTheirPlace) {
