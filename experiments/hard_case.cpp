@@ -56,17 +56,19 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
     if (mean - found.half_width > hard.expected + rounding)
         return failed(found, fmt::format("{:.4g} % too bright", 100 * (mean / hard.expected - 1)));
     const bool bound = hard.relation == Relation::at_most;
-    if (!bound && mean + found.half_width < hard.expected - rounding)
-        return failed(found, fmt::format("{:.4g} % too dark", 100 * (1 - mean / hard.expected)));
+    const double least = bound ? hard.at_least : hard.expected;
+    if (mean + found.half_width < least - rounding)
+        return failed(found, fmt::format("{:.4g} % too dark", 100 * (1 - mean / least)));
     if (!bound && hard.every_pixel &&
         (images.smallest < hard.expected - rounding || images.largest > hard.expected + rounding))
         return failed(found, fmt::format("pixels from {:.6g} to {:.6g}", images.smallest, images.largest));
-    const bool resolved =
-        bound ? mean + found.half_width <= (1 + resolve) * hard.expected : found.half_width <= resolve * hard.expected;
+    const bool resolved = bound ? mean + found.half_width <= (1 + resolve) * hard.expected &&
+                                      (hard.at_least == 0 || mean - found.half_width >= (1 - resolve) * hard.at_least)
+                                : found.half_width <= resolve * hard.expected;
     if (resolved) return found;
     HardCaseVerdict verdict = found;
     verdict.verdict = Verdict::unresolved;
-    verdict.why = bound ? fmt::format("may be more than {:.3g} % too bright", 100 * resolve)
+    verdict.why = bound ? fmt::format("may be more than {:.3g} % outside of its bounds", 100 * resolve)
                         : fmt::format("the interval is {:.3g} % wide to either side, more than {:.3g} %",
                                       100 * found.half_width / hard.expected, 100 * resolve);
     return verdict;

@@ -52,9 +52,9 @@ std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& me
 
 /// The seeds' means scatter around the method's true mean with Student's t distribution, whatever is correlated within
 /// one image. What is tested: that the interval (leaving out `tail`, both sides together) holds the answer within its
-/// accuracy, and that its half width is at most `resolve` of the answer (for `at_most`, that it ends at most that far
-/// above it); that no pixel is negative or not finite; for `black`, that every pixel is 0. Nothing is tested where the
-/// method leaves out effects, and fails if these are not all among `may_leave_out`.
+/// accuracy, and that its half width is at most `resolve` of the answer (for `at_most` and `at_least`, that it ends at
+/// most that far outside of them); that no pixel is negative or not finite; for `black`, that every pixel is 0. Nothing
+/// is tested where the method leaves out effects, and fails if these are not all among `may_leave_out`.
 HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
                       const std::vector<std::string>& may_leave_out = {});
 

@@ -103,8 +103,8 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     const toml::table& table = reader.table(node, "case");
     const SourceLocation where = reader.at(node);
     reader.check_keys(table, "a case",
-                      {"scene", "name", "set", "expected", "at_most", "black", "refused", "accuracy", "reason",
-                       "passes", "every_pixel", "only", "without"});
+                      {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
+                       "reason", "passes", "every_pixel", "only", "without"});
     HardCase hard;
     const toml::node& scene = required(table, where, "scene");
     const std::filesystem::path written(reader.string(scene, "scene"));
@@ -113,6 +113,12 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     if (!std::filesystem::is_regular_file(hard.scene))
         throw InputError(reader.at(scene), fmt::format("there is no scene file '{}'", hard.scene));
     read_answer(reader, table, where, hard);
+    if (const auto* at_least = table.get("at_least")) {
+        if (hard.relation != Relation::at_most)
+            throw InputError(reader.at(*at_least), "'at_least' stands beside 'at_most' only");
+        hard.at_least = reader.positive_number(*at_least, "at_least");
+        if (hard.at_least > hard.expected) throw InputError(reader.at(*at_least), "'at_least' is above 'at_most'");
+    }
     hard.reason = reader.string(required(table, where, "reason"), "reason");
     const auto* accuracy = table.get("accuracy");
     hard.accuracy = accuracy ? reader.positive_number(*accuracy, "accuracy") : rounding;

@@ -16,6 +16,7 @@
 //     set = { eta = [1, 3] }       # the scene's parameters; a list makes a case of each value
 //     expected = 1.0               # the mean over pixels and channels; or at_most = 1.0, black = true,
 //                                  # refused = "what the message has to say"
+//     at_least = 0.9               # beside at_most
 //     accuracy = 1e-5              # of the number expected, relative
 //     reason = "why that is the answer"
 //     passes = 16
@@ -41,6 +42,7 @@ struct HardCase {
     std::map<std::string, std::string> parameters;
     Relation relation = Relation::equal;
     double expected = 0;   ///< [W/(sr m^2)] mean over pixels and channels
+    double at_least = 0;   ///< the same, beside `at_most`; 0: no bound
     double accuracy = 0;   ///< of `expected`, relative: its formula's, and the rounding of the renderer's floats
     std::string refusal;   ///< what the message of a refusal contains
     std::string reason;    ///< why that is the answer

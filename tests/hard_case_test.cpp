@@ -126,6 +126,22 @@ TEST(HardCaseVerdicts, RestOnTheScatterOfSeeds) {
     EXPECT_EQ(judged({0, 1e-30}, Relation::black).verdict, Verdict::fails);
 }
 
+TEST(HardCaseVerdicts, BoundsHaveTwoSides) {
+    HardCase hard{};
+    hard.relation = Relation::at_most;
+    hard.expected = 1;
+    hard.at_least = 0.8;
+    HardCaseImages images;
+    const auto verdict_of = [&](const std::vector<double>& means) {
+        images.means = means;
+        return judge(hard, images, 0.01, 0.05).verdict;
+    };
+    EXPECT_EQ(verdict_of({0.9, 0.9}), Verdict::holds);
+    EXPECT_EQ(verdict_of({0.79, 0.79}), Verdict::fails);
+    EXPECT_EQ(verdict_of({1.01, 1.01}), Verdict::fails);
+    EXPECT_EQ(verdict_of({0.75, 0.85, 0.75, 0.85}), Verdict::unresolved);
+}
+
 TEST(HardCaseVerdicts, NeitherNanNorNegativeNorRefusedScenesPass) {
     HardCase hard{};
     hard.expected = 1;
@@ -213,6 +229,10 @@ TEST_F(HardCaseFile, ErrorsHaveTheirPlace) {
     EXPECT_THAT(error_of(begin + "expected = 1.0\nblack = true\nreason = 'r'\n"), HasSubstr("has one answer"));
     EXPECT_THAT(error_of("[[case]]\nscene = 'b.xml'\n"), HasSubstr("h.toml:4:9: there is no scene file"));
     EXPECT_THAT(error_of(begin + "expected = -1.0\nreason = 'r'\n"), HasSubstr("needs a number above 0"));
+    EXPECT_EQ(error_of(begin + "expected = 1.0\nat_least = 0.5\nreason = 'r'\n"),
+              "h.toml:6:12: 'at_least' stands beside 'at_most' only");
+    EXPECT_EQ(error_of(begin + "at_most = 1.0\nat_least = 2.0\nreason = 'r'\n"),
+              "h.toml:6:12: 'at_least' is above 'at_most'");
     EXPECT_THAT(error_of(begin + "exepcted = 1.0\n"), HasSubstr("exepcted"));
     const std::string whole = begin + "black = true\nreason = 'r'\n";
     EXPECT_THAT(error_of(whole + whole), HasSubstr("two cases are named 'a'"));

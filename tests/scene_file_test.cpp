@@ -163,7 +163,7 @@ TEST(SceneFile, ReferencesShareOneMaterial) {
 
 TEST(SceneFile, ShapesWithoutAMaterialAreGreyAndLightsBlack) {
     const auto loaded = load(
-        "<shape type=\"sphere\"/><shape type=\"sphere\"><emitter type=\"area\"><rgb name=\"radiance\" "
+        "<shape type=\"sphere\"/><shape type=\"disk\"><emitter type=\"area\"><rgb name=\"radiance\" "
         "value=\"3\"/></emitter></shape>");
     EXPECT_EQ(loaded.scene->material_of_shape(0).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.5f);
     EXPECT_FALSE(loaded.scene->material_of_shape(0).two_sided());
