@@ -104,7 +104,7 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     const SourceLocation where = reader.at(node);
     reader.check_keys(table, "a case",
                       {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
-                       "reason", "passes", "every_pixel", "only", "without"});
+                       "reason", "passes", "seeds", "every_pixel", "only", "without"});
     HardCase hard;
     const toml::node& scene = required(table, where, "scene");
     const std::filesystem::path written(reader.string(scene, "scene"));
@@ -124,6 +124,8 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     hard.accuracy = accuracy ? reader.positive_number(*accuracy, "accuracy") : rounding;
     const auto* passes = table.get("passes");
     hard.passes = passes ? static_cast<std::uint32_t>(reader.whole_number(*passes, "passes", 1, 1 << 20)) : 16;
+    const auto* seeds = table.get("seeds");
+    hard.seeds = seeds ? reader.whole_number(*seeds, "seeds", 2, 1000) : file.seeds;
     const auto* every_pixel = table.get("every_pixel");
     hard.every_pixel = every_pixel && yes_or_no(reader, *every_pixel, "every_pixel");
     if (const auto* only = table.get("only")) hard.only = reader.string(*only, "only");

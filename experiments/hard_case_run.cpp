@@ -33,7 +33,11 @@ public:
           folder_(options.out.value_or("results/" + file_.name)),
           threads_(options.threads > 0 ? options.threads
                                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))) {
-        if (options.seeds) file_.seeds = *options.seeds;
+        if (options.seeds) {
+            file_.seeds = *options.seeds;
+            for (HardCase& hard : file_.cases)
+                hard.seeds = *options.seeds;
+        }
         if (file_.seeds < 2) throw InputError("hard cases need at least 2 seeds: their scatter is what is judged by");
         for (const HardCase& hard : file_.cases) {
             if (hard.relation == Relation::refused) {
@@ -92,7 +96,7 @@ private:
     void add(const HardCase& hard, const std::string& method) {
         const bool selected =
             hard.name.find(options_.only) != std::string::npos || method.find(options_.only) != std::string::npos;
-        if (selected) rows_.push_back({hard, method, file_.seeds, {}, {}});
+        if (selected) rows_.push_back({hard, method, hard.seeds, {}, {}});
     }
 
     void judge_row(std::size_t number) {
@@ -107,7 +111,7 @@ private:
         std::string said;
         try {
             run_child(
-                {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(file_.seeds)},
+                {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(row.seeds)},
                 [&](const std::string& line) { said += line; });
             row.images = images_from_json(nlohmann::json::parse(said));
             row.verdict = judge(

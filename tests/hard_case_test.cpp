@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, HardCaseTable, testing::ValuesIn(pairs_to_judg
 TEST_P(HardCaseTable, Holds) {
     const auto& [hard, method] = GetParam();
     const HardCases& file = shipped_cases();
-    const HardCaseImages images = render_hard_case(*hard, method, file.seeds, 1);
+    const HardCaseImages images = render_hard_case(*hard, method, hard->seeds, 1);
     const HardCaseVerdict verdict = judge(*hard, images, file.tail(), file.resolve, file.may_leave_out(method));
     if (verdict.verdict == Verdict::left_out) GTEST_SKIP() << verdict.why;
     EXPECT_EQ(gib::name_of(verdict.verdict), "holds") << hard->reason << ": " << verdict.why;
@@ -209,6 +209,14 @@ TEST_F(HardCaseFile, ListsOfParametersMakeCases) {
     EXPECT_EQ(file.cases[3].name, "a b=2 c=y");
     EXPECT_EQ(file.cases[3].parameters, (std::map<std::string, std::string>{{"a", "5"}, {"b", "2"}, {"c", "y"}}));
     EXPECT_EQ(file.tail(), 0.01 / 4);
+}
+
+TEST_F(HardCaseFile, CasesMayHaveMoreSeeds) {
+    const HardCases file = parse(
+        "[[case]]\nscene = 'a.xml'\nname = 'more'\nseeds = 32\nblack = true\nreason = 'r'\n"
+        "[[case]]\nscene = 'a.xml'\nblack = true\nreason = 'r'\n");
+    EXPECT_EQ(file.cases[0].seeds, 32);
+    EXPECT_EQ(file.cases[1].seeds, file.seeds);
 }
 
 TEST_F(HardCaseFile, SaysWhatMethodsMayLeaveOut) {
