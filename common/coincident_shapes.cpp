@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <set>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -16,24 +19,21 @@ namespace gib {
 namespace {
 
 /// What two pieces of surface have in common if they are in the same place: three vertices in any order, or the numbers
-/// of a sphere, a disk or a cylinder.
+/// of a sphere, a disk or a cylinder but for the sense of its normal.
 using Place = std::array<float, 11>;
 
-Place place_of_triangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+/// And whether its front is on the other side of it than that of the same vertices in another order.
+std::pair<Place, bool> place_of_triangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
     std::array<std::array<float, 3>, 3> corners = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]],
                                                    mesh.vertices[triangle[2]]};
-    std::sort(corners.begin(), corners.end());
-    return {0,
-            corners[0][0],
-            corners[0][1],
-            corners[0][2],
-            corners[1][0],
-            corners[1][1],
-            corners[1][2],
-            corners[2][0],
-            corners[2][1],
-            corners[2][2],
-            0};
+    bool turned = mesh.flip_normals;
+    for (const auto& [a, b] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})  // sorts them
+        if (corners[b] < corners[a]) {
+            std::swap(corners[a], corners[b]);
+            turned = !turned;
+        }
+    const auto& [p, q, r] = corners;
+    return {{0, p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2], 0}, turned};
 }
 
 Place place_of(const Sphere& s) { return {1, s.center.x(), s.center.y(), s.center.z(), s.radius, 0, 0, 0, 0, 0, 0}; }
@@ -50,13 +50,14 @@ template <typename Visit>
 void for_each_place(const Shape& shape, const Visit& visit) {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
         for (const auto& triangle : mesh->triangles)
-            visit(place_of_triangle(*mesh, triangle));
+            std::apply(visit, place_of_triangle(*mesh, triangle));
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-        visit(place_of(*sphere));
+        visit(place_of(*sphere), sphere->flip_normals);
     } else if (const auto* disk = std::get_if<Disk>(&shape)) {
-        visit(place_of(*disk));
+        visit(place_of(*disk), disk->normal.dot(disk->du.cross(disk->dv)) < 0.f);
     } else {
-        visit(place_of(std::get<Cylinder>(shape)));
+        const auto& cylinder = std::get<Cylinder>(shape);
+        visit(place_of(cylinder), cylinder.flip_normals);
     }
 }
 
@@ -97,7 +98,7 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
     std::map<Place, std::size_t> first;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (!objects[i].radiance) continue;
-        for_each_place(objects[i].shape, [&](const Place& place) {
+        for_each_place(objects[i].shape, [&](const Place& place, bool) {
             const auto [it, is_new] = first.emplace(place, i);
             if (is_new) return;
             throw InputError(where[i],
@@ -111,42 +112,143 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
     if (first.empty()) return;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (objects[i].radiance) continue;
-        for_each_place(objects[i].shape, [&](const Place& place) {
+        for_each_place(objects[i].shape, [&](const Place& place, bool) {
             const auto lamp = first.find(place);
-            if (lamp == first.end() || lamp->second < i) return;
+            if (lamp == first.end()) return;
             throw InputError(where[lamp->second],
-                             fmt::format("this lamp lies exactly in the place of the surface at {}: rays would meet "
-                                         "that. Put the lamp first, leave the other out, or a gap between them",
+                             fmt::format("this lamp lies exactly in the place of the surface at {}: which of them a "
+                                         "ray meets would be left to rounding. Leave one out, or a gap between them",
                                          place_text(where[i], where[lamp->second].file)));
         });
     }
 }
 
+/// What changes where a path crosses a surface, and which way.
+struct Interface {
+    std::set<Index> indices;
+    MediumSides media;
+
+    bool is_none() const { return indices.empty() && !media.boundary; }
+    bool operator==(const Interface& other) const {
+        return indices == other.indices && media.boundary == other.media.boundary &&
+               media.interior == other.media.interior && media.exterior == other.media.exterior;
+    }
+};
+
+bool touch(const Bounds& a, const Bounds& b) {
+    return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
+
 void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, std::span<const Material> materials,
                                   std::span<const SourceLocation> where) {
-    std::vector<std::set<Index>> of_object;
-    std::set<std::set<Index>> different;
-    for (const auto& object : objects) {
-        of_object.push_back(indices(materials[object.material]));
-        if (!of_object.back().empty()) different.insert(of_object.back());
-    }
-    if (different.size() < 2) return;
-    std::map<Place, std::size_t> first;
+    struct Candidate {
+        std::size_t object;
+        Interface interface;
+        Bounds bounds;
+    };
+    std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        if (of_object[i].empty()) continue;
-        for_each_place(objects[i].shape, [&](const Place& place) {
-            const auto [it, is_new] = first.emplace(place, i);
-            if (!is_new && of_object[it->second] != of_object[i])
-                throw InputError(
-                    where[i], fmt::format("this surface lies exactly in the place of the one at {}, which refracts "
-                                          "otherwise: a ray would meet only one of them. Let them overlap or leave a "
-                                          "gap, or make them one surface with both int_ior and ext_ior",
-                                          place_text(where[it->second], where[i].file)));
+        Interface interface { indices(materials[objects[i].material]), objects[i].media };
+        if (!interface.is_none()) candidates.push_back({i, std::move(interface), bounds_of(objects[i].shape)});
+    }
+    std::map<Place, std::pair<const Candidate*, bool>> first;
+    constexpr std::size_t most_compared = 1000;
+    for (const Candidate& c : candidates) {
+        const bool is_alone = candidates.size() <= most_compared &&
+                              std::none_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+                                  return &other != &c && touch(c.bounds, other.bounds);
+                              });
+        if (is_alone) continue;
+        for_each_place(objects[c.object].shape, [&](const Place& place, bool turned) {
+            const auto [it, is_new] = first.emplace(place, std::pair(&c, turned));
+            const auto& [other, other_turned] = it->second;
+            if (is_new || (other->interface == c.interface && other_turned == turned)) return;
+            throw InputError(
+                where[c.object],
+                fmt::format("this surface lies exactly in the place of the one at {}, which {}: a ray would meet only "
+                            "one of them. Let them overlap or leave a gap, or make them one surface with what lies on "
+                            "both sides",
+                            place_text(where[other->object], where[c.object].file),
+                            other->interface == c.interface                   ? "faces the other way"
+                            : other->interface.indices != c.interface.indices ? "refracts otherwise"
+                                                                              : "bounds another medium"));
         });
     }
 }
 
+/// The normal of a lamp that lies in a plane, towards its front.
+std::optional<Vec3> normal_of_flat(const Shape& shape) {
+    if (const auto* disk = std::get_if<Disk>(&shape)) return disk->normal;
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    if (!mesh) return std::nullopt;
+    std::optional<Vec3d> common;
+    for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
+        const Vec3d n = mesh->normal_of(i).stableNormalized();
+        if (n.isZero(0)) continue;  // of no area
+        if (!common) common = n;
+        if (!(n.dot(*common) > 1 - 1e-6)) return std::nullopt;
+    }
+    return common ? std::optional<Vec3>(common->cast<float>()) : std::nullopt;
+}
+
+Vec3 a_point_of(const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    return mesh ? mesh->vertex(mesh->triangles.front()[0]) : std::get<Disk>(shape).center;
+}
+
+/// Whether a piece of the shape lies in the plane through p, within `distance`, and touches the box.
+bool has_piece_in_plane(const Shape& shape, const Vec3& p, const Vec3& normal, float distance, const Bounds& box) {
+    const auto in_plane = [&](const Vec3& q) { return std::abs((q - p).dot(normal)) <= distance; };
+    if (const auto* disk = std::get_if<Disk>(&shape))
+        return in_plane(disk->center) && in_plane(disk->center + disk->du) && in_plane(disk->center + disk->dv);
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    if (!mesh) return false;
+    return std::any_of(mesh->triangles.begin(), mesh->triangles.end(), [&](const auto& triangle) {
+        Bounds bounds;
+        for (const std::uint32_t i : triangle) {
+            if (!in_plane(mesh->vertex(i))) return false;
+            bounds.add(mesh->vertex(i));
+        }
+        return touch(bounds, box);
+    });
+}
+
+void shift(Shape& shape, const Vec3& by) {
+    if (auto* disk = std::get_if<Disk>(&shape)) {
+        disk->center += by;
+        return;
+    }
+    for (auto& vertex : std::get<Mesh>(shape).vertices)
+        for (int axis = 0; axis < 3; ++axis)
+            vertex[static_cast<std::size_t>(axis)] += by[axis];
+}
+
 }  // namespace
+
+void lift_lamps_off_surfaces(std::span<SceneParts::Object> objects) {
+    for (auto& lamp : objects) {
+        if (!lamp.radiance) continue;
+        const auto normal = normal_of_flat(lamp.shape);
+        if (!normal) continue;
+        const Bounds bounds = bounds_of(lamp.shape);
+        float height = 0;
+        for (const auto& other : objects) {
+            if (other.radiance) continue;
+            const Bounds others = bounds_of(other.shape);
+            const Vec3 extent = bounds.lower.cwiseAbs().cwiseMax(bounds.upper.cwiseAbs()) +
+                                others.lower.cwiseAbs().cwiseMax(others.upper.cwiseAbs());
+            const float rounding =
+                32.f * unit_roundoff * normal->cwiseAbs().dot(extent) + 8.f * unit_roundoff * bounds.diagonal();
+            Bounds around = bounds;
+            around.add(bounds.lower - Vec3::Constant(rounding));
+            around.add(bounds.upper + Vec3::Constant(rounding));
+            if (touch(around, others) &&
+                has_piece_in_plane(other.shape, a_point_of(lamp.shape), *normal, rounding, around))
+                height = std::max(height, 2.f * rounding);
+        }
+        if (height > 0) shift(lamp.shape, height * *normal);
+    }
+}
 
 void refuse_coincident_shapes(std::span<const SceneParts::Object> objects, std::span<const Material> materials,
                               std::span<const SourceLocation> where) {

@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces in exactly the same place where a ray can meet only one, and where that makes an image wrong.
+// Surfaces in the same place, where a ray can meet only one of them, and where that would make an image wrong.
 
 #include "common/error.h"
 #include "common/scene.h"
@@ -11,12 +11,17 @@ namespace gib {
 /// Throws InputError, at the later of the two places, for
 /// - two lamps: points of both are chosen as lights, and a ray that finds a lamp finds one of them; the weights with
 ///   which these are combined then belong to neither;
-/// - a lamp and another surface that comes before it: its points are chosen, but rays never find it;
-/// - two interfaces of refracting materials of different indices or dispersion: a path would cross the one and not the
-///   other, and radiance is multiplied by the square of the ratio of the wrong indices.
-/// Everything else that coincides has a defined result: the shape that comes first in the file is seen.
-/// `where`: of each object.
+/// - a lamp and another surface: its points are chosen, but rays find it or not, as they are rounded;
+/// - two boundaries of media or of refracting materials that differ in their indices, dispersion or media, or in where
+///   their fronts are, as those of two cubes that touch: a path would cross the one and not the other, and be in the
+///   wrong medium or multiply radiance by the square of the ratio of the wrong indices from there on.
+/// Only what is exactly in the same place, triangle by triangle, is found. `where`: of each object.
 void refuse_coincident_shapes(std::span<const SceneParts::Object> objects, std::span<const Material> materials,
                               std::span<const SourceLocation> where);
+
+/// Lifts each lamp that lies in a plane (a rectangle, a disk, a flat mesh), and in which another surface lies too, as
+/// the ceiling does that it is let into, off that surface to its front by twice what both may be rounded: rays then
+/// find the lamp. Not off another lamp.
+void lift_lamps_off_surfaces(std::span<SceneParts::Object> objects);
 
 }  // namespace gib

@@ -34,6 +34,8 @@ struct SurfaceHit : SurfaceGeometry {
     Color Le(const Vec3& wo) const {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
     }
+    /// Whether the shading normal and the geometric one have w on the same side.
+    bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) >= 0.f; }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 };
 
@@ -97,13 +99,15 @@ public:
         if (!sides.boundary) return before;
         return medium(w.dot(hit.ng) > 0.f ? sides.exterior : sides.interior);
     }
+    bool bounds_medium(const SurfaceHit& hit) const { return media_sides_[hit.shape].boundary; }
     const Bounds& bounds() const { return bounds_; }
     /// Of the box around all surfaces [scene units]; lengths given as fractions refer to it.
     float diagonal() const { return bounds_.diagonal(); }
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
-    /// The surface where the accelerator found `intersection` on the ray.
+    /// The surface where the accelerator found `intersection` on the ray. Its shading normal is the geometric one where
+    /// the two disagree about the side that the ray comes from: seen from behind, it would show what is not there.
     std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
     /// Starts to fetch what surface_hit() will read, for callers that have something else to do before.
     void prefetch(const std::optional<Intersection>& intersection) const {

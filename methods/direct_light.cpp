@@ -1,5 +1,7 @@
 #include "methods/direct_light.h"
 
+#include "methods/scattered_ray.h"
+
 namespace gib {
 
 namespace {
@@ -13,6 +15,7 @@ template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
                                                         const Vec3& wo_local, LightTechniques techniques, Lobes which,
                                                         Visibility&& visibility) {
+    if (!hit.normals_agree_about(light.wi)) return {};
     const Vec3 wi_local = hit.shading.to_local(light.wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light.Le)) return {};
@@ -74,10 +77,10 @@ LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                            Lobes which) {
     LobeValues found;
-    const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
+    const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
     if (!next || next->delta) return found;
-    Color beta = next->f * (std::abs(next->wi.z()) / next->pdf_w);
-    Ray ray = hit.spawn_ray(hit.shading.to_world(next->wi));
+    Color beta = next->weight;
+    Ray ray = hit.spawn_ray(next->wi);
     while (!is_black(beta)) {
         const auto light = rays.intersect(ray);
         if (!light) {

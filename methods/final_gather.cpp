@@ -1,5 +1,7 @@
 #include "methods/final_gather.h"
 
+#include "methods/scattered_ray.h"
+
 namespace gib {
 
 namespace {
@@ -23,13 +25,13 @@ Color FinalGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit
     Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < n; ++i) {
         const Sampler u = walk.sampler().split(i, n, gather_tag(walk.vertex()));
-        const auto next = hit.bsdf->sample_local(wo_local, u.get_2d(gather_lobe), u.get_2d(gather_direction),
-                                                 Transport::radiance, Lobes::diffuse);
+        const auto next = sample_scattering(hit, wo_local, u.get_2d(gather_lobe), u.get_2d(gather_direction),
+                                            Transport::radiance, Lobes::diffuse);
         if (!next) continue;
-        TracedRay ray{hit.spawn_ray(hit.shading.to_world(next->wi))};
+        TracedRay ray{hit.spawn_ray(next->wi)};
         rays.trace(ray);
         const Color arriving = light_.arriving(rays, ray, u, walk.edges_left(), found);
-        sum += (next->f * (std::abs(next->wi.z()) / next->pdf_w) * arriving).cast<double>();
+        sum += (next->weight * arriving).cast<double>();
     }
     return (sum / n).cast<float>();
 }
@@ -42,10 +44,12 @@ IrradianceRecord FinalGather::record_at(RayQueries& rays, const RecordPlace& pla
         const Sampler u = place.sampler.split(static_cast<std::uint32_t>(i),
                                               static_cast<std::uint32_t>(strata_.count()), record_tag(place.vertex));
         const Vec3 w = frame.to_world(strata_.direction_local(i, u.get_2d(in_stratum)));
+        HemisphereSample& sample = samples[static_cast<std::size_t>(i)];
+        sample = {Color::Zero(), infinity};
+        if (place.point.ng.dot(w) * place.point.ng.dot(place.normal) < 0.f) continue;  // it would lead into the surface
         TracedRay ray{Ray{offset_origin(place.point, w), w}};
         rays.trace(ray);
-        samples[static_cast<std::size_t>(i)] = {light_.arriving(rays, ray, u, light_.max_edges - 1, found),
-                                                ray.found ? ray.found->t : infinity};
+        sample = {light_.arriving(rays, ray, u, light_.max_edges - 1, found), ray.found ? ray.found->t : infinity};
     }
     return irradiance_record(place.point.p, frame, strata_, samples);
 }

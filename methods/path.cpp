@@ -15,6 +15,7 @@
 #include "methods/method.h"
 #include "methods/pixel_samples.h"
 #include "methods/roulette.h"
+#include "methods/scattered_ray.h"
 
 #include <algorithm>
 
@@ -124,9 +125,9 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
             if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
         }
 
-        const auto next = hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
+        const auto next = sample_scattering(*hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
         if (!next) break;
-        beta *= next->f * (std::abs(next->wi.z()) / next->pdf_w);
+        beta *= next->weight;
         eta_scale *= sqr(next->eta);
         pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
         path.scatter(next->lobe);
@@ -135,9 +136,8 @@ PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, co
         if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, most, u.roulette(), sample[path.component()]))
             break;
         previous = hit->p;
-        const Vec3 wi = hit->shading.to_world(next->wi);
-        if constexpr (features.media_or_dispersion) medium = rays.scene().medium_beyond(*hit, wi, medium);
-        traced.ray = hit->spawn_ray(wi);
+        if constexpr (features.media_or_dispersion) medium = rays.scene().medium_beyond(*hit, next->wi, medium);
+        traced.ray = hit->spawn_ray(next->wi);
         rays.trace(traced);
         ++vertex;
     }

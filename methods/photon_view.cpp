@@ -16,6 +16,7 @@
 #include "methods/photon_map.h"
 #include "methods/photon_walk.h"
 #include "methods/pixel_samples.h"
+#include "methods/scattered_ray.h"
 
 #include <algorithm>
 #include <cmath>
@@ -159,9 +160,9 @@ private:
             if (hit->bsdf->traits_at(wo_local.z()).scatters()) {
                 const VertexNumbers u = sampler.at_vertex(vertex);
                 const auto next =
-                    hit->bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
+                    sample_scattering(*hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
                 if (!next) return sample;
-                wi = hit->shading.to_world(next->wi);
+                wi = next->wi;
             }
             traced.ray = hit->spawn_ray(wi);
             rays.trace(traced);
@@ -188,9 +189,9 @@ private:
                         PixelSample& sample) const {
         if (map_.size() == 0) return false;
         // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
-        for (float t = ray.t_min; t < end; t += size_)
+        for (double t = ray.t_min; t < end; t += size_)
             if (light_up(
-                    ray.o + t * ray.d, [](const Photon&, float) { return true; }, found, sample))
+                    ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, found, sample))
                 return true;
         return false;
     }

@@ -8,6 +8,7 @@
 #include "methods/projection_map.h"
 #include "methods/ray_queries.h"
 #include "methods/roulette.h"
+#include "methods/scattered_ray.h"
 
 #include <algorithm>
 #include <array>
@@ -39,12 +40,13 @@ const char* name_of(PhotonMapKind kind) {
     return "photons";
 }
 
-/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal does to transported power; 1 where both normals
+/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal ns does to transported power; 1 where both normals
 /// agree.
 /// wo is where the photon came from. Source: Veach 1997, section 5.3.
-float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Vec3& wi) {
-    const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(hit.ns));
-    const float denominator = std::abs(wi.dot(hit.ns) * wo.dot(hit.ng));
+float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const ScatteredRay& scattered) {
+    const Vec3 &wi = scattered.wi, &ns = scattered.normal;
+    const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(ns));
+    const float denominator = std::abs(wi.dot(ns) * wo.dot(hit.ng));
     return denominator > 0.f ? numerator / denominator : 0.f;
 }
 
@@ -169,14 +171,13 @@ private:
         const float most = is_black(c.diffuse) ? most_specular_survival(vertex) : most_survival(vertex);
         if (!survives(albedo.maxCoeff(), most, u.roulette())) return false;
 
-        const auto next = hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
+        const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
-        const Vec3 wi = hit.shading.to_world(next->wi);
-        power_ *= next->f * (std::abs(next->wi.z()) / next->pdf_w) * shading_normal_correction(hit, -ray.d, wi);
+        power_ *= next->weight * shading_normal_correction(hit, -ray.d, *next);
         path_.scatter(next->lobe);
-        if (rays_.scene().has_media()) medium_ = rays_.scene().medium_beyond(hit, wi, medium_);
-        ray = hit.spawn_ray(wi);
+        if (rays_.scene().has_media()) medium_ = rays_.scene().medium_beyond(hit, next->wi, medium_);
+        ray = hit.spawn_ray(next->wi);
         return true;
     }
 

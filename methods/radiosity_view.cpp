@@ -2,6 +2,7 @@
 
 #include "methods/pixel_samples.h"
 #include "methods/radiosity_light.h"
+#include "methods/scattered_ray.h"
 #include "methods/specular_walk.h"
 
 namespace gib {
@@ -63,16 +64,16 @@ private:
         Colord sum = Colord::Zero();
         for (std::uint32_t i = 0; i < n; ++i) {
             const Sampler u = walk_.sampler().split(i, n, gather_tag);
-            const auto next = hit.bsdf->sample_local(hit.shading.to_local(wo), u.get_2d(gather_lobe),
-                                                     u.get_2d(gather_direction), Transport::radiance, Lobes::diffuse);
+            const auto next = sample_scattering(hit, hit.shading.to_local(wo), u.get_2d(gather_lobe),
+                                                u.get_2d(gather_direction), Transport::radiance, Lobes::diffuse);
             if (!next) continue;
             const WalkSettings settings{2, false, false};
             SpecularWalk walk(walk_.rays(), u, settings, nullptr);
-            TracedRay ray{hit.spawn_ray(hit.shading.to_world(next->wi))};
+            TracedRay ray{hit.spawn_ray(next->wi)};
             walk_.rays().trace(ray);
             GatherRayVisitor visitor(model_->display());
             walk.follow(ray, visitor);
-            sum += (next->f * (std::abs(next->wi.z()) / next->pdf_w) * visitor.radiance()).cast<double>();
+            sum += (next->weight * visitor.radiance()).cast<double>();
         }
         return (sum / n).cast<float>();
     }

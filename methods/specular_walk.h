@@ -5,6 +5,7 @@
 #include "methods/direct_light.h"
 #include "methods/dispersed_path.h"
 #include "methods/roulette.h"
+#include "methods/scattered_ray.h"
 
 #include <algorithm>
 
@@ -92,26 +93,25 @@ private:
     template <typename Visitor>
     bool split(const SurfaceHit& hit, const Vec3& wo, TracedRay& traced, Visitor& visitor) {
         if (!settings_.follows_specular) return false;
-        const auto lobes = hit.bsdf->delta_pair_local(hit.shading.to_local(wo), Transport::radiance);
-        if (!lobes) return false;
+        const auto ways = both_ways(hit, hit.shading.to_local(wo), Transport::radiance);
+        if (!ways) return false;
         --at_.splits_left;
         const State here = at_;
-        for (const BsdfSample& lobe : *lobes) {
+        for (const ScatteredRay& way : *ways) {
             at_ = here;
-            take(lobe, 1.f, infinity);
+            take(way, infinity);
             if (is_black(at_.beta)) continue;
-            go_on(hit, hit.shading.to_world(lobe.wi), traced);
+            go_on(hit, way.wi, traced);
             ++at_.vertex;
             follow_from(hit.p, traced, visitor);
         }
         return true;
     }
 
-    /// The weight of the way along a sample that is chosen with `probability`, the density of its direction for what
-    /// else could have sampled it.
-    void take(const BsdfSample& lobe, float probability, float pdf_w) {
-        at_.beta *= lobe.f * (std::abs(lobe.wi.z()) / probability);
-        at_.eta_scale *= sqr(lobe.eta);
+    /// `pdf_w`: the density of its direction for what else could have sampled it.
+    void take(const ScatteredRay& way, float pdf_w) {
+        at_.beta *= way.weight;
+        at_.eta_scale *= sqr(way.eta);
         at_.pdf_w = pdf_w;
     }
 
@@ -157,12 +157,12 @@ private:
             if (sees_lights) visitor.emitted(at_.beta * direct_light_by_gloss(hit, wo_local, u));
         }
         const auto next =
-            hit.bsdf->sample_local(wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, Lobes::specular);
+            sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, Lobes::specular);
         if (!next) return std::nullopt;
-        take(*next, next->pdf_w, next->delta || !sees_lights ? infinity : next->pdf_w);
+        take(*next, next->delta || !sees_lights ? infinity : next->pdf_w);
         const float most = next->delta ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (at_.vertex >= first_roulette_vertex && !survives(most, u.roulette(), visitor)) return std::nullopt;
-        return hit.shading.to_world(next->wi);
+        return next->wi;
     }
 
     Color direct_light_by_gloss(const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u) {
