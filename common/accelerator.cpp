@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/float_traps.h"
+#include "common/memory_limit.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -9,6 +10,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
 #include <algorithm>
 #include <array>
@@ -130,7 +132,13 @@ void query(RTCScene scene, const int* valid, RTCRayHit8& packet) {
 #endif
 }
 
+/// What Embree takes while it builds, of which it keeps the larger part: 76 were measured for a mesh of 4.5 million
+/// triangles.
+constexpr double bytes_per_primitive = 100;
+
 void commit(RTCScene scene, std::size_t primitives) {
+    require_memory(bytes_per_primitive * static_cast<double>(primitives),
+                   fmt::format("the tree of {} triangles and other shapes", primitives));
     const auto build = [&] {
         const FloatTrapsPaused paused;
         rtcJoinCommitScene(scene);

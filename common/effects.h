@@ -4,6 +4,7 @@
 
 #include "common/scene.h"
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct EffectDescription {
 /// All effects, in the order in which they are listed everywhere.
 const std::vector<EffectDescription>& effect_descriptions();
 std::string_view name_of(Effect effect);
+/// Empty: none has this name.
+std::optional<Effect> find_effect(std::string_view name);
 
 /// A set of effects.
 class Effects {
@@ -44,11 +47,13 @@ public:
     }
     static Effects all();
     void add(Effect e) { bits_ |= bit(e); }
+    bool empty() const { return bits_ == 0; }
     bool has(Effect e) const { return (bits_ & bit(e)) != 0; }
     /// In the order of effect_descriptions().
     std::vector<Effect> list() const;
     /// Their names in that order, with `;` between them.
     std::string names() const;
+    friend Effects operator|(Effects a, Effects b) { return Effects(a.bits_ | b.bits_); }
     friend Effects operator&(Effects a, Effects b) { return Effects(a.bits_ & b.bits_); }
     friend Effects operator-(Effects a, Effects b) { return Effects(a.bits_ & ~b.bits_); }
     friend bool operator==(Effects, Effects) = default;

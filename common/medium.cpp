@@ -71,8 +71,9 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
                                               Color& throughput) const {
     // From the grid's edge on: a flight is an ulp of the way to a dense grid far away.
     const Vec3 edge = from + begin * w;
-    for (float t = 0.f;;) {
-        t += free_flight(majorant_, u);
+    for (double way = 0;;) {  // single precision would come to a stop in a long way of short flights
+        way += free_flight(majorant_, u);
+        const auto t = static_cast<float>(way);
         if (!(t < end - begin)) return std::nullopt;
         const Vec3 p = edge + t * w;
         const Color sigma = extinction_at(p);
@@ -99,8 +100,9 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
     const Vec3 edge = from + begin * w;
     // Little light is followed by roulette, which ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;
-    for (float t = 0.f;;) {
-        t += free_flight(majorant_, u);
+    for (double way = 0;;) {
+        way += free_flight(majorant_, u);
+        const auto t = static_cast<float>(way);
         if (!(t < end - begin)) return transmitted;
         transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
         if (transmitted.maxCoeff() > little) continue;

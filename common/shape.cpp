@@ -1,6 +1,9 @@
 #include "common/shape.h"
 
+#include "common/memory_limit.h"
 #include "common/parallel.h"
+
+#include <fmt/format.h>
 
 #include <stdexcept>
 
@@ -115,6 +118,8 @@ bool within(const Ray& ray, double t) {
 }  // namespace
 
 void Mesh::prepare() {
+    require_memory(static_cast<double>(triangles.size()) * sizeof(Facet),
+                   fmt::format("a mesh of {} triangles", triangles.size()));
     facets.resize(triangles.size());
     parallel_blocks(triangles.size(), 1 << 14, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i)

@@ -177,7 +177,7 @@ std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t
                     if (seen_before) continue;
                     const Sampler sampler(PointSet::sobol, seed, y * width + x, 0);
                     TracedRay eye{scene_.sensor().sample_ray(static_cast<int>(x), static_cast<int>(y), sampler)};
-                    rays.trace(eye);
+                    rays.trace_from_camera({&eye.ray, 1}, {&eye.found, 1});
                     SpecularWalk walk(rays, sampler, settings, nullptr);
                     CandidateVisitor visitor(*this, walk, found[y]);
                     walk.follow(eye, visitor);

@@ -21,9 +21,10 @@ const Bsdf& white() {
     return bsdf;
 }
 
-/// The surface that a photon lies on, found by short rays down to it; empty if rounding keeps it from being found. They
-/// begin within some ulps of the place, so that they stay within a room that is small against the scene, and end where
-/// the rounding of a shape does that is as large as the scene.
+/// The surface that a photon lies on, found by short rays down to it; empty if rounding keeps it from being found. The
+/// first begins at the height of a few roundings of the place, or of 1e-10 diagonals, so as to stay within a room that
+/// is small against the scene; higher ones are for shapes whose own rounding is more than that of their points, up to
+/// some 1e-6 of a shape as large as the scene. Six at most.
 std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) {
     constexpr float growth = 8.f, lowest = 1e-10f, highest = 1e-5f;  // the latter two of the diagonal
     const Vec3 normal = photon.surface_normal();

@@ -1,6 +1,7 @@
 #include "methods/radiosity_model.h"
 
 #include "common/files.h"
+#include "common/memory_limit.h"
 #include "common/parallel.h"
 #include "common/warp.h"
 #include "methods/radiosity_contacts.h"
@@ -57,6 +58,7 @@ std::size_t most_nodes(const Charts& charts, const RadiositySettings& settings) 
         needed += 0.5 * patches * (patches + 1) * LinkTable::bytes_per_link;
     if (settings.solver == RadiositySolver::direct && !has_limit(settings)) needed += direct_solver_bytes(patches);
     if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", patches)));
+    require_memory(needed, fmt::format("radiosity of {:.0f} patches", patches));
     // The estimate does not know how curved surfaces are and what shape triangles have.
     return static_cast<std::size_t>(settings.memory / bytes_per_node);
 }

@@ -53,6 +53,13 @@ public:
         for (std::size_t i = 0; i < rays.size(); ++i)
             scene_.prefetch(found[i]);
     }
+    /// The same for rays from the camera. They go past a surface that the camera itself lies on, a lamp say: what it
+    /// sees begins beyond it.
+    void trace_from_camera(std::span<Ray> rays, std::span<std::optional<Intersection>> found) {
+        trace(rays, found);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            pass_own_surfaces(rays[i], found[i]);
+    }
     /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes
     /// (masks). Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them
     /// needs no epsilon.
@@ -114,6 +121,35 @@ private:
             origin = offset_origin(*hit, to.wi);
             if (is_past(origin, to.target, to.wi)) return visibility;
         }
+    }
+
+    /// One surface after the other, where several lie in the camera's place.
+    void pass_own_surfaces(Ray& ray, std::optional<Intersection>& found) {
+        // What is farther away is not under the camera, however small its angle with the ray.
+        const float farthest = 1e-3f * scene_.diagonal();
+        const Vec3 camera = ray.o;
+        while (found && found->t <= farthest) {
+            const auto hit = scene_.surface_hit(ray, found);
+            if (!is_under(camera, *hit, ray.d)) return;
+            const Vec3 beyond = offset_origin(*hit, ray.d);
+            const float way = (beyond - ray.o).dot(ray.d);
+            TracedRay rest{{beyond, ray.d, std::max(ray.t_min - way, 0.f), std::max(ray.t_max - way, 0.f)}};
+            trace(rest);
+            ray = rest.ray;
+            found = rest.found;
+        }
+    }
+
+    /// Whether the camera lies on the surface that its ray along w hits, so that there is a hit only by rounding. If it
+    /// hits it from behind, the camera looks away from its front, and all that may be rounded counts. From the front it
+    /// is the rounding of the camera's own place only: one that is close above a large floor sees it. Nor is it in
+    /// glass then. Boundaries of media are hit always: their sides tell what is beyond.
+    bool is_under(const Vec3& camera, const SurfaceHit& hit, const Vec3& w) const {
+        const float distance = std::abs((hit.p - camera).dot(hit.ng));
+        const float rounding = 2.f * unit_roundoff * hit.ng.cwiseAbs().dot(camera.cwiseAbs());
+        if (scene_.bounds_medium(hit)) return false;
+        if (w.dot(hit.ng) > 0.f) return distance <= hit.offset + rounding;
+        return distance <= rounding && !scene_.material_of_shape(hit.shape).traits().refraction;
     }
 
     /// Whether a way along w has come to its end, which may lie in the surface that it has just left behind: the next

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace gib {
 namespace {
 
@@ -67,6 +69,69 @@ TEST(HardGeometryRays, EdgesAndVerticesOfAClosedMeshAreHit) {
                         EXPECT_TRUE(loaded.scene->occluded({o, 2.f * to, 0.f, 1.f})) << scale << ' ' << to.transpose();
                     }
         EXPECT_GT(rays, 5000);
+    }
+}
+
+/// A shape and a camera on it at `from`, in the shape's own coordinates, under a sky of radiance 1.
+LoadedScene camera_on(const std::string& shape_text, const Place& place, const Vec3d& from, const Vec3d& towards) {
+    return scene_of(scene_xml("<sensor type='perspective'><float name='fov' value='90'/>" +
+                              place.view(from, from + towards) + box_film(8) + "</sensor>" + shape_text +
+                              "<emitter type='constant'>" + rgb_xml("radiance", 1) + "</emitter>"));
+}
+
+/// The smallest and the largest value of all pixels and channels.
+std::pair<float, float> range_of(const LoadedScene& scene) {
+    const Image image = render(scene, "path", 2).total();
+    float least = infinity, most = -infinity;
+    for (std::size_t i = 0; i < image.pixels(); ++i) {
+        least = std::min(least, image.at(i).minCoeff());
+        most = std::max(most, image.at(i).maxCoeff());
+    }
+    return {least, most};
+}
+
+// A camera that looks away from the lamp that it lies on, to either side, sees the sky.
+TEST(CameraOnASurface, SeesWhatIsBeyond) {
+    const std::string bright = diffuse_bsdf(0.5) + area_emitter(100);
+    const Vec3d up = Vec3d::UnitZ(), at(0.3, -0.2, 0), on_ball = Vec3d(1, 2, 2) / 3;
+    for (const double scale : {1e-6, 1.0, 1e6})
+        for (const double away : {0.0, 1e4}) {
+            const Place place{scale, away * scale * Vec3d(1.1, -2.3, 1.7)};
+            const auto expect_sky = [&](const std::string& kind, const Vec3d& from, const Vec3d& towards) {
+                const auto [least, most] =
+                    range_of(camera_on(shape(kind, place.transform(), bright), place, from, towards.normalized()));
+                EXPECT_EQ(least, 1.f) << kind << ' ' << scale << ' ' << away << ' ' << towards;
+                EXPECT_EQ(most, 1.f) << kind << ' ' << scale << ' ' << away << ' ' << towards;
+            };
+            for (const std::string kind : {"rectangle", "disk"})
+                for (const Vec3d& towards : {up, Vec3d(-up), Vec3d(up + 0.9 * Vec3d::UnitX())})
+                    expect_sky(kind, at, towards);
+            expect_sky("cube", at + up, up);
+            expect_sky("sphere", on_ball, on_ball);
+        }
+}
+
+// Close above a large sphere, or close under its surface, the camera is not on it: within 8 roundings of the radius of
+// the front, which is less than the offset of points, or within 170 of the back.
+TEST(CameraOnASurface, SeesWhatItIsCloseTo) {
+    const Vec3d on_ball = Vec3d(1, 2, 2) / 3;
+    for (const double radius : {1e-3, 1.0, 1e3}) {
+        const std::string lamp = sphere_at(Vec3d::Zero(), radius, diffuse_bsdf(0.5) + area_emitter(100));
+        const auto above = range_of(camera_on(lamp, Place{}, (1 + 8 * 0x1p-24) * radius * on_ball, -on_ball));
+        EXPECT_GT(above.first, 50.f) << radius;
+        const auto below = range_of(camera_on(lamp, Place{}, (1 - 170 * 0x1p-24) * radius * on_ball, on_ball));
+        EXPECT_EQ(below.second, 0.f) << radius;
+    }
+}
+
+// What loses no light is invisible under an even sky, from its surface too.
+TEST(CameraOnASurface, IsOutsideOfGlass) {
+    const Vec3d on_ball = Vec3d(1, 2, 2) / 3;
+    for (const double side : {-1.0, 1.0}) {
+        const auto [least, most] =
+            range_of(camera_on(sphere_at(Vec3d::Zero(), 1, glass(1.5)), Place{}, on_ball, side * on_ball));
+        EXPECT_NEAR(least, 1.f, 1e-5f) << side;
+        EXPECT_NEAR(most, 1.f, 1e-5f) << side;
     }
 }
 

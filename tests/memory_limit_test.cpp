@@ -2,6 +2,7 @@
 
 #include "common/memory_limit.h"
 
+#include "common/accelerator.h"
 #include "common/environment_map.h"
 #include "input_error.h"
 #include "methods/irradiance_cache.h"
@@ -96,7 +97,8 @@ TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
         {"photon_mapper photons=1000 shadow_photons" + many, "shadow_photons" + many},
         {"photon_view photons" + many, "photons" + many},
         {"radiosity patch=1e-5", "radiosity"},
-        {"radiosity patch=0.002 solver=direct", "radiosity"}};
+        {"radiosity patch=0.002 solver=direct", "radiosity"},
+        {"radiosity patch=5e-4 memory=1000", "radiosity of [0-9]+ patches needs"}};
     for (const auto& [method, what] : requests) {
         const ProgramResult result = run_gibench(
             "render '" + source_path("scenes/cornell-box.xml") + "' --method '" + method + "' -o out.exr", path());
@@ -183,6 +185,33 @@ TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
     const std::string error = input_error_of([&] { const EnvironmentMap map(std::move(image), Frame(Vec3::UnitZ())); });
     EXPECT_THAT(error, refusal("an environment of 4096 x 1025 pixels"));
     EXPECT_THAT(error, HasSubstr(" needs 50331648 bytes")) << "three floats for each column of 1024 rows of cells";
+}
+
+Mesh strip_of_triangles(std::uint32_t count) {
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < count + 3; ++i)  // and the extra one at the end
+        mesh.vertices.push_back({static_cast<float>(i), static_cast<float>(i % 2), 0.f});
+    for (std::uint32_t i = 0; i < count; ++i)
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    return mesh;
+}
+
+TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    std::vector<Shape> shapes = {strip_of_triangles(1'000'000)};
+    Mesh& mesh = std::get<Mesh>(shapes.front());
+    {
+        const AddressSpace limit(address_space_in_use() + (rlim_t{32} << 20));
+        const std::string error = input_error_of([&] { mesh.prepare(); });
+        EXPECT_THAT(error, refusal("a mesh of 1000000 triangles"));
+        EXPECT_THAT(error, HasSubstr(" needs 64000000 bytes"));
+    }
+    mesh.prepare();
+    const AddressSpace limit(address_space_in_use() + (rlim_t{64} << 20));
+    EXPECT_THAT(input_error_of([&] { const Accelerator accelerator(shapes, {}); }),
+                refusal("the tree of 1000000 triangles and other shapes"));
 }
 
 }  // namespace
