@@ -11,7 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <sstream>
+#include <stdexcept>
 
 namespace gib {
 
@@ -74,12 +74,20 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
     return verdict;
 }
 
-HardCaseVerdict judge_omission(const std::string& missing, const std::vector<std::string>& may_leave_out) {
-    std::istringstream names(missing);
-    for (std::string name; std::getline(names, name, ';');)
-        if (std::find(may_leave_out.begin(), may_leave_out.end(), name) == may_leave_out.end())
-            return failed({}, fmt::format("leaves out {}, which `leaves_out` does not allow", name));
-    return {Verdict::left_out, std::nullopt, 0, "leaves out " + missing};
+HardCaseVerdict judge_omission(Effects missing, Effects may_leave_out) {
+    const Effects more = missing - may_leave_out;
+    if (!more.empty()) return failed({}, fmt::format("leaves out {}, which `leaves_out` does not allow", more.names()));
+    return {Verdict::left_out, std::nullopt, 0, "leaves out " + missing.names()};
+}
+
+Effects effects_from_json(const json& names) {
+    Effects effects;
+    for (const json& name : names) {
+        const auto effect = find_effect(name.get<std::string>());
+        if (!effect) throw std::invalid_argument("there is no effect " + name.dump());
+        effects.add(*effect);
+    }
+    return effects;
 }
 
 }  // namespace
@@ -93,7 +101,7 @@ HardCaseImages render_hard_case(const HardCase& hard, const MethodLabel& label, 
         const LoadedScene loaded = load_scene(hard.scene, {hard.parameters, std::nullopt});
         const MethodDescription& description = find_method(label.name);
         const auto method = description.create(ParameterValues(all_parameters(description), label), {loaded.max_edges});
-        images.missing = method->plan(*loaded.scene).missing.names();
+        images.missing = method->plan(*loaded.scene).missing;
         if (!images.missing.empty()) return images;
         with_threads(threads, [&] {
             for (int seed = 1; seed <= seeds; ++seed) {
@@ -112,11 +120,13 @@ HardCaseImages render_hard_case(const HardCase& hard, const MethodLabel& label, 
 }
 
 json to_json(const HardCaseImages& images) {
-    json means = json::array();
+    json missing = json::array(), means = json::array();
+    for (const Effect effect : images.missing.list())
+        missing.push_back(name_of(effect));
     for (const double mean : images.means)
         means.push_back(number_to_json(mean));
     return {{"refusal", images.refusal},
-            {"missing", images.missing},
+            {"missing", missing},
             {"means", means},
             {"smallest", number_to_json(images.smallest)},
             {"largest", number_to_json(images.largest)},
@@ -128,7 +138,7 @@ json to_json(const HardCaseImages& images) {
 HardCaseImages images_from_json(const json& j) {
     HardCaseImages images;
     images.refusal = j.at("refusal");
-    images.missing = j.at("missing");
+    images.missing = effects_from_json(j.at("missing"));
     for (const auto& mean : j.at("means"))
         images.means.push_back(number_from_json(mean));
     images.smallest = number_from_json(j.at("smallest"));
@@ -164,7 +174,7 @@ std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& me
 }
 
 HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
-                      const std::vector<std::string>& may_leave_out) {
+                      Effects may_leave_out) {
     if (hard.relation == Relation::refused) {
         if (images.refusal.empty()) return failed({}, "not refused");
         if (images.refusal.find(hard.refusal) == std::string::npos) return failed({}, "refused: " + images.refusal);

@@ -15,8 +15,7 @@ namespace gib {
 /// What came of a case, seed by seed.
 struct HardCaseImages {
     std::string refusal;        ///< the message if the scene or the method was refused; then there is nothing else
-    std::string missing;        ///< effects that the scene calls for and the method leaves out, with `;` between them;
-                                ///< then nothing else
+    Effects missing;            ///< that the scene calls for and the method leaves out; then there is nothing else
     std::vector<double> means;  ///< [W/(sr m^2)] of each seed's image, over pixels and channels
     double smallest = 0;        ///< of all pixels' means over the channels
     double largest = 0;
@@ -56,6 +55,6 @@ std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& me
 /// most that far outside of them); that no pixel is negative or not finite; for `black`, that every pixel is 0. Nothing
 /// is tested where the method leaves out effects, and fails if these are not all among `may_leave_out`.
 HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
-                      const std::vector<std::string>& may_leave_out = {});
+                      Effects may_leave_out = {});
 
 }  // namespace gib

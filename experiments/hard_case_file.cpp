@@ -1,12 +1,10 @@
 #include "experiments/hard_case_file.h"
 
-#include "common/effects.h"
 #include "common/files.h"
 #include "experiments/method_sweep.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -86,17 +84,17 @@ std::vector<std::pair<std::string, std::map<std::string, std::string>>> paramete
     return grid;
 }
 
-std::vector<std::string> read_effects(const TomlReader& reader, const TomlReader::Entry& entry) {
-    std::vector<std::string> names;
+Effects read_effects(const TomlReader& reader, const TomlReader::Entry& entry) {
+    Effects effects;
     for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects")) {
         const std::string name = reader.string(value, entry.key);
-        const auto& known = effect_descriptions();
-        if (std::none_of(known.begin(), known.end(), [&](const auto& effect) { return effect.name == name; }))
+        const auto effect = find_effect(name);
+        if (!effect)
             throw InputError(reader.at(value),
                              fmt::format("there is no effect '{}'; `gibench list effects` has all", name));
-        names.push_back(name);
+        effects.add(*effect);
     }
-    return names;
+    return effects;
 }
 
 void read_case(const TomlReader& reader, const toml::node& node, HardCases& file) {
@@ -152,11 +150,11 @@ std::string_view name_of(Relation relation) {
     throw std::logic_error("an unknown relation");
 }
 
-std::vector<std::string> HardCases::may_leave_out(const MethodLabel& method) const {
-    std::vector<std::string> names;
+Effects HardCases::may_leave_out(const MethodLabel& method) const {
+    Effects allowed;
     for (const auto& [part, effects] : leaves_out)
-        if (method.text().find(part) != std::string::npos) names.insert(names.end(), effects.begin(), effects.end());
-    return names;
+        if (method.text().find(part) != std::string::npos) allowed = allowed | effects;
+    return allowed;
 }
 
 bool holds_hard_cases(const std::string& path) { return TomlReader(read_file(path), path).root().contains("case"); }

@@ -25,6 +25,7 @@
 //     only = "path"                # methods whose label contains this
 //     without = { radiosity = "why it cannot be judged" }
 
+#include "common/effects.h"
 #include "experiments/experiment_file.h"
 
 #include <map>
@@ -60,11 +61,11 @@ struct HardCases {
     double alpha = 0.01;
     double resolve = 0.05;
     std::vector<MethodLabel> methods;
-    std::map<std::string, std::vector<std::string>> leaves_out;  ///< part of a label: names of effects
+    std::map<std::string, Effects> leaves_out;  ///< part of a label: what methods may leave out
     std::vector<HardCase> cases;
 
     /// The effects that this method may leave out.
-    std::vector<std::string> may_leave_out(const MethodLabel& method) const;
+    Effects may_leave_out(const MethodLabel& method) const;
 
     /// What each verdict may be wrong with, so that all of them together are with `alpha` (Bonferroni).
     double tail() const { return alpha / static_cast<double>(cases.size() * methods.size()); }

@@ -96,7 +96,7 @@ private:
     void add(const HardCase& hard, const std::string& method) {
         const bool selected =
             hard.name.find(options_.only) != std::string::npos || method.find(options_.only) != std::string::npos;
-        if (selected) rows_.push_back({hard, method, hard.seeds, {}, {}});
+        if (selected) rows_.push_back({hard, method, {}, {}});
     }
 
     void judge_row(std::size_t number) {
@@ -111,12 +111,11 @@ private:
         std::string said;
         try {
             run_child(
-                {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(row.seeds)},
+                {options_.program, "judge-case", file_.path, row.hard.name, row.method, std::to_string(row.hard.seeds)},
                 [&](const std::string& line) { said += line; });
             row.images = images_from_json(nlohmann::json::parse(said));
-            row.verdict = judge(
-                row.hard, row.images, file_.tail(), file_.resolve,
-                row.method.empty() ? std::vector<std::string>() : file_.may_leave_out(MethodLabel::parse(row.method)));
+            row.verdict = judge(row.hard, row.images, file_.tail(), file_.resolve,
+                                row.method.empty() ? Effects() : file_.may_leave_out(MethodLabel::parse(row.method)));
         } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& error) {

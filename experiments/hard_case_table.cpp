@@ -133,9 +133,9 @@ CsvTable hard_case_csv(const std::vector<HardCaseRow>& rows) {
                  std::string(name_of(verdict)), only_if(image, got.value_or(0) - half_width),
                  only_if(image, got.value_or(0) + half_width), std::string(name_of(row.hard.relation)), row.hard.reason,
                  why, row.hard.scene, set_text(row.hard.parameters), std::to_string(row.hard.passes),
-                 std::to_string(row.seeds), only_if(image, row.images.smallest), only_if(image, row.images.largest),
-                 std::to_string(row.images.not_finite), std::to_string(row.images.negative),
-                 fmt::format("{:.3f}", row.images.seconds)});
+                 std::to_string(row.hard.seeds), only_if(image, row.images.smallest),
+                 only_if(image, row.images.largest), std::to_string(row.images.not_finite),
+                 std::to_string(row.images.negative), fmt::format("{:.3f}", row.images.seconds)});
     }
     return csv;
 }

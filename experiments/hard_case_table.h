@@ -13,7 +13,6 @@ namespace gib {
 struct HardCaseRow {
     HardCase hard;
     std::string method;  ///< label; empty where no method is involved (a scene that must be refused)
-    int seeds = 0;
     HardCaseImages images;
     HardCaseVerdict verdict;
 };

@@ -307,9 +307,16 @@ TEST(ManyPhotons, OfSmallPowerBesideALargeOneCount) {
     EXPECT_NEAR(
         static_cast<double>(on_floor.between_surfaces[0]) / (sum * kernel_on_disc(Kernel::uniform, 0, 0.5) / pi_d), 1,
         0x1p-22);
-    for (std::size_t i = 1; i < photons.size(); ++i)
-        photons[i].edges = 3;
-    EXPECT_NEAR(static_cast<double>(*PhotonLengths(photons).share(2, 3)), 0x1p24 / sum, 0x1p-24);
+    for (Photon& photon : photons)
+        photon.edges = 3;
+    const Photon bright = photons.front();
+    for (int i = 0; i < 40; ++i) {
+        photons.push_back(bright);
+        photons.back().edges = 2;
+    }
+    const auto share = PhotonLengths(photons).share(2, 3);
+    ASSERT_TRUE(share);
+    EXPECT_NEAR(static_cast<double>(*share), 40 * 0x1p24 / (40 * 0x1p24 + sum), 0x1p-24);
 }
 
 struct Places {

@@ -180,9 +180,10 @@ TEST(HardCaseVerdicts, MethodsMayOnlyLeaveOutWhatIsAllowed) {
     HardCase hard{};
     hard.expected = 1;
     HardCaseImages images;
-    images.missing = "caustics;dispersion";
-    EXPECT_EQ(judge(hard, images, 0.01, 0.05, {"dispersion", "textures", "caustics"}).verdict, Verdict::left_out);
-    const HardCaseVerdict verdict = judge(hard, images, 0.01, 0.05, {"caustics"});
+    images.missing = {Effect::caustics, Effect::dispersion};
+    EXPECT_EQ(judge(hard, images, 0.01, 0.05, {Effect::dispersion, Effect::textures, Effect::caustics}).verdict,
+              Verdict::left_out);
+    const HardCaseVerdict verdict = judge(hard, images, 0.01, 0.05, {Effect::caustics});
     EXPECT_EQ(verdict.verdict, Verdict::fails);
     EXPECT_THAT(verdict.why, HasSubstr("leaves out dispersion"));
 }
@@ -223,9 +224,8 @@ TEST_F(HardCaseFile, SaysWhatMethodsMayLeaveOut) {
     const HardCases file = parse(
         "[leaves_out]\n'path spp' = ['caustics']\npath = ['refraction']\n"
         "[[case]]\nscene = 'a.xml'\nblack = true\nreason = 'r'\n");
-    EXPECT_THAT(file.may_leave_out(MethodLabel::parse("path")), testing::ElementsAre("refraction"));
-    EXPECT_THAT(file.may_leave_out(MethodLabel::parse("path spp=4")),
-                testing::UnorderedElementsAre("caustics", "refraction"));
+    EXPECT_EQ(file.may_leave_out(MethodLabel::parse("path")), Effects{Effect::refraction});
+    EXPECT_EQ(file.may_leave_out(MethodLabel::parse("path spp=4")), (Effects{Effect::caustics, Effect::refraction}));
     EXPECT_TRUE(file.may_leave_out(MethodLabel::parse("radiosity")).empty());
     EXPECT_THAT(error_of("[leaves_out]\npath = ['glass']\n"), HasSubstr("h.toml:4:9: there is no effect 'glass'"));
 }
