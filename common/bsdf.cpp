@@ -180,6 +180,10 @@ LobeTraits Bsdf::traits_of_side(bool below) const {
     return traits;
 }
 
+bool Bsdf::is_tilted() const {
+    return std::any_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.to_layer.has_value(); });
+}
+
 std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
     const LobeTraits& lobes = traits_at(wo.z());
     if (!lobes.delta || !lobes.transmission || lobes.diffuse || lobes.glossy) return std::nullopt;

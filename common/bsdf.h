@@ -117,6 +117,8 @@ public:
     /// Some light is scattered at all.
     bool reflects() const { return traits_.scatters(); }
     bool two_sided() const;
+    /// Some layer has a normal of its own, by a bump or normal map.
+    bool is_tilted() const;
     const std::vector<Layer>& layers() const { return layers_; }
 
     /// The reflectance of a side with nothing but an ideal diffuse layer, which irradiance alone decides about; else

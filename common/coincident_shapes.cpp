@@ -46,11 +46,26 @@ Place place_of(const Cylinder& c) {
     return {3, c.base.x(), c.base.y(), c.base.z(), c.axis.x(), c.axis.y(), c.axis.z(), c.radius, 0, 0, 0};
 }
 
+/// Whether triangle i and the next are halves of a plane quadrilateral, as those of rectangles and cubes are.
+bool is_plane_quad(const Mesh& mesh, std::size_t i) {
+    if (i + 1 >= mesh.triangles.size()) return false;
+    const auto &t = mesh.triangles[i], &next = mesh.triangles[i + 1];
+    if (t[0] != next[0] || t[2] != next[1]) return false;
+    return mesh.normal_of(i).stableNormalized().dot(mesh.normal_of(i + 1).stableNormalized()) > 1 - 1e-6;
+}
+
+/// Of a quadrilateral its halves along the other diagonal too: it may be split otherwise in another shape.
 template <typename Visit>
 void for_each_place(const Shape& shape, const Visit& visit) {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-        for (const auto& triangle : mesh->triangles)
-            std::apply(visit, place_of_triangle(*mesh, triangle));
+        for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
+            const auto& [a, b, c] = mesh->triangles[i];
+            std::apply(visit, place_of_triangle(*mesh, {a, b, c}));
+            if (!is_plane_quad(*mesh, i)) continue;
+            const std::uint32_t d = mesh->triangles[i + 1][2];
+            std::apply(visit, place_of_triangle(*mesh, {a, b, d}));
+            std::apply(visit, place_of_triangle(*mesh, {b, c, d}));
+        }
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         visit(place_of(*sphere), sphere->flip_normals);
     } else if (const auto* disk = std::get_if<Disk>(&shape)) {
@@ -95,30 +110,33 @@ std::string place_text(const SourceLocation& where, const std::string& file) {
 }
 
 void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::span<const SourceLocation> where) {
-    std::map<Place, std::size_t> first;
+    std::map<Place, std::pair<std::size_t, bool>> first;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (!objects[i].radiance) continue;
-        for_each_place(objects[i].shape, [&](const Place& place, bool) {
-            const auto [it, is_new] = first.emplace(place, i);
+        for_each_place(objects[i].shape, [&](const Place& place, bool turned) {
+            const auto [it, is_new] = first.emplace(place, std::pair(i, turned));
             if (is_new) return;
             throw InputError(where[i],
-                             it->second == i
+                             it->second.first == i
                                  ? std::string("this lamp has a triangle twice: a ray would meet only one of them")
                                  : fmt::format("this lamp lies exactly in the place of the one at {}: a ray would meet "
                                                "only one of them. Leave one out, or a gap between them",
-                                               place_text(where[it->second], where[i].file)));
+                                               place_text(where[it->second.first], where[i].file)));
         });
     }
     if (first.empty()) return;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (objects[i].radiance) continue;
-        for_each_place(objects[i].shape, [&](const Place& place, bool) {
-            const auto lamp = first.find(place);
-            if (lamp == first.end()) return;
-            throw InputError(where[lamp->second],
+        for_each_place(objects[i].shape, [&](const Place& place, bool turned) {
+            const auto it = first.find(place);
+            if (it == first.end()) return;
+            const auto& [lamp, lamp_turned] = it->second;
+            // Where two bodies touch, nothing is seen of either.
+            if (std::holds_alternative<Mesh>(objects[i].shape) && lamp_turned != turned) return;
+            throw InputError(where[lamp],
                              fmt::format("this lamp lies exactly in the place of the surface at {}: which of them a "
                                          "ray meets would be left to rounding. Leave one out, or a gap between them",
-                                         place_text(where[i], where[lamp->second].file)));
+                                         place_text(where[i], where[lamp].file)));
         });
     }
 }
@@ -162,7 +180,7 @@ void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, s
         for_each_place(objects[c.object].shape, [&](const Place& place, bool turned) {
             const auto [it, is_new] = first.emplace(place, std::pair(&c, turned));
             const auto& [other, other_turned] = it->second;
-            if (is_new || (other->interface == c.interface && other_turned == turned)) return;
+            if (is_new || other == &c || (other->interface == c.interface && other_turned == turned)) return;
             throw InputError(
                 where[c.object],
                 fmt::format("this surface lies exactly in the place of the one at {}, which {}: a ray would meet only "
@@ -176,7 +194,19 @@ void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, s
     }
 }
 
-/// The normal of a lamp that lies in a plane, towards its front.
+/// What the places of two objects may be off by in the direction of `normal`.
+float rounding_along(const Vec3& normal, const Bounds& a, const Bounds& b) {
+    const Vec3 extent =
+        a.lower.cwiseAbs().cwiseMax(a.upper.cwiseAbs()) + b.lower.cwiseAbs().cwiseMax(b.upper.cwiseAbs());
+    return 32.f * unit_roundoff * normal.cwiseAbs().dot(extent) + 8.f * unit_roundoff * a.diagonal();
+}
+
+Vec3 a_point_of(const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    return mesh ? mesh->vertex(mesh->triangles.front()[0]) : std::get<Disk>(shape).center;
+}
+
+/// The normal of a lamp that lies in one plane, towards its front.
 std::optional<Vec3> normal_of_flat(const Shape& shape) {
     if (const auto* disk = std::get_if<Disk>(&shape)) return disk->normal;
     const auto* mesh = std::get_if<Mesh>(&shape);
@@ -188,12 +218,14 @@ std::optional<Vec3> normal_of_flat(const Shape& shape) {
         if (!common) common = n;
         if (!(n.dot(*common) > 1 - 1e-6)) return std::nullopt;
     }
-    return common ? std::optional<Vec3>(common->cast<float>()) : std::nullopt;
-}
-
-Vec3 a_point_of(const Shape& shape) {
-    const auto* mesh = std::get_if<Mesh>(&shape);
-    return mesh ? mesh->vertex(mesh->triangles.front()[0]) : std::get<Disk>(shape).center;
+    if (!common) return std::nullopt;
+    const Vec3 normal = common->cast<float>(), p = a_point_of(shape);
+    const Bounds bounds = bounds_of(shape);
+    for (const auto& triangle : mesh->triangles)
+        for (const std::uint32_t i : triangle)
+            if (std::abs((mesh->vertex(i) - p).dot(normal)) > rounding_along(normal, bounds, bounds))
+                return std::nullopt;
+    return normal;
 }
 
 /// Whether a piece of the shape lies in the plane through p, within `distance`, and touches the box.
@@ -225,25 +257,23 @@ void shift(Shape& shape, const Vec3& by) {
 
 }  // namespace
 
-void lift_lamps_off_surfaces(std::span<SceneParts::Object> objects) {
+void lift_lamps_off_surfaces(std::span<SceneParts::Object> objects, std::span<const Material> materials) {
+    std::vector<std::pair<const Shape*, Bounds>> surfaces;
+    for (const auto& object : objects)
+        if (!object.radiance && !materials[object.material].traits().transmission)
+            surfaces.emplace_back(&object.shape, bounds_of(object.shape));
     for (auto& lamp : objects) {
         if (!lamp.radiance) continue;
         const auto normal = normal_of_flat(lamp.shape);
         if (!normal) continue;
         const Bounds bounds = bounds_of(lamp.shape);
         float height = 0;
-        for (const auto& other : objects) {
-            if (other.radiance) continue;
-            const Bounds others = bounds_of(other.shape);
-            const Vec3 extent = bounds.lower.cwiseAbs().cwiseMax(bounds.upper.cwiseAbs()) +
-                                others.lower.cwiseAbs().cwiseMax(others.upper.cwiseAbs());
-            const float rounding =
-                32.f * unit_roundoff * normal->cwiseAbs().dot(extent) + 8.f * unit_roundoff * bounds.diagonal();
+        for (const auto& [shape, others] : surfaces) {
+            const float rounding = rounding_along(*normal, bounds, others);
             Bounds around = bounds;
             around.add(bounds.lower - Vec3::Constant(rounding));
             around.add(bounds.upper + Vec3::Constant(rounding));
-            if (touch(around, others) &&
-                has_piece_in_plane(other.shape, a_point_of(lamp.shape), *normal, rounding, around))
+            if (touch(around, others) && has_piece_in_plane(*shape, a_point_of(lamp.shape), *normal, rounding, around))
                 height = std::max(height, 2.f * rounding);
         }
         if (height > 0) shift(lamp.shape, height * *normal);

@@ -27,8 +27,9 @@ inline float dielectric_reflectance(float cos_i, float cos_t, float eta_ti) {
 inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
     const float eta_ti = cos_i >= 0.f ? eta : 1.f / eta;
     const float c = std::abs(cos_i);
-    // cos_t^2 = 1 - (1 - c^2) / eta^2, in which nothing of a small c is lost where eta is nearly 1.
-    const float cos_t = safe_sqrt((eta_ti - 1.f) * (eta_ti + 1.f) + c * c) / eta_ti;
+    // cos_t^2 = 1 - (1 - c^2) / eta^2, so that nothing of a small c is lost where eta is nearly 1, nor of 1 - c.
+    const float cos_t = c < 0.7f ? safe_sqrt((eta_ti - 1.f) * (eta_ti + 1.f) + c * c) / eta_ti
+                                 : safe_sqrt(1.f - (1.f - c) * (1.f + c) / (eta_ti * eta_ti));
     if (cos_t == 0.f) return {1.f, 0.f, eta_ti};
     return {dielectric_reflectance(c, cos_t, eta_ti), cos_i >= 0.f ? -cos_t : cos_t, eta_ti};
 }

@@ -102,7 +102,10 @@ std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional
     hit.emplace(i->instance == no_instance
                     ? surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d)
                     : geometry_on_instance(*i, ray));
-    if (!hit->normals_agree_about(ray.d)) hit->ns = hit->ng;
+    if (!hit->normals_agree_about(ray.d)) {
+        hit->delta_only = true;
+        hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
+    }
     hit->bsdf = material.constant();
     hit->light = surface.light;
     hit->shape = i->shape;

@@ -23,6 +23,9 @@ struct SurfaceHit : SurfaceGeometry {
     std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
     Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
     std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
+    /// The file's shading normal disagrees with the geometric one about where the ray comes from. `ns` is the latter
+    /// then, mirrors and smooth interfaces scatter about that, and nothing else does.
+    bool delta_only = false;
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
     void take(Bsdf&& bsdf_here) {
@@ -34,8 +37,9 @@ struct SurfaceHit : SurfaceGeometry {
     Color Le(const Vec3& wo) const {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
     }
-    /// Whether the shading normal and the geometric one have w on the same side.
-    bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) >= 0.f; }
+    /// Whether w is on the same side for the shading normal and the geometric one. That the two point to opposite
+    /// sides, as in meshes whose triangles are wound the other way, is no disagreement.
+    bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) * ns.dot(ng) >= 0.f; }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 };
 
@@ -106,8 +110,7 @@ public:
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
-    /// The surface where the accelerator found `intersection` on the ray. Its shading normal is the geometric one where
-    /// the two disagree about the side that the ray comes from: seen from behind, it would show what is not there.
+    /// The surface where the accelerator found `intersection` on the ray.
     std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
     /// Starts to fetch what surface_hit() will read, for callers that have something else to do before.
     void prefetch(const std::optional<Intersection>& intersection) const {

@@ -51,7 +51,7 @@ public:
         SceneParts parts;
         parts.origin = center(root);
         parts.objects = recentred_objects(pending_, parts.origin);
-        lift_lamps_off_surfaces(parts.objects);
+        lift_lamps_off_surfaces(parts.objects, materials_);
         refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);

@@ -42,12 +42,11 @@ ParsedMesh parse_rectangle(Properties& properties, const Mat4d& to_world) {
 /// [-1, 1]^3, front outside. Faces share no vertices; each is parametrised from the corner where u = v = 0.
 ParsedMesh parse_cube(Properties& properties, const Mat4d& to_world) {
     struct Face {
-        Vec3d corner, u, v;   ///< v x u points outwards
-        bool other_diagonal;  ///< so that faces on opposite sides are split alike, and those of cubes that touch
+        Vec3d corner, u, v;  ///< v x u points outwards
     };
     const Vec3d x = Vec3d::UnitX(), y = Vec3d::UnitY(), z = Vec3d::UnitZ();
-    const Face faces[] = {{-x - y - z, z, x, false}, {x + y + z, -x, -z, false}, {x - y + z, y, -z, false},
-                          {-x - y + z, y, x, false}, {-x - y - z, y, z, true},   {-x + y - z, -y, x, true}};
+    const Face faces[] = {{-x - y - z, z, x}, {x + y + z, -x, -z}, {x - y + z, y, -z},
+                          {-x - y + z, y, x}, {-x - y - z, y, z},  {-x + y - z, -y, x}};
     ParsedMesh mesh;
     for (const Face& face : faces) {
         const auto first = static_cast<std::uint32_t>(mesh.data.positions.size());
@@ -55,9 +54,8 @@ ParsedMesh parse_cube(Properties& properties, const Mat4d& to_world) {
             mesh.data.positions.push_back(face.corner + 2 * u * face.u + 2 * v * face.v);
             mesh.data.uvs.emplace_back(static_cast<float>(u), static_cast<float>(v));
         }
-        const std::uint32_t a = first + (face.other_diagonal ? 1 : 0), b = first + (face.other_diagonal ? 3 : 2);
-        mesh.data.triangles.push_back({a, a + 1, a + 2});
-        mesh.data.triangles.push_back({a, b, face.other_diagonal ? first : first + 3});
+        mesh.data.triangles.push_back({first, first + 1, first + 2});
+        mesh.data.triangles.push_back({first, first + 2, first + 3});
     }
     if (!properties.boolean("face_normals", false) && mirrors(to_world)) swap_winding(mesh.data);
     transform_mesh(mesh.data, to_world);

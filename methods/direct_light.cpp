@@ -15,7 +15,7 @@ template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
                                                         const Vec3& wo_local, LightTechniques techniques, Lobes which,
                                                         Visibility&& visibility) {
-    if (!hit.normals_agree_about(light.wi)) return {};
+    if (hit.delta_only || !hit.normals_agree_about(light.wi)) return {};
     const Vec3 wi_local = hit.shading.to_local(light.wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light.Le)) return {};

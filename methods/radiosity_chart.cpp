@@ -286,7 +286,8 @@ SurfaceHit Charts::surface_at(const Chart& chart, const Vec2d& uv) const {
         at.u = static_cast<float>(b.x());
         at.v = static_cast<float>(b.y());
     }
-    return *scene_.surface_hit({p.cast<float>(), Vec3::UnitZ()}, at);
+    const Vec3 ng = scene_.surface_hit({p.cast<float>(), Vec3::UnitZ()}, at)->ng;
+    return *scene_.surface_hit({p.cast<float>(), ng}, at);  // of a direction about which the normals agree
 }
 
 double Charts::curved_area(const Chart& chart, const ChartPoint& lower, const ChartPoint& upper) const {

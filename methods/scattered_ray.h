@@ -4,8 +4,9 @@
 //
 // A shading normal and the geometric normal disagree about the side on which some directions are. Where they do, a
 // reflection would come out behind the surface, and a refraction on the side that it came from (Veach 1997, section
-// 5.3). What is diffuse or glossy scatters nothing in such directions wi; Scene::surface_hit() sees to wo. A mirror or
-// a smooth interface, which has no other direction to send the light to, sends it where the geometric normal says.
+// 5.3). What is diffuse or glossy scatters nothing if they disagree about wi or wo, whichever way light is followed. A
+// mirror or a smooth interface, which has no other direction to send the light to, sends it where the geometric normal
+// says.
 
 #include "common/scene.h"
 
@@ -16,7 +17,7 @@ namespace gib {
 
 struct ScatteredRay {
     Vec3 wi;       ///< unit
-    Color weight;  ///< f |cos| / pdf_w, of which pdf_w is 1 if no choice was made
+    Color weight;  ///< f |cos| / pdf_w; both_ways() does not divide by the probability
     float pdf_w;   ///< [1/sr]; for a delta lobe the probability of choosing it
     bool delta;
     LobeKind lobe;
@@ -36,8 +37,10 @@ inline std::optional<ScatteredRay> scattered_ray(const SurfaceHit& hit, const Ve
                      sample.lobe,
                      sample.eta,
                      hit.ns};
+    if (!sample.delta && hit.delta_only) return std::nullopt;
     if (hit.normals_agree_about(ray.wi)) return ray;
-    if (!sample.delta) return std::nullopt;
+    // What a bump map makes of a normal belongs to the direction that is given up.
+    if (!sample.delta || hit.bsdf->is_tilted()) return std::nullopt;
     const Vec3 out = hit.shading.to_world(wo);
     const float cosine = out.dot(hit.ng), cos_o = std::abs(cosine);
     const Vec3 n = cosine >= 0.f ? hit.ng : Vec3(-hit.ng);
@@ -67,8 +70,9 @@ inline std::optional<std::array<ScatteredRay, 2>> both_ways(const SurfaceHit& hi
                                                             Transport transport) {
     const auto lobes = hit.bsdf->delta_pair_local(wo_local, transport);
     if (!lobes) return std::nullopt;
-    return std::array{*detail::scattered_ray(hit, wo_local, (*lobes)[0], 1.f, transport),
-                      *detail::scattered_ray(hit, wo_local, (*lobes)[1], 1.f, transport)};
+    const auto first = detail::scattered_ray(hit, wo_local, (*lobes)[0], 1.f, transport),
+               second = detail::scattered_ray(hit, wo_local, (*lobes)[1], 1.f, transport);
+    return first && second ? std::optional(std::array{*first, *second}) : std::nullopt;
 }
 
 }  // namespace gib

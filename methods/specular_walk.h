@@ -80,7 +80,8 @@ private:
                 disperse(scene_, sampler_.get_1d(dimension::stratum), *hit, at_.stratum, at_.beta);
             if (at_.splits_left > 0 && split(*hit, wo, traced, visitor)) return;
             const VertexNumbers u = sampler_.at_vertex(at_.vertex);
-            if (hit->bsdf->traits_at(hit->shading.to_local(wo).z()).diffuse) visitor.diffuse(*hit, wo, u);
+            if (!hit->delta_only && hit->bsdf->traits_at(hit->shading.to_local(wo).z()).diffuse)
+                visitor.diffuse(*hit, wo, u);
             const auto wi = scatter_specularly(*hit, wo, u, visitor);
             if (!wi) return;
             previous = hit->p;

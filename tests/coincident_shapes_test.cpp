@@ -76,6 +76,14 @@ TEST(CoincidentShapes, CurvedLampsInOtherSurfacesAreRefused) {
                 HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the surface at line 2: which of them"));
 }
 
+TEST(CoincidentShapes, LampsMayStandOnSurfaces) {
+    const std::string cube = "<shape type='cube'>";
+    const std::string above = "<transform name='to_world'><translate z='2'/></transform>";
+    EXPECT_EQ(input_error_of([&] { load(cube + "</shape>" + cube + above + emitter + "</shape>"); }), "no error");
+    EXPECT_THAT(input_error_of([&] { load(cube + "</shape>" + cube + emitter + "</shape>"); }),
+                HasSubstr("this lamp lies exactly in the place of the surface"));
+}
+
 std::string placed(const std::string& type, const std::string& operations, const std::string& inside) {
     return "<shape type='" + type + "'><transform name='to_world'>" + operations + "</transform>" + inside + "</shape>";
 }
@@ -97,6 +105,8 @@ TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
                                        : Vec3(std::get<Mesh>(lamp).normal_of(0).stableNormalized().cast<float>()));
                 const Vec3 middle = bounds_of(lamp).center();
                 const float diameter = bounds_of(lamp).diagonal();
+                const Vec3 in_wall = std::get<Mesh>(scene.shapes()[0]).vertex(0);
+                EXPECT_NEAR((middle - in_wall).dot(frame.n) / scene.diagonal(), 0, 1e-5) << place << kind << size;
                 for (std::uint32_t i = 0; i < 1000; ++i) {
                     const Sampler u(PointSet::independent, 1, i, 0);
                     const Vec2 aside = u.get_2d(0);
