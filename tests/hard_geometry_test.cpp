@@ -111,15 +111,16 @@ TEST(CameraOnASurface, SeesWhatIsBeyond) {
         }
 }
 
-// Close above a large sphere, or close under its surface, the camera is not on it: within 8 roundings of the radius of
-// the front, which is less than the offset of points, or within 170 of the back.
+// Close above a large sphere, or close under its surface, the camera is not on it. In roundings of the radius: from the
+// front 2 count, those of its own place, and it is 8 away; from behind the sphere's 24 (common/shape.cpp) too, and it
+// is 30 away.
 TEST(CameraOnASurface, SeesWhatItIsCloseTo) {
     const Vec3d on_ball = Vec3d(1, 2, 2) / 3;
     for (const double radius : {1e-3, 1.0, 1e3}) {
         const std::string lamp = sphere_at(Vec3d::Zero(), radius, diffuse_bsdf(0.5) + area_emitter(100));
         const auto above = range_of(camera_on(lamp, Place{}, (1 + 8 * 0x1p-24) * radius * on_ball, -on_ball));
         EXPECT_GT(above.first, 50.f) << radius;
-        const auto below = range_of(camera_on(lamp, Place{}, (1 - 170 * 0x1p-24) * radius * on_ball, on_ball));
+        const auto below = range_of(camera_on(lamp, Place{}, (1 - 30 * 0x1p-24) * radius * on_ball, on_ball));
         EXPECT_EQ(below.second, 0.f) << radius;
     }
 }
