@@ -48,8 +48,10 @@ std::vector<Effect> Effects::list() const {
 
 std::string Effects::names() const {
     std::string names;
-    for (const Effect e : list())
-        names += (names.empty() ? "" : ";") + std::string(name_of(e));
+    for (const Effect e : list()) {
+        if (!names.empty()) names += ';';
+        names += name_of(e);
+    }
     return names;
 }
 
