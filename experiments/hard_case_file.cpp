@@ -102,7 +102,7 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     const SourceLocation where = reader.at(node);
     reader.check_keys(table, "a case",
                       {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
-                       "reason", "passes", "seeds", "every_pixel", "only", "without"});
+                       "reason", "passes", "seeds", "every_pixel", "without"});
     HardCase hard;
     const toml::node& scene = required(table, where, "scene");
     const std::filesystem::path written(reader.string(scene, "scene"));
@@ -126,7 +126,6 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     hard.seeds = seeds ? reader.whole_number(*seeds, "seeds", 2, 1000) : file.seeds;
     const auto* every_pixel = table.get("every_pixel");
     hard.every_pixel = every_pixel && yes_or_no(reader, *every_pixel, "every_pixel");
-    if (const auto* only = table.get("only")) hard.only = reader.string(*only, "only");
     if (const auto* without = table.get("without"))
         for (const auto& entry : reader.entries(reader.table(*without, "without")))
             hard.without[entry.key] = reader.string(*entry.value, entry.key);

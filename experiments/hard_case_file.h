@@ -22,7 +22,6 @@
 //     passes = 16
 //     seeds = 32                   # instead of the file's
 //     every_pixel = true           # the answer holds for each pixel, without noise
-//     only = "path"                # methods whose label contains this
 //     without = { radiosity = "why it cannot be judged" }
 
 #include "common/effects.h"
@@ -51,7 +50,6 @@ struct HardCase {
     std::uint32_t passes;  ///< samples a pixel
     int seeds;             ///< images: 1 to this
     bool every_pixel;      ///< whether the answer holds for each pixel
-    std::string only;      ///< part of the labels that are judged; empty: all
     std::map<std::string, std::string> without;  ///< part of a label: why it is not judged
 };
 
