@@ -61,6 +61,27 @@ TEST_P(HardCaseTable, Holds) {
     EXPECT_EQ(gib::name_of(verdict.verdict), "holds") << hard->reason << ": " << verdict.why;
 }
 
+// The mean over the image of (1 + cos a) / 2, a being the angle between the interpolated normal and the triangles': the
+// answer that leaning-normals.xml is judged by.
+TEST(HardCaseAnswers, LeaningNormals) {
+    const double sine = std::sqrt(0.75);
+    const Vec3d normals[] = {{sine, 0, -0.5}, {0, sine, -0.5}, {-sine, 0, -0.5}, {0, 0, 1}};
+    constexpr int steps = 600;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i)
+        for (int j = 0; j < steps; ++j) {
+            const double u = 0.05 + 0.9 * (i + 0.5) / steps, v = 0.05 + 0.9 * (j + 0.5) / steps;
+            const Vec3d normal = u > v ? Vec3d((1 - u) * normals[0] + (u - v) * normals[1] + v * normals[2])
+                                       : Vec3d((1 - v) * normals[0] + u * normals[2] + (v - u) * normals[3]);
+            sum += (1 + std::abs(normal.z()) / normal.norm()) / 2;
+        }
+    const auto& cases = shipped_cases().cases;
+    const auto leaning =
+        std::find_if(cases.begin(), cases.end(), [](const HardCase& hard) { return hard.name == "leaning-normals"; });
+    ASSERT_NE(leaning, cases.end());
+    EXPECT_NEAR(sum / (steps * steps), leaning->expected, 1e-6);
+}
+
 // 1e4 lamps, all but one of them facing away from the floor below. One sample in 1e4 finds the one that matters, so the
 // others are dimmer by 1e8: their share of the power is 1e-4.
 TEST(HardLight, OneOfTenThousandLampsMatters) {
