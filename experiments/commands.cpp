@@ -17,6 +17,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 namespace gib {
 
@@ -79,8 +80,8 @@ int render(const RenderOptions& options, std::ostream& out) {
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
         const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
-        progress.update(share, ongoing.seconds * (1 / share - 1),
-                        fmt::format("{}, {}: {}", loaded.name, options.method, ongoing.stage));
+        const std::optional<double> left = share > 0 ? std::optional(ongoing.seconds * (1 / share - 1)) : std::nullopt;
+        progress.update(share, left, fmt::format("{}, {}: {}", loaded.name, options.method, ongoing.stage));
     };
     with_threads(options.threads, [&] { measured = measure(work, keep_last, {}, show); });
     const Checkpoint& last = measured.checkpoints.back();

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <iostream>
@@ -57,20 +58,22 @@ public:
     /// Pairs side by side, each by one thread: their images are too small to be shared.
     void judge_all() {
         std::atomic<std::size_t> next = 0;
-        std::vector<std::exception_ptr> errors(static_cast<std::size_t>(threads_));
-        std::vector<std::thread> workers;
-        for (auto& error : errors)
-            workers.emplace_back([&] {
-                try {
-                    for (std::size_t i; (i = next++) < rows_.size();)
-                        judge_row(i);
-                } catch (...) {
-                    error = std::current_exception();
-                    next = rows_.size();
-                }
-            });
-        for (auto& worker : workers)
-            worker.join();
+        std::vector<std::exception_ptr> errors(std::min(static_cast<std::size_t>(threads_), rows_.size()));
+        {
+            std::vector<std::jthread> workers;
+            for (auto& error : errors)
+                workers.emplace_back([&] {
+                    try {
+                        for (std::size_t i; (i = next++) < rows_.size();)
+                            judge_row(i);
+                    } catch (...) {
+                        error = std::current_exception();
+                        next = rows_.size();
+                    }
+                });
+        }
+        // Ctrl-C reaches the children too, and may do so first: how they ended is then no verdict.
+        InterruptGuard::check();
         for (const auto& error : errors)
             if (error) std::rethrow_exception(error);
     }

@@ -1,22 +1,26 @@
 #include "experiments/interrupt.h"
 
+#include <atomic>
+
 namespace gib {
 
 namespace {
 
-// The program's one global: a signal handler can reach nothing else.
-volatile std::sig_atomic_t interrupt_requested = 0;
+// The program's one global: a signal handler can reach nothing else. Other threads than the handler's ask for it too.
+std::atomic<bool> interrupt_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait");
 
-void request_interrupt(int) { interrupt_requested = 1; }
+void request_interrupt(int) { interrupt_requested = true; }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-    interrupt_requested = 0;
+    interrupt_requested = false;
     struct sigaction action = {};
     action.sa_handler = request_interrupt;
     sigemptyset(&action.sa_mask);
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    // Restarted: output that waits for its reader does not fail. What polls and sleeps ends early all the same.
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     sigaction(SIGINT, &action, &old_int_);
     sigaction(SIGTERM, &action, &old_term_);
 }
@@ -26,7 +30,7 @@ InterruptGuard::~InterruptGuard() {
     sigaction(SIGTERM, &old_term_, nullptr);
 }
 
-bool InterruptGuard::requested() { return interrupt_requested != 0; }
+bool InterruptGuard::requested() { return interrupt_requested; }
 
 void InterruptGuard::check() {
     if (requested()) throw Interrupted();

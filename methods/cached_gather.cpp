@@ -126,8 +126,9 @@ std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, 
 void CachedGather::end_pass() {
     // In an order that does not depend on which thread came first.
     const auto key = [](const Missing& m) {
-        return std::tuple(m.record.p.x(), m.record.p.y(), m.record.p.z(), m.record.n.x(), m.record.n.y(),
-                          m.record.n.z(), m.record.irradiance.sum());
+        const IrradianceRecord& r = m.record;
+        return std::tuple(r.p.x(), r.p.y(), r.p.z(), r.n.x(), r.n.y(), r.n.z(), r.irradiance.x(), r.irradiance.y(),
+                          r.irradiance.z(), r.distance, m.spacing.least, m.spacing.greatest);
     };
     std::sort(missing_.begin(), missing_.end(), [&](const Missing& a, const Missing& b) { return key(a) < key(b); });
     for (const Missing& m : missing_)

@@ -1,9 +1,9 @@
 #include "methods/photon_mapper.h"
 
-#include "common/files.h"
 #include "experiments/statistics.h"
 #include "tests/moments.h"
 #include "tests/scene_fixtures.h"
+#include "tests/scene_text.h"
 
 #include <iostream>
 #include <map>
@@ -140,10 +140,10 @@ TEST(PhotonMapper, ShortPathsNeedNoMaps) {
 // A floor whose interpolated normals lean by 45 degrees beside a wall that lights it indirectly, nothing below the
 // floor: photons count irradiance on the geometric floor, the path tracer's cosine is that of the shading normal.
 TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
-    const std::string folder = ::testing::TempDir();
-    const std::string file = folder + "leaning_floor.obj";
-    write_file(
-        file, "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.7071068 0 0.7071068\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
+    const test::TemporaryFolder folder;
+    const std::string file = folder.write("leaning_floor.obj",
+                                          "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.7071068 0 0.7071068\n"
+                                          "f 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
     const auto scene = test::scene_of(
         test::scene_xml("<sensor type='orthographic'><transform name='to_world'><scale value='0.8'/><lookat "
                         "origin='0,0,5' target='0,0,0' "
