@@ -53,6 +53,12 @@ bool is_dispersive(const Scattering& model) {
     return found;
 }
 
+/// v over its largest coordinate; zero stays.
+Vec3 in_own_units(const Vec3& v) {
+    const float largest = v.cwiseAbs().maxCoeff();
+    return largest > 0.f ? Vec3(v / largest) : v;
+}
+
 /// Collects the layers of a material at a point, for one stratum of wavelengths or for light that is not split.
 class Layers {
 public:
@@ -105,8 +111,9 @@ private:
     void add(const BumpMap& node, const Passage& passage) {
         const Vec3& n = passage.frame.n;
         const Vec2 slope = node.scale * node.height.gradient(point_.uv);
-        const Vec3 du = point_.dp_du + n * (slope.x() - n.dot(point_.dp_du));
-        const Vec3 dv = point_.dp_dv + n * (slope.y() - n.dot(point_.dp_dv));
+        // Each in units of its own: the product of two lengths of 1e-20 or 1e20 is no float.
+        const Vec3 du = in_own_units(point_.dp_du + n * (slope.x() - n.dot(point_.dp_du)));
+        const Vec3 dv = in_own_units(point_.dp_dv + n * (slope.y() - n.dot(point_.dp_dv)));
         Vec3 tilted = du.cross(dv);
         if (point_.ng.dot(tilted) < 0.f) tilted = -tilted;
         add_perturbed(*node.nested, node.options, passage, tilted);
@@ -152,9 +159,11 @@ private:
 /// glossy_roughness it lies. An index that depends on the wavelength is 1 for none but single ones.
 LobeTraits possible_traits(const TexturedScattering& node) {
     LobeTraits traits;
-    for (bool high : {false, true}) {
+    for (std::size_t highest = 0; highest >> node.parameters.size() == 0; ++highest) {  // a bit for each parameter
         Scattering model = node.model;
-        for (const TexturedParameter& p : node.parameters) {
+        for (std::size_t i = 0; i < node.parameters.size(); ++i) {
+            const TexturedParameter& p = node.parameters[i];
+            const bool high = (highest >> i & 1) != 0;
             const Color c = high ? p.texture.maximum() : p.texture.minimum();
             if (p.set_color) p.set_color(model, c.max(0.f));
             else p.set_value(model, high ? c.maxCoeff() : c.minCoeff());

@@ -224,6 +224,33 @@ TEST(Material, ATextureVariesAParameterOverTheSurface) {
     EXPECT_EQ(material.at(flat_point({0.75f, 0.25f})).coefficients_local(up).diffuse[0], 0.75f);
 }
 
+// A conductor that is sharp and tinted in places: black in red where it is cyan, in the rest where it is red, and black
+// in no place. Its lowest colour alone would hide that it is sharp.
+TEST(Material, TraitsAreThoseOfAllCombinationsOfItsTextures) {
+    const auto board = [](const Color& a, const Color& b) {
+        return Texture(CheckerboardTexture{Texture(a), Texture(b), {}});
+    };
+    RoughConductor conductor;
+    conductor.distribution.alpha_u = conductor.distribution.alpha_v = 0.2f;
+    TexturedScattering node{conductor, {}};
+    node.parameters.push_back({board(Color(1, 0, 0), Color(0, 1, 1)), [](Scattering& s, const Color& c) {
+                                   std::get<RoughConductor>(s).specular_reflectance = c;
+                               }});
+    TexturedParameter alpha{board(Color::Constant(0.05f), Color::Constant(0.6f)), {}};
+    alpha.set_value = [](Scattering& s, float value) {
+        auto& distribution = std::get<RoughConductor>(s).distribution;
+        distribution.alpha_u = distribution.alpha_v = value;
+    };
+    node.parameters.push_back(alpha);
+    LobeTraits everywhere;
+    const Material material(node);
+    for (const Vec2& uv : {Vec2(0.25f, 0.25f), Vec2(0.75f, 0.25f)})
+        everywhere |= material.at(flat_point(uv)).traits();
+    EXPECT_EQ(material.traits().glossy, everywhere.glossy);
+    EXPECT_EQ(material.traits().diffuse, everywhere.diffuse);
+    EXPECT_TRUE(everywhere.glossy);
+}
+
 TEST(Material, TooManyModelsAreRefused) {
     NestedMaterial all = nested(diffuse(0.5f));
     for (std::size_t i = 1; i < Bsdf::max_layers; ++i)

@@ -4,6 +4,7 @@
 
 #include "common/float_traps.h"
 #include "common/linear_file.h"
+#include "common/material.h"
 #include "common/parallel.h"
 #include "texture_fixtures.h"
 
@@ -348,6 +349,21 @@ TEST(Textures, ThatAreConstantAreTheSameEverywhere) {
     EXPECT_EQ(Texture(Color::Constant(0.3f)).value({0, 0}), 0.3f);
     EXPECT_EQ(texture.gradient({0, 0}), Vec2(0, 0));
     EXPECT_TRUE((texture.mean() == texture.maximum()).all() && (texture.minimum() == texture.maximum()).all());
+}
+
+// Surfaces of any size whose bumps have grown alike have the same normals: |dp_du| |dp_dv| would leave float's range.
+TEST_F(Bitmaps, BumpsTiltSurfacesOfAnySize) {
+    const Texture height(texture_of({2, 1, 1, {0.f, 1.f}}));
+    const auto inside = std::make_shared<const Material>(Scattering(Diffuse{Color::Constant(0.5f)}));
+    const auto tilt = [&](float size) {
+        const Material bumped(BumpMap{height, 0.3f * size, inside, {false, false}});
+        const MaterialPoint point{Vec2(0.5f, 0.5f), Vec3::UnitZ(), size * Vec3::UnitX(), size * Vec3::UnitY(),
+                                  frame_along(Vec3::UnitZ(), Vec3::UnitX())};
+        return bumped.at(point).layers().at(0).to_layer.value();
+    };
+    EXPECT_GT((tilt(1.f) - Eigen::Matrix3f::Identity()).norm(), 0.1f);
+    for (const float size : {1e-25f, 1e-12f, 1e12f, 1e25f})
+        EXPECT_LT((tilt(size) - tilt(1.f)).norm(), 1e-6f) << size;
 }
 
 TEST(Checkerboards, HaveTheirFirstColourOnTheDiagonal) {
