@@ -15,6 +15,8 @@ constexpr double quarter_turn = pi_d / 2;
 constexpr double planarity = 1e-6;
 /// Twice a triangle's area over its longest edge squared, below which it counts as a line.
 constexpr double least_shape = 1e-10;
+/// The extent of a curved piece over its distance from the origin, below which the corners of its patches are rounding.
+constexpr double least_resolution = 0x1p-40;
 
 /// A direction on face `part` of the cube; the tangent evens out the areas of equal squares of uv.
 Vec3d cube_direction(std::uint32_t part, const Vec2d& uv) {
@@ -148,19 +150,38 @@ void Charts::add_shape(std::uint32_t shape, std::uint32_t instance, Outlines& kn
         add_mesh(*mesh, shape, instance, known);
         return;
     }
-    first_of_.push_back(charts_.size());
     const Shape& s = scene_.shapes()[shape];
     const auto kind = std::holds_alternative<Sphere>(s) ? Chart::Kind::sphere
                       : std::holds_alternative<Disk>(s) ? Chart::Kind::disk
                                                         : Chart::Kind::cylinder;
+    const auto next = static_cast<std::uint32_t>(charts_.size());
+    std::vector<Chart> parts;
     for (std::uint32_t part = 0; part < parts_of(kind); ++part) {
         Chart chart{kind, shape, instance};
         chart.part = part;
-        const auto at = [&](double u, double v) { return coordinates(position(chart, Vec2d(u, v))); };
-        if (!known.insert({at(0, 0), at(1, 0), at(0, 1), at(1, 1), at(0.5, 0.5)}).second) return;
         finish(chart);
-        charts_.push_back(chart);
+        parts.push_back(chart);
     }
+    const auto at = [&](double u, double v) { return coordinates(position(parts[0], Vec2d(u, v))); };
+    const Outline outline = {at(0, 0), at(1, 0), at(0, 1), at(1, 1), at(0.5, 0.5)};
+    const double place = position(parts[0], Vec2d::Zero()).cwiseAbs().maxCoeff();
+    const bool is_resolved = std::all_of(parts.begin(), parts.end(), [&](const Chart& chart) {
+        return chart.lengths.minCoeff() > least_resolution * place;
+    });
+    if (!is_resolved) {
+        first_of_.push_back(no_chart);
+    } else if (const auto [twin, is_new] = known.try_emplace(outline, next); !is_new) {
+        first_of_.push_back(chart_of_twin(parts[0], twin->second));
+    } else {
+        first_of_.push_back(next);
+        charts_.insert(charts_.end(), parts.begin(), parts.end());
+    }
+}
+
+std::uint32_t Charts::chart_of_twin(const Chart& twin, std::uint32_t known) const {
+    const Vec2d middle = Vec2d::Constant(0.25);
+    const bool faces_the_same_way = surface_at(twin, middle).ng.dot(surface_at(charts_[known], middle).ng) > 0.f;
+    return faces_the_same_way ? known : no_chart;
 }
 
 void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance, Outlines& known) {
@@ -171,21 +192,26 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
         const auto at = [&](std::size_t k) { return to_scene(mesh.vertex(t[k]).cast<double>(), instance); };
         return TriangleCorners{{at(0), at(1), at(2)}};
     };
-    const auto is_new = [&](const TriangleCorners& t) {
+    // The chart that is there already, or the next one.
+    const auto chart_at = [&](const TriangleCorners& t) {
         Outline outline = {coordinates(t.p[0]), coordinates(t.p[1]), coordinates(t.p[2])};
         std::sort(outline.begin(), outline.begin() + 3);
-        return known.insert(outline).second;
+        return known.try_emplace(outline, static_cast<std::uint32_t>(charts_.size()));
     };
     for (std::size_t i = 0; i < count; ++i) {
         const TriangleCorners here = corners(i);
-        if (!here.has_area() || !is_new(here)) continue;
+        if (!here.has_area()) continue;
         Chart chart{Chart::Kind::triangle, shape, instance, static_cast<std::uint32_t>(i)};
         chart.corners = {here.p[0], here.p[1], here.p[1], here.p[2]};
+        if (const auto [place, is_new] = chart_at(here); !is_new) {
+            chart_of_[first + i] = chart_of_twin(chart, place->second);
+            continue;
+        }
         chart_of_[first + i] = static_cast<std::uint32_t>(charts_.size());
         if (i + 1 < count) {
             const TriangleCorners next = corners(i + 1);
             const auto quad = next.has_area() ? quad_of(here, next) : std::nullopt;
-            if (quad && is_new(next)) {
+            if (quad && chart_at(next).second) {
                 chart.kind = Chart::Kind::quad;
                 chart.corners = *quad;
                 chart.second = static_cast<std::uint32_t>(i + 1);
@@ -327,6 +353,7 @@ std::optional<Charts::Place> Charts::locate(const SurfaceHit& hit) const {
         if (uv.sum() > 1) uv /= uv.sum();
         return Place{chart, uv};
     }
+    if (first == no_chart) return std::nullopt;
     const Vec3d local = to_shape(p, hit.instance);
     const auto chart = [&](std::uint32_t part) { return static_cast<std::uint32_t>(first + part); };
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {

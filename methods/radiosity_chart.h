@@ -8,8 +8,8 @@
 #include "methods/ray_queries.h"
 
 #include <cstdint>
+#include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 namespace gib {
@@ -65,10 +65,13 @@ public:
 private:
     /// The places [scene units] that tell a surface from others; those of a triangle in an order of their own.
     using Outline = std::array<std::array<double, 3>, 5>;
-    using Outlines = std::set<Outline>;
+    using Outlines = std::map<Outline, std::uint32_t>;  ///< to the first chart there
 
     void add_shape(std::uint32_t shape, std::uint32_t instance, Outlines& known);
     void add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t instance, Outlines& known);
+    /// That of the surface in whose place the twin lies, where a ray that meets the twin has met that surface: if both
+    /// face the same way. Else none: the twin is seen from the side that lies behind.
+    std::uint32_t chart_of_twin(const Chart& twin, std::uint32_t known) const;
     void finish(Chart& chart) const;
     Vec3d to_scene(const Vec3d& p, std::uint32_t instance) const;
     Vec3d to_shape(const Vec3d& p, std::uint32_t instance) const;

@@ -225,6 +225,39 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
     EXPECT_EQ(turned.system.size(), PatchedScene(floor_and(one), 0.71, 0, false).system.size());
 }
 
+// Which of two surfaces in the same place a ray meets is chance: both show the light of that place.
+TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
+    const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, one_sided("0.7"));
+    const std::string rod =
+        "<shape type='cylinder'><point name='p0' value='-0.5,0,0.8'/><point name='p1' value='0.5,0,0.8'/>"
+        "<float name='radius' value='0.1'/>" +
+        one_sided("0.7") + "</shape>";
+    for (const std::string& thing : {plate(1, one_sided("0.8")), ball, rod}) {
+        const PatchedScene scene(floor_and(thing + thing), 0.71, 0, false);
+        RayQueries rays(*scene.loaded.scene);
+        const Vec3 up = Vec3::UnitZ();
+        // From the middle of the scene, which is the origin once it is loaded.
+        auto hit = rays.intersect(Ray{Vec3(0.03f, 0.02f, 0.f), up});
+        ASSERT_TRUE(hit);
+        std::vector<std::uint32_t> leaves;
+        for (const std::uint32_t shape : {1u, 2u}) {
+            hit->shape = shape;
+            const auto place = scene.mesh.locate(*hit, -up);
+            ASSERT_TRUE(place) << thing;
+            leaves.push_back(place->leaf);
+        }
+        EXPECT_EQ(leaves[0], leaves[1]) << thing;
+        EXPECT_EQ(scene.charts[scene.mesh.sides()[scene.mesh.nodes()[leaves[0]].side].chart].shape, 1u);
+    }
+}
+
+// A sphere whose radius is an ulp of its place has no patches.
+TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
+    const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, one_sided("0.5"));
+    const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
+    EXPECT_EQ(with_it.system.size(), alone.system.size());
+}
+
 std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
                        const std::string& material) {
     folder.write(name, obj);
