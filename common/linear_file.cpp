@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/image_library.h"
+#include "common/memory_limit.h"
 
 #include <fmt/format.h>
 #include <cmath>
@@ -20,6 +21,8 @@ void LinearFile::read_rows(int begin, int end, float* values) const { reader_->r
 
 LinearImage load_linear_image(const std::string& path) {
     const LinearFile file(path, false);
+    require_memory(3.0 * sizeof(float) * file.width() * file.height(),
+                   fmt::format("an image of {} x {} pixels", file.width(), file.height()), {path, 0, 0});
     LinearImage image(file.width(), file.height());
     constexpr int rows = 64;
     const auto channels = static_cast<std::size_t>(file.channels());

@@ -1,4 +1,5 @@
 #include "common/error.h"
+#include "common/memory_limit.h"
 #include "common/mesh_data.h"
 
 #include <fmt/format.h>
@@ -97,6 +98,14 @@ private:
     bool ended_ = false;
 };
 
+/// Appends to what a file of a few bytes may claim to be long: asks for memory before it is taken.
+template <typename T>
+void append(std::vector<T>& items, const T& item, const std::string& file) {
+    if (items.size() == items.capacity())
+        require_memory(2.0 * sizeof(T) * static_cast<double>(items.size()), "the mesh", {file, 0, 0});
+    items.push_back(item);
+}
+
 /// Reads `count` items of `width` values each, block by block.
 template <typename T, typename Item>
 void read_items(Inflater& stream, std::uint64_t count, std::size_t width, const Item& item) {
@@ -119,7 +128,7 @@ void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std
             Eigen::Matrix<double, N, 1> v;
             for (int k = 0; k < N; ++k)
                 v[k] = static_cast<double>(load<T>(bytes + static_cast<std::size_t>(k) * sizeof(T)));
-            if (!v.allFinite()) fail(file, fmt::format("the {} of vertex {} is not finite", what, index));
+            if (!v.array().isFinite().all()) fail(file, fmt::format("the {} of vertex {} is not finite", what, index));
             if (in_float && !std::all_of(v.begin(), v.end(), fits_float))
                 fail(file, fmt::format("the {} of vertex {} is too large", what, index));
             add(v);
@@ -137,22 +146,23 @@ MeshData read_mesh(Inflater& stream, std::uint32_t flags, const std::string& fil
     const bool doubles = flags & double_precision;
     MeshData mesh;
     read_vectors<3, false>(stream, vertices, doubles, file, "position",
-                           [&](const Vec3d& p) { mesh.positions.push_back(p); });
+                           [&](const Vec3d& p) { append(mesh.positions, p, file); });
     if (flags & has_normals)
         read_vectors<3, true>(stream, vertices, doubles, file, "normal",
-                              [&](const Vec3d& n) { mesh.normals.push_back(n.cast<float>()); });
+                              [&](const Vec3d& n) { append(mesh.normals, Vec3(n.cast<float>()), file); });
     if (flags & has_uvs)
         read_vectors<2, true>(stream, vertices, doubles, file, "texture coordinate",
-                              [&](const Vec2d& uv) { mesh.uvs.push_back(uv.cast<float>()); });
+                              [&](const Vec2d& uv) { append(mesh.uvs, Vec2(uv.cast<float>()), file); });
     if (flags & has_colors) read_vectors<3, false>(stream, vertices, doubles, file, "colour", [](const Vec3d&) {});
     read_items<std::uint32_t>(stream, triangles, 3, [&](std::uint64_t index, const char* bytes) {
-        auto& triangle = mesh.triangles.emplace_back();
+        auto triangle = decltype(mesh.triangles)::value_type();
         for (std::size_t k = 0; k < 3; ++k) {
             triangle[k] = load<std::uint32_t>(bytes + 4 * k);
             if (triangle[k] >= vertices)
                 fail(file, fmt::format("vertex index {} of triangle {} is out of range: there are {} vertices",
                                        triangle[k], index, vertices));
         }
+        append(mesh.triangles, triangle, file);
     });
     return mesh;
 }

@@ -141,6 +141,12 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
     EXPECT_EQ(result.code, 2);
     EXPECT_THAT(result.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
+    std::string sky = tiny_scene_xml(4);
+    sky.insert(sky.find("</scene>"), "<emitter type='envmap'><string name='filename' value='large.pfm'/></emitter>");
+    write("sky.xml", sky);
+    const ProgramResult render = run_gibench("render sky.xml --method 'path spp=1' -o out.exr", path());
+    EXPECT_EQ(render.code, 2);
+    EXPECT_THAT(render.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
 }
 
 /// What this process has [bytes].
