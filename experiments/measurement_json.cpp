@@ -1,5 +1,9 @@
 #include "experiments/measurement_json.h"
 
+#include "common/error.h"
+
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
@@ -11,6 +15,14 @@ json number_to_json(double value) { return std::isfinite(value) ? json(value) : 
 
 double number_from_json(const json& j) {
     return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
+}
+
+int count_from_json(const json& j, const char* key, const std::string& path, int least, int greatest) {
+    const json& value = j.at(key);
+    // As double: what no int holds is compared, too.
+    if (value.is_number_integer() && value.get<double>() >= least && value.get<double>() <= greatest) return value;
+    throw InputError({path},
+                     fmt::format("'{}' is no whole number from {} to {}: {}", key, least, greatest, value.dump()));
 }
 
 json checkpoint_to_json(const Checkpoint& c) {

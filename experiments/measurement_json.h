@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <string>
 #include <vector>
 
 namespace gib {
@@ -12,6 +13,9 @@ namespace gib {
 /// JSON has no NaN: null stands for it, both ways.
 nlohmann::json number_to_json(double value);
 double number_from_json(const nlohmann::json& j);
+
+/// The whole number j[key] of the file at `path`; throws InputError where it is not from least to greatest.
+int count_from_json(const nlohmann::json& j, const char* key, const std::string& path, int least, int greatest);
 
 nlohmann::json checkpoint_to_json(const Checkpoint& checkpoint);
 Checkpoint checkpoint_from_json(const nlohmann::json& j);

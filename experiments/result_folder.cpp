@@ -197,8 +197,8 @@ ResultIndex ResultFolder::read_index() const {
         index.title = j.at("title");
         index.experiment_text = j.at("experiment");
         index.epsilon = j.at("epsilon");
-        index.seeds = j.at("seeds");
-        index.threads = j.at("threads");
+        index.seeds = count_from_json(j, "seeds", path, 1, 100000);
+        index.threads = count_from_json(j, "threads", path, 0, 4096);
         index.methods = j.at("methods").get<std::vector<std::string>>();
         index.cell_keys = j.at("cells").get<std::map<std::string, std::string>>();
         for (const auto& scene : j.at("scenes"))

@@ -4,6 +4,7 @@
 #include "run_fixtures.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <fstream>
 
@@ -65,6 +66,22 @@ TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
                           "out"));
     const CsvTable rows = table("table.csv");
     EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
+}
+
+// Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
+TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("index.json");
+    const nlohmann::json good = nlohmann::json::parse(read_file(file));
+    for (const auto& [key, value] : std::vector<std::pair<std::string, nlohmann::json>>{
+             {"seeds", 2147483647}, {"seeds", 1e300}, {"seeds", 0}, {"seeds", "1"}, {"threads", 2000000000}}) {
+        nlohmann::json bad = good;
+        bad[key] = value;
+        damage(file, bad.dump());
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 2) << value;
+        EXPECT_THAT(report.err, HasSubstr("index.json:1:1: '" + key + "' is no whole number from ")) << value;
+    }
 }
 
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
