@@ -215,7 +215,9 @@ bool has_smooth_normals(const Shape& shape) {
 
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-        const Vec3 direction = (p_ray - sphere->center).normalized();
+        const Vec3 from_center = p_ray - sphere->center;
+        // Of a sphere that is smaller than an ulp of its place, any direction.
+        const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
         return {s, s.ng, sphere_uv(*sphere, direction)};
     }

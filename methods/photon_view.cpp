@@ -188,8 +188,13 @@ private:
     bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found,
                         PixelSample& sample) const {
         if (map_.size() == 0) return false;
+        // All photons lie in the scene, however far away the camera is.
+        const auto size = static_cast<double>(size_), first = static_cast<double>(ray.t_min);
+        const auto middle = static_cast<double>((scene_.bounds().center() - ray.o).dot(ray.d));
+        const double reach = 0.5 * static_cast<double>(scene_.diagonal()) + size;
         // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
-        for (double t = ray.t_min; t < end; t += size_)
+        const double skipped = std::floor(std::max(middle - reach - first, 0.0) / size);
+        for (double t = first + size * skipped; t < std::min(static_cast<double>(end), middle + reach); t += size)
             if (light_up(
                     ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, found, sample))
                 return true;

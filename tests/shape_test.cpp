@@ -380,5 +380,12 @@ TEST(Mesh, NeedlesHaveTheAreaOfTheirVerticesWhereEdgesAreNoFloats) {
     }
 }
 
+// Far from the origin a small sphere's points are its centre.
+TEST(Spheres, HaveANormalWhereTheirRadiusIsLost) {
+    const Vec3 center(37, 20, 5);
+    const SurfaceGeometry at = surface_at_analytic(Shape(Sphere{center, 1e-8f}), center);
+    EXPECT_NEAR(at.ng.norm(), 1.f, 1e-6f);
+}
+
 }  // namespace
 }  // namespace gib
