@@ -154,8 +154,9 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
         for (const std::uint32_t v : mesh.triangles[i])
             bounds.add(mesh.vertex(v));
         const SurfacePoint point = mesh.point_at(i, 0.f, 0.f);
-        // One without an area has no normal, and is never chosen.
-        if (!mesh.normal_of(i).isZero(0)) axis += point.ng.cast<double>();
+        // One without an area has no normal and no offset, and is never chosen.
+        if (mesh.normal_of(i).isZero(0)) continue;
+        axis += point.ng.cast<double>();
         offset = std::max(offset, static_cast<double>(point.offset));
     }
     RayBundle bundle{bounds.center().cast<double>(), 0.5 * static_cast<double>(bounds.diagonal()), {}};

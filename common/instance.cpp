@@ -9,8 +9,8 @@ std::optional<Instance> make_instance(std::uint32_t group, const Mat4d& to_scene
     result.translation = to_scene.topRightCorner<3, 1>();
     result.inverse = result.linear.inverse();
     constexpr double largest = 1e12;
-    const bool sound = result.translation.allFinite() && result.linear.cwiseAbs().maxCoeff() <= largest &&
-                       result.inverse.allFinite() && result.inverse.cwiseAbs().maxCoeff() <= largest;
+    const bool sound = result.translation.array().isFinite().all() && result.linear.cwiseAbs().maxCoeff() <= largest &&
+                       result.inverse.array().isFinite().all() && result.inverse.cwiseAbs().maxCoeff() <= largest;
     return sound ? std::optional(result) : std::nullopt;
 }
 

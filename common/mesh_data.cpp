@@ -28,6 +28,7 @@ Eigen::Matrix3d unit_columns(const Mat4d& to_world) {
 }
 
 void transform_mesh(MeshData& mesh, const Mat4d& to_world) {
+    const FloatTrapsPaused paused;  // places that overflow are refused once the whole scene is known
     if (!to_world.isIdentity(0)) {
         const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
         const Vec3d translation = to_world.topRightCorner<3, 1>();

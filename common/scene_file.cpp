@@ -170,7 +170,7 @@ private:
     Vec3d center(const XmlElement& root) const {
         const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
         const Vec3d center = bounds_.center();
-        if (!center.allFinite()) throw InputError(root.where, "the scene is too large");
+        if (!center.array().isFinite().all()) throw InputError(root.where, "the scene is too large");
         return center;
     }
 

@@ -43,7 +43,7 @@ GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const V
         from_grid = from_grid * Eigen::Translation3d(data.box.min()) * Eigen::Scaling(data.box.sizes());
     }
     const Eigen::Affine3d to_grid = from_grid.inverse() * Eigen::Translation3d(origin);
-    if (!(std::abs(from_grid.linear().determinant()) > 0) || !to_grid.matrix().cast<float>().allFinite())
+    if (!(std::abs(from_grid.linear().determinant()) > 0) || !to_grid.matrix().cast<float>().array().isFinite().all())
         throw InputError(properties.where("to_world"), "the to_world of the volume cannot be inverted");
     return {std::move(data), to_grid, filter == "nearest" ? VolumeFilter::nearest : VolumeFilter::trilinear,
             wrap == "repeat"   ? VolumeWrap::repeat

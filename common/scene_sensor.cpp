@@ -173,7 +173,7 @@ bool has_sound_rays(const Sensor& sensor) {
             for (const float u : {0.f, 1.f})
                 for (const float v : {0.f, 1.f}) {
                     const Ray ray = sensor.generate_ray(x, y, {u, v});
-                    if (!ray.o.allFinite() || !(std::abs(ray.d.norm() - 1.f) < 1e-3f)) return false;
+                    if (!ray.o.array().isFinite().all() || !(std::abs(ray.d.norm() - 1.f) < 1e-3f)) return false;
                 }
     return true;
 }

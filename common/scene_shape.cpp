@@ -1,5 +1,7 @@
 #include "common/scene_shape.h"
 
+#include "common/float_traps.h"
+
 #include <fmt/format.h>
 
 namespace gib {
@@ -64,6 +66,7 @@ ParsedMesh parse_cube(Properties& properties, const Mat4d& to_world) {
 }
 
 ParsedSphere parse_sphere(Properties& properties, const Mat4d& to_world) {
+    const FloatTrapsPaused paused;  // a determinant beyond double's range is refused as a shear
     const Vec3d center = properties.point("center").value_or(Vec3d::Zero());
     const double radius = properties.positive("radius", 1);
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();

@@ -40,7 +40,7 @@ SurfaceDerivatives derivatives_of(const Mesh& mesh, std::uint32_t triangle, cons
     const Vec3d e1 = mesh.vertex(t[1]).cast<double>() - v0, e2 = mesh.vertex(t[2]).cast<double>() - v0;
     const SurfaceDerivatives d{((b.y() * e1 - a.y() * e2) / determinant).cast<float>(),
                                ((a.x() * e2 - b.x() * e1) / determinant).cast<float>()};
-    return d.dp_du.allFinite() && d.dp_dv.allFinite() ? d : fallback();
+    return d.dp_du.array().isFinite().all() && d.dp_dv.array().isFinite().all() ? d : fallback();
 }
 
 SurfaceDerivatives derivatives_of(const Sphere& sphere, std::uint32_t, const SurfaceGeometry& at) {

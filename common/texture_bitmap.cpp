@@ -65,7 +65,7 @@ void Bitmap::measure(const LinearFile& file, const std::string& path) {
         const int count = (end - y) * width_;
         for (int i = 0; i < count; ++i) {
             const Color c = color_at(values.data() + i * channels_);
-            if (!c.allFinite())
+            if (!c.isFinite().all())
                 throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is not finite", i % width_,
                                                            y + i / width_));
             sum += c.cast<double>();

@@ -1,5 +1,7 @@
 #include "common/xml_values.h"
 
+#include "common/float_traps.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
@@ -184,6 +186,7 @@ Vec3d parse_vector(const XmlElement& element) { return vector_from(element, std:
 Vec3d parse_vector(const XmlElement& element, double fallback) { return vector_from(element, fallback); }
 
 Mat4d parse_transform(const XmlElement& element) {
+    const FloatTrapsPaused paused;  // what leaves double's range is refused below, or once the whole scene is known
     Mat4d transform = Mat4d::Identity();
     for (const auto& operation : element.children)
         transform = parse_operation(operation) * transform;

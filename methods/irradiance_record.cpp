@@ -106,7 +106,7 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
 
 bool IrradianceRecord::is_finite() const {
     const auto finite = [](const IrradianceGradient& g) {
-        return std::all_of(g.begin(), g.end(), [](const Vec3& v) { return v.allFinite(); });
+        return std::all_of(g.begin(), g.end(), [](const Vec3& v) { return v.array().isFinite().all(); });
     };
     return irradiance.isFinite().all() && finite(rotation) && finite(translation);
 }
