@@ -144,6 +144,11 @@ private:
     }
 };
 
+/// [W] of a lamp that sends out `radiance` everywhere.
+Colord power_of_area(const AreaLight& light, const Color& radiance) {
+    return std::numbers::pi * double{light.surface.area()} * radiance.cast<double>();
+}
+
 struct EmissionSampler {
     const std::vector<Shape>& shapes;
     const Vec2& u_position;
@@ -159,7 +164,7 @@ struct EmissionSampler {
 
     EmissionSample operator()(const PointLight& light) const {
         const Vec3 w = emission_axes(light.position).to_world(square_to_sphere(u_direction));
-        return {from_point(light.position, w), 4.f * pi * light.intensity, Vec3::Zero()};
+        return {from_point(light.position, w), 4 * std::numbers::pi * light.intensity.cast<double>(), Vec3::Zero()};
     }
 
     EmissionSample operator()(const SpotLight& light) const {
@@ -168,16 +173,17 @@ struct EmissionSampler {
     }
 
     EmissionSample operator()(const DirectionalLight& light) const {
-        return from_infinity(light.scene, -light.direction, light.irradiance);
+        return from_infinity(light.scene, -light.direction, light.irradiance.cast<double>());
     }
 
     EmissionSample operator()(const ConstantEnvironment& light) const {
-        return from_infinity(light.scene, square_to_sphere(u_direction), light.radiance / uniform_sphere_pdf_w);
+        return from_infinity(light.scene, square_to_sphere(u_direction),
+                             light.radiance.cast<double>() / double{uniform_sphere_pdf_w});
     }
 
     EmissionSample operator()(const MappedEnvironment& light) const {
         const EnvironmentMap::Sample sample = light.map->sample(u_direction);
-        return from_infinity(light.scene, sample.w, sample.radiance / sample.pdf_w);
+        return from_infinity(light.scene, sample.w, sample.radiance.cast<double>() / double{sample.pdf_w});
     }
 
 private:
@@ -192,7 +198,7 @@ private:
         const auto* cylinder = std::get_if<Cylinder>(&shapes[light.shape]);
         const Frame frame = cylinder ? frame_along(q.ng, cylinder->axis) : Frame(q.ng);
         const Vec3 w = frame.to_world(square_to_cosine_hemisphere(u_direction));
-        return {Ray{offset_origin(q, w), w}, pi * light.surface.area() * Le, q.ng};
+        return {Ray{offset_origin(q, w), w}, power_of_area(light, Le), q.ng};
     }
 
     /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is
@@ -206,38 +212,28 @@ private:
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
         const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
         const SurfaceGeometry q = place_on_sphere(sphere, n);
-        return {Ray{q.p + q.offset * q.ng, w}, pi * light.surface.area() * light.radiance_at(q.uv), q.ng};
+        return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, light.radiance_at(q.uv)), q.ng};
     }
 
     /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.
-    EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Color& irradiance) const {
+    EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Colord& irradiance) const {
         const Vec2 d = scene.radius * square_to_disk(u_position);
         return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w},
-                scene.area() * (injected(Fault::directional_area) ? 0.9f : 1.f) * irradiance, Vec3::Zero()};
+                scene.area() * (injected(Fault::directional_area) ? 0.9 : 1.0) * irradiance, Vec3::Zero()};
     }
 };
 
 struct PowerOf {
-    Colord operator()(const AreaLight& light) const {
-        return std::numbers::pi * light.surface.area() * light.radiance.cast<double>();
-    }
+    Colord operator()(const AreaLight& light) const { return power_of_area(light, light.radiance); }
     Colord operator()(const PointLight& light) const { return 4 * std::numbers::pi * light.intensity.cast<double>(); }
     Colord operator()(const SpotLight& light) const { return light.power(); }
     Colord operator()(const DirectionalLight& light) const {
-        return cross_section(light.scene) * light.irradiance.cast<double>();
+        return light.scene.area() * light.irradiance.cast<double>();
     }
     Colord operator()(const ConstantEnvironment& light) const {
-        return cross_section(light.scene) * 4 * std::numbers::pi * light.radiance.cast<double>();
+        return light.scene.area() * 4 * std::numbers::pi * light.radiance.cast<double>();
     }
-    Colord operator()(const MappedEnvironment& light) const {
-        return cross_section(light.scene) * light.map->integral();
-    }
-
-private:
-    /// In double: a vanishing scene must not make its lights vanish.
-    static double cross_section(const BoundingSphere& scene) {
-        return std::numbers::pi * sqr(static_cast<double>(scene.radius));
-    }
+    Colord operator()(const MappedEnvironment& light) const { return light.scene.area() * light.map->integral(); }
 };
 
 }  // namespace

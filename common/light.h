@@ -8,6 +8,7 @@
 #include "common/texture.h"
 
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -21,7 +22,8 @@ struct BoundingSphere {
 
     BoundingSphere() = default;
     explicit BoundingSphere(const Bounds& bounds);
-    float area() const { return pi * sqr(radius); }  ///< of its cross-section [scene units^2]
+    /// Of its cross-section [scene units^2]. In double: a vanishing scene must not make its lights vanish.
+    double area() const { return std::numbers::pi * sqr(double{radius}); }
     /// Outside of it, seen from p towards the unit vector w.
     float distance_past(const Vec3& p) const { return 1.01f * ((p - center).norm() + radius); }
 };
@@ -92,7 +94,9 @@ struct LightSample {
 /// The start of a light path with its share of power.
 struct EmissionSample {
     Ray ray;
-    Color power;  ///< emitted power / density [W]: the mean over samples is the light's power; may be black
+    /// Emitted power / density [W]: the mean over samples is the light's power; may be black. In double: a lamp of
+    /// 1e-24 m^2 and radiance 1e-20 emits less than a float holds.
+    Colord power;
     Vec3 normal;  ///< geometric normal at the origin; zero for a light without a surface
 };
 

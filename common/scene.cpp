@@ -170,7 +170,7 @@ float Scene::environment_pdf_w(const Vec3&, const Vec3& w) const {
 EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {
     const auto choice = light_choice_.sample(u_choice);
     EmissionSample sample = gib::sample_emission(lights_[choice.index], shapes_, u_position, u_direction);
-    sample.power /= choice.probability;
+    sample.power /= double{choice.probability};
     return sample;
 }
 

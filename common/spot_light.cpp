@@ -31,7 +31,7 @@ SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& inten
     slide_scale_ = static_cast<float>(0.5 / std::tan(cutoff_angle));
     Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < power_samples; ++i)
-        sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power.cast<double>();
+        sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power;
     // A slide that is dark but for what no sample met keeps a chance to be chosen.
     power_ = sum.maxCoeff() > 0 ? Colord(sum / power_samples) : Colord(power_ * slide_->mean().cast<double>());
 }
@@ -63,9 +63,8 @@ SpotLight::Direction SpotLight::sample(const Vec2& u) const {
         const double phi = 2 * std::numbers::pi * static_cast<double>(u.y());
         local = Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)).cast<float>();
     }
-    const auto solid_angle = static_cast<float>(solid_angle_);
-    return {axes_.to_world(local),
-            slide_ ? Color(solid_angle * intensity_ * slide_color(local)) : Color(solid_angle * intensity_)};
+    const Colord power = solid_angle_ * intensity_.cast<double>();
+    return {axes_.to_world(local), slide_ ? Colord(power * slide_color(local).cast<double>()) : power};
 }
 
 double SpotLight::sampled_angle(float u) const {

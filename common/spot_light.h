@@ -25,7 +25,7 @@ public:
 
     struct Direction {
         Vec3 w;
-        Color power;  ///< intensity / density [W]
+        Colord power;  ///< intensity / density [W]
     };
     /// With a density in proportion to the fall-off.
     Direction sample(const Vec2& u) const;

@@ -9,6 +9,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/repeat.h"
 #include "experiments/run_experiment.h"
+#include "experiments/run_limits.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -42,7 +43,7 @@ std::map<std::string, std::string> assignments(const std::vector<std::string>& t
 
 void add_threads(CLI::App* command, int& threads) {
     command->add_option("--threads", threads, "threads that compute; else one per processor")
-        ->check(CLI::Range(1, 4096));
+        ->check(CLI::Range(1, most_threads));
 }
 
 void add_set(CLI::App* command, std::vector<std::string>& texts) {
@@ -61,7 +62,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
                         "folder of the results; else results/<experiment's name>, or RESULT_DIR-repeat");
     add_threads(command, options->threads);
     command->add_option("--seeds", options->seeds, "seeds 1 to this, instead of the file's")
-        ->check(CLI::Range(1, 100000));
+        ->check(CLI::Range(1, most_seeds));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
     command->add_flag("--fresh", options->fresh,
                       "forget at once what is measured of the selected cells and measure them again (references are "

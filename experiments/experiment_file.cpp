@@ -2,6 +2,7 @@
 
 #include "common/files.h"
 #include "experiments/method_sweep.h"
+#include "experiments/run_limits.h"
 
 #include <fmt/format.h>
 
@@ -137,7 +138,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     if (!scenes) throw InputError({path}, "an experiment needs 'scenes', a list of scene files");
     read_scenes(reader, *scenes, experiment);
     if (const auto* resolution = root.get("resolution")) read_resolution(reader, *resolution, experiment);
-    if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, 100000);
+    if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, most_seeds);
     if (const auto* epsilon = root.get("epsilon")) experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
     if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
     read_reference(reader, root.get("reference"), experiment);

@@ -3,6 +3,7 @@
 #include "common/files.h"
 #include "experiments/build_info.h"
 #include "experiments/measurement_json.h"
+#include "experiments/run_limits.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -93,8 +94,8 @@ Manifest read_manifest(const std::string& path) {
         m.experiment_file = j.at("experiment_file");
         m.working_folder = j.at("working_folder");
         m.experiment_text = j.at("experiment");
-        m.threads = count_from_json(j, "threads", path, 0, 4096);
-        m.seeds = count_from_json(j, "seeds", path, 1, 100000);
+        m.threads = count_from_json(j, "threads", path, 0, most_threads);
+        m.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
         for (const auto& s : j.at("scenes"))
             m.scenes.push_back({s.at("name"), s.at("file"), s.at("content_hash"), s.at("reference")});
         for (const auto& c : j.at("cells"))

@@ -2,6 +2,7 @@
 
 #include "common/files.h"
 #include "experiments/measurement_json.h"
+#include "experiments/run_limits.h"
 
 #include <fmt/format.h>
 
@@ -197,8 +198,8 @@ ResultIndex ResultFolder::read_index() const {
         index.title = j.at("title");
         index.experiment_text = j.at("experiment");
         index.epsilon = j.at("epsilon");
-        index.seeds = count_from_json(j, "seeds", path, 1, 100000);
-        index.threads = count_from_json(j, "threads", path, 0, 4096);
+        index.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
+        index.threads = count_from_json(j, "threads", path, 0, most_threads);
         index.methods = j.at("methods").get<std::vector<std::string>>();
         index.cell_keys = j.at("cells").get<std::map<std::string, std::string>>();
         for (const auto& scene : j.at("scenes"))

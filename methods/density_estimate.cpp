@@ -132,14 +132,14 @@ private:
         return normalised(sums, r);
     }
 
-    /// f power of one photon.
+    /// f power of one photon [W/sr].
     Colord reflected(const Photon& photon) const {
         const Vec3 wi = photon.direction();
         if (!hit_.normals_agree_about(wi)) return Colord::Zero();
         const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
         const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
         // Not in float: bright photons times a factor may be more than it holds, though a kernel will lower it.
-        const Colord arriving = photon.power().cast<double>() * eye_.weight(photon).cast<double>();
+        const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
         return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 

@@ -31,7 +31,7 @@ public:
     std::optional<float> share(int limit, int longest) const;
 
 private:
-    std::vector<double> power_;  ///< [W] of photons of at most so many edges
+    std::vector<double> power_;  ///< of photons of at most so many edges, in their unit
 };
 
 struct GatheredLight {

@@ -56,6 +56,11 @@ void PhotonPayload::set_power(const Color& power) {
     exponent_ = static_cast<std::uint8_t>(s - smallest_exponent);
 }
 
+double photon_power_unit(const Colord& emitted, std::uint64_t count) {
+    const double mean = emitted.maxCoeff() / static_cast<double>(count);
+    return mean > 0 && std::isfinite(mean) ? std::exp2(std::floor(std::log2(mean))) : 1;
+}
+
 std::uint32_t encode_direction(const Vec3& w) {
     const Vec2 p = octahedral(w);
     return quantise(p.x(), 32767.f) | quantise(p.y(), 32767.f) << 16;

@@ -15,16 +15,16 @@ namespace gib {
 /// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at
 /// which the largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of
 /// 2^15 or more) for largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons
-/// gains or loses nothing.
+/// gains or loses nothing. What 1 stands for is up to who stores it (photon_power_unit()).
 class PhotonPayload {
 public:
     PhotonPayload() = default;
     PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
                   std::optional<int> stratum);
 
-    void set_power(const Color& power);  ///< [W]
+    void set_power(const Color& power);
 
-    Color power() const {  ///< [W]
+    Color power() const {
         const float unit = std::bit_cast<float>((exponent_ + 1u) << 23);
         return Color(mantissa_[0], mantissa_[1], mantissa_[2]) * unit;
     }
@@ -52,7 +52,8 @@ struct Photon : PhotonPayload {
     Vec3 p;
 
     Photon() = default;
-    /// @param power      [W]. What no photon can carry (negative, not finite, 3.4e38 or more) comes back not finite, so
+    /// @param power      in some unit of power. What no photon can carry (negative, not finite, 3.4e38 or more) comes
+    /// back not finite, so
     ///                   that the film counts it.
     /// @param wi         where it came from, away from here
     /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
@@ -65,6 +66,10 @@ struct Photon : PhotonPayload {
     Photon(const Vec3& position, const PhotonPayload& payload) : PhotonPayload(payload), p(position) {}
 };
 static_assert(sizeof(Photon) == 28);
+
+/// [W] The unit for `count` photons of lights that emit this power: the power of two below the mean photon's, so that
+/// neither faint lights nor many photons leave a float's range. 1 where nothing is emitted.
+double photon_power_unit(const Colord& emitted, std::uint64_t count);
 
 /// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at
 /// most 1e-4 (0.02) radians. Source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit

@@ -47,7 +47,7 @@ int longest_axis(const PhotonPayload* begin, const PhotonPayload* end) {
 
 }  // namespace
 
-PhotonMap::PhotonMap(std::vector<Photon> photons) {
+PhotonMap::PhotonMap(std::vector<Photon> photons, double unit) : unit_(unit) {
     if (photons.empty()) return;
     if (photons.size() > std::numeric_limits<std::uint32_t>::max())
         throw InputError("a photon map holds 4294967295 photons at most, not " + std::to_string(photons.size()));

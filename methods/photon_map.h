@@ -28,10 +28,11 @@ public:
     PhotonMap() = default;
     /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
     /// While it does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons, at finite
-    /// positions.
-    explicit PhotonMap(std::vector<Photon> photons);
+    /// positions. `unit` [W] is what their powers count.
+    explicit PhotonMap(std::vector<Photon> photons, double unit = 1);
 
     std::size_t size() const { return payloads_.size(); }
+    double unit() const { return unit_; }  ///< of the photons' power [W]
     Photon operator[](std::size_t i) const {
         const PositionBlock& block = positions_[i / leaf_size];
         const std::size_t lane = i % leaf_size;
@@ -92,6 +93,7 @@ private:
     HugePageVector<PositionBlock> positions_;  ///< leaf after leaf
     HugePageVector<PhotonPayload> payloads_;   ///< in the same order
     HugePageVector<Node> nodes_;
+    double unit_ = 1;
 };
 
 inline std::uint32_t PhotonMap::PositionBlock::within(const Vec3& p, float bound,

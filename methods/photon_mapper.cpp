@@ -88,18 +88,18 @@ private:
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
     }
 
-    std::vector<Photon> trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
+    PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
         const auto timer = stages_.time("photon tracing");
         StageProgress progress(stages_, "photon tracing", count);
         PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
         rays_ += walk.rays;
         photons_ += walk.emitted;
-        return std::move(walk.photons);
+        return walk;
     }
 
-    PhotonMap build(std::vector<Photon> photons) {
+    PhotonMap build(PhotonWalkResult walk) {
         const auto timer = stages_.time("tree build");
-        return PhotonMap(std::move(photons));
+        return PhotonMap(std::move(walk.photons), walk.unit);
     }
 
     void fill_shadow_map() {
@@ -127,11 +127,11 @@ private:
                   {},
                   {}};
         if (plan.runs(pass_global)) {
-            std::vector<Photon> photons = trace(PhotonMapKind::full, settings_.photons, aim);
-            light_.lengths = PhotonLengths(photons);
+            PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
+            light_.lengths = PhotonLengths(walk.photons);
             std::vector<Photon> places;
-            if (plan.runs(pass_irradiance)) places = take_places(photons);
-            light_.map = build(std::move(photons));
+            if (plan.runs(pass_irradiance)) places = take_places(walk.photons);
+            light_.map = build(std::move(walk));
             if (plan.runs(pass_irradiance)) {
                 const auto timer = stages_.time(pass_irradiance);
                 StageProgress progress(stages_, pass_irradiance, places.size());

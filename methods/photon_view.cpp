@@ -105,7 +105,7 @@ public:
         for (const Photon& photon : walk.photons)
             sum += static_cast<double>(photon.power().mean());
         if (sum > 0) per_mean_power_ = static_cast<float>(static_cast<double>(walk.photons.size()) / sum);
-        map_ = PhotonMap(std::move(walk.photons));
+        map_ = PhotonMap(std::move(walk.photons), walk.unit);
     }
 
     Progress advance(std::uint32_t pass) override {

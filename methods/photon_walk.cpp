@@ -62,8 +62,9 @@ public:
     PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
         : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
 
-    void trace(const EmissionSample& start, const TracedRay& first, float share) {
-        power_ = share * start.power;
+    /// `share` times the start's power is the photon's, in the result's unit.
+    void trace(const EmissionSample& start, const TracedRay& first, double share) {
+        power_ = (share * start.power).cast<float>();
         if (is_black(power_)) return;  // from a dark texel; it would count as a neighbour in a density estimate
         result_.balance.emitted += power_.cast<double>();
         residual_ = power_.cast<double>();
@@ -187,7 +188,7 @@ private:
     const Sampler& sampler_;
     NumberStream flights_;
     PhotonWalkResult& result_;
-    Color power_ = Color::Zero();  ///< [W]
+    Color power_ = Color::Zero();  ///< in the unit of the result
     PathClass path_;
     const Medium* medium_ = nullptr;    ///< that the photon is in
     std::optional<int> stratum_;        ///< of wavelengths, once it has met a surface that splits light
@@ -249,6 +250,15 @@ PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
     return *this;
 }
 
+PowerBalance& PowerBalance::operator*=(double factor) {
+    emitted *= factor;
+    absorbed *= factor;
+    escaped *= factor;
+    lost_in_media *= factor;
+    squared_residuals *= factor * factor;
+    return *this;
+}
+
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress) {
     PhotonWalkResult result;
@@ -257,7 +267,8 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     // Edges are stored in 16 bits; with an unlimited path length no sum of edges can exceed the limit.
     const int longest = std::min(max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, static_cast<std::uint64_t>(kind) + 1);
-    const float share = static_cast<float>(1.0 / static_cast<double>(count));
+    result.unit = photon_power_unit(scene.emitted_power(), count);
+    const double share = 1 / (static_cast<double>(count) * result.unit);
 
     const std::size_t per_block = aim ? aimed_photons_per_block : photons_per_block;
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
@@ -278,6 +289,7 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
         result.rays += block.rays;
         result.balance += block.balance;
     }
+    result.balance *= result.unit;
     return result;
 }
 

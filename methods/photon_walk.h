@@ -39,19 +39,21 @@ struct PowerBalance {
     Colord squared_residuals = Colord::Zero();
 
     PowerBalance& operator+=(const PowerBalance& other);
+    PowerBalance& operator*=(double factor);
 };
 
 struct PhotonWalkResult {
+    double unit = 1;              ///< of the photons' power [W]
     std::vector<Photon> photons;  ///< in the order of emission, aimed ones within a block in that of their cells
     std::uint64_t emitted = 0;    ///< number of photons
     std::uint64_t rays = 0;
-    PowerBalance balance;  ///< each photon of power / emitted
+    PowerBalance balance;  ///< [W], each photon of power / emitted
 };
 
-/// In a medium a photon is stored with its power over the scattering coefficient there [W x scene unit]: flights end in
-/// proportion to sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence
-/// over it [W x scene unit], also where the medium thins out (a collision estimator: Spanier and Gelbard 1969, section
-/// 2.7).
+/// In a medium a photon is stored with its power over the scattering coefficient there [unit x scene unit]: flights end
+/// in proportion to sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence
+/// over it [unit x scene unit], also where the medium thins out (a collision estimator: Spanier and Gelbard 1969,
+/// section 2.7).
 ///
 /// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
 /// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be

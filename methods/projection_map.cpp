@@ -246,7 +246,7 @@ EmissionSample ProjectionMap::sample_emission(const Scene& scene, std::uint32_t 
     EmissionSample sample = gib::sample_emission(
         scene.lights()[light], scene.shapes(), Vec2(within(box, 0, u_position.x()), within(box, 1, u_position.y())),
         Vec2(within(box, 2, u_direction.x()), within(box, 3, u_direction.y())));
-    sample.power *= lights_[light].scale;
+    sample.power *= double{lights_[light].scale};
     return sample;
 }
 

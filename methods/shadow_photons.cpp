@@ -90,6 +90,7 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
     ShadowPhotonResult result;
     if (!scene.has_light()) return result;
     result.emitted = count;
+    result.unit = photon_power_unit(scene.emitted_power(), count);
     const std::vector<std::uint64_t> begin_of = shares_of_lights(scene, count);
     const std::uint64_t key = combine_keys(seed, key_of_shadow_photons);
 
@@ -107,7 +108,7 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
             const EmissionSample start =
                 sample_emission(scene.lights()[light], scene.shapes(), sampler.get_2d(dimension::emission_position),
                                 sampler.get_2d(dimension::emission_direction));
-            const float power = start.power.mean() / static_cast<float>(emitted);
+            const auto power = static_cast<float>(start.power.mean() / (static_cast<double>(emitted) * result.unit));
             if (power > 0.f) cross_surfaces(rays, start.ray, {Vec3::Zero(), power, 1.f, light, 0}, block.photons);
         }
         block.rays = rays.count();

@@ -50,7 +50,7 @@ void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& 
 
 struct ShadowPhoton {
     Vec3 p;
-    float power;            ///< [W], mean of the channels, as if nothing stood in its way
+    float power;            ///< in the result's unit, mean of the channels, as if nothing stood in its way
     float visibility;       ///< the share of it that comes here, in [0, 1]
     std::uint32_t light;    ///< index among the scene's lights
     std::uint64_t surface;  ///< SurfaceSide::key() of where it arrived
@@ -69,6 +69,7 @@ struct SurfaceSide {
 inline constexpr std::uint32_t side_count = 6;
 
 struct ShadowPhotonResult {
+    double unit = 1;                    ///< of the photons' power [W]
     std::vector<ShadowPhoton> photons;  ///< by light, in the order of emission
     std::uint64_t emitted = 0;
     std::uint64_t rays = 0;

@@ -71,7 +71,8 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
                                           std::vector<PhotonMap::Neighbour>& found) const {
     if (!(max_radius > 0.f)) return Color::Zero();
     const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
-        const double scale = double{phase.value(wo, photon.direction())} * ball_kernel_weight(kernel, distance2, r);
+        const double scale =
+            map.unit() * double{phase.value(wo, photon.direction())} * ball_kernel_weight(kernel, distance2, r);
         return scale * photon.power().cast<double>() * eye.weight(photon).cast<double>();
     };
     Colord sum = Colord::Zero();

@@ -293,7 +293,7 @@ TEST(EveryLight, MeanOfEmissionIsThePower) {
                 const auto start =
                     scene.scene->sample_emission(sampler.get_1d(0), sampler.get_2d(1), sampler.get_2d(2));
                 EXPECT_NEAR(start.ray.d.norm(), 1.f, 1e-5f);
-                return static_cast<double>(start.power[c]);
+                return start.power[c];
             });
             // The power of textures is a sum over 65536 points: 2e-3.
             EXPECT_NEAR(mean.value, power[c], 4 * mean.error + 2e-3 * power[c]) << name;
@@ -318,7 +318,7 @@ TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
         const auto hits_ball = [&](const Ray& ray) { return intersect(sphere, ray).has_value(); };
         const Mean followed = mean_over_samples(200'000, [&](const Sampler& sampler) {
             const auto start = s.sample_emission(sampler.get_1d(0), sampler.get_2d(1), sampler.get_2d(2));
-            return hits_ball(start.ray) ? static_cast<double>(start.power[1]) : 0.0;
+            return hits_ball(start.ray) ? start.power[1] : 0.0;
         });
         const Mean received = mean_over_samples(200'000, [&](const Sampler& sampler) {
             const Vec3 n = square_to_sphere(sampler.get_2d(3));

@@ -54,9 +54,9 @@ TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
         Moments stored;
         for (std::uint64_t seed = 1; seed <= 32; ++seed) {
             double sum = 0;
-            for (const Photon& photon :
-                 trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).photons)
-                sum += static_cast<double>(photon.power()[1]);
+            const auto walk = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed);
+            for (const Photon& photon : walk.photons)
+                sum += walk.unit * static_cast<double>(photon.power()[1]);
             stored.add(sum);
         }
         const double expected = fluence_of_ball(sigma, false) - fluence_of_ball(sigma, true);

@@ -44,7 +44,7 @@ TEST(PhotonWalk, StoredPowerIsTheIndirectIrradianceOfTheFurnace) {
     const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, unlimited, 3);
     double stored = 0;
     for (const auto& photon : walk.photons)
-        stored += static_cast<double>(photon.power()[0]);
+        stored += walk.unit * static_cast<double>(photon.power()[0]);
     const double expected = std::numbers::pi * emission / (1 - rho) * rho * area;
     // A photon is stored a geometric number of times with mean 9: relative deviation of one is about 1.05, of 2e5 0.24
     // %.

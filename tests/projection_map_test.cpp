@@ -270,8 +270,9 @@ StoredPower stored_power(const Scene& scene, PhotonMapKind kind, const Projectio
     for (std::uint64_t seed = 1; seed <= 32; ++seed) {
         double power = 0;
         Vec3d place = Vec3d::Zero();
-        for (const Photon& photon : trace_photons(scene, kind, 20000, 8, seed + (aim ? 100 : 0), aim).photons) {
-            const double p = photon.power().cast<double>().mean();
+        const auto walk = trace_photons(scene, kind, 20000, 8, seed + (aim ? 100 : 0), aim);
+        for (const Photon& photon : walk.photons) {
+            const double p = walk.unit * photon.power().cast<double>().mean();
             power += p;
             place += p * photon.p.cast<double>();
         }
@@ -351,9 +352,9 @@ TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
             test::Moments stored;
             for (std::uint64_t seed = 1; seed <= 8; ++seed) {
                 double power = 0;
-                for (const Photon& photon :
-                     trace_photons(*scene.scene, PhotonMapKind::full, 20000, 8, seed, &map).photons)
-                    power += photon.power().cast<double>().mean();
+                const auto walk = trace_photons(*scene.scene, PhotonMapKind::full, 20000, 8, seed, &map);
+                for (const Photon& photon : walk.photons)
+                    power += walk.unit * photon.power().cast<double>().mean();
                 stored.add(power);
             }
             EXPECT_NEAR(stored.mean(), 4, 6 * stored.standard_error() + 0.004) << place << (sphere ? " sphere" : "");

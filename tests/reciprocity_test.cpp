@@ -66,11 +66,11 @@ std::vector<Moments> power_of_photons(const LoadedScene& scene, const SceneShape
     std::vector<Moments> moments(3);
     for (std::uint64_t seed = first_seed; seed < first_seed + seeds; ++seed) {
         Colord power = Colord::Zero();
-        for (const Photon& photon :
-             trace_photons(*scene.scene, PhotonMapKind::full, photons, scene.max_edges, seed).photons) {
+        const auto walk = trace_photons(*scene.scene, PhotonMapKind::full, photons, scene.max_edges, seed);
+        for (const Photon& photon : walk.photons) {
             const Vec3d p = (to_patch * photon.p.cast<double>().homogeneous()).head<3>();
             if (p.head<2>().cwiseAbs().maxCoeff() <= 1.001 && std::abs(p.z()) < 1e-4)
-                power += photon.power().cast<double>();
+                power += walk.unit * photon.power().cast<double>();
         }
         for (std::size_t c = 0; c < 3; ++c)
             moments[c].add(power[static_cast<int>(c)]);

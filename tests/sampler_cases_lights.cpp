@@ -114,7 +114,7 @@ auto emission_sampler(const ScenePointer& scene, const Place& place, const std::
     return [scene, place, pdf, power](const RandomNumbers& r) -> std::optional<SampledDirection> {
         const EmissionSample s = scene->sample_emission(r.choice.x(), r.u, r.v);
         const Vec3 w = place(s);
-        return SampledDirection{w, pdf(w), mean(s.power) / power};
+        return SampledDirection{w, pdf(w), s.power.mean() / power};
     };
 }
 

@@ -122,8 +122,8 @@ TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     for (const ShadowPhoton& photon : result.photons) {
         const float z = std::round(photon.p.z() - floor);
         EXPECT_EQ(SurfaceSide::side_of_key(photon.surface), 4u);
-        power[z] += static_cast<double>(photon.power);
-        arriving[z] += static_cast<double>(photon.power * photon.visibility);
+        power[z] += result.unit * static_cast<double>(photon.power);
+        arriving[z] += result.unit * static_cast<double>(photon.power * photon.visibility);
     }
     const double on_floor = 3 * square_solid_angle(4, 4), on_blocker = 3 * square_solid_angle(0.5, 2);
     EXPECT_NEAR(power[0], on_floor, 2e-3 * on_floor);
