@@ -3,8 +3,8 @@
 #include "common/light_choice.h"
 #include "common/sampler.h"
 #include "methods/blocks_within_memory.h"
-#include "methods/photon.h"
 #include "methods/method.h"
+#include "methods/photon.h"
 #include "methods/ray_queries.h"
 #include "methods/surface_disc.h"
 
