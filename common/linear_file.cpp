@@ -21,10 +21,10 @@ void LinearFile::read_rows(int begin, int end, float* values) const { reader_->r
 
 LinearImage load_linear_image(const std::string& path) {
     const LinearFile file(path, false);
-    require_memory(3.0 * sizeof(float) * file.width() * file.height(),
-                   fmt::format("an image of {} x {} pixels", file.width(), file.height()), {path, 0, 0});
-    LinearImage image(file.width(), file.height());
     constexpr int rows = 64;
+    require_memory_for_image(1.0 * file.width() * (3.0 * file.height() + 1.0 * rows * file.channels()), file.width(),
+                             file.height(), file.channels(), {path, 0, 0});
+    LinearImage image(file.width(), file.height());
     const auto channels = static_cast<std::size_t>(file.channels());
     std::vector<float> values(static_cast<std::size_t>(image.width) * rows * channels);
     for (int y = 0; y < image.height; y += rows) {

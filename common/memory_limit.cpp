@@ -108,4 +108,9 @@ void require_memory(double bytes, const std::string& what, const SourceLocation&
         throw InputError(where, fmt::format("{} needs {:.0f} bytes, and {:.0f} are available", what, bytes, available));
 }
 
+void require_memory_for_image(double values, int width, int height, int channels, const SourceLocation& where) {
+    require_memory(values * sizeof(float),
+                   fmt::format("an image of {} x {} pixels and {} channels", width, height, channels), where);
+}
+
 }  // namespace gib

@@ -18,4 +18,7 @@ double available_memory(const std::string& proc, const std::string& control_grou
 /// Throws InputError `WHAT needs N bytes, and M are available` if more is needed than there is.
 void require_memory(double bytes, const std::string& what, const SourceLocation& where = {});
 
+/// The same of `values` floats of an image.
+void require_memory_for_image(double values, int width, int height, int channels, const SourceLocation& where);
+
 }  // namespace gib

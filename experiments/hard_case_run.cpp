@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <iostream>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 namespace gib {
@@ -59,19 +60,23 @@ public:
     void judge_all() {
         std::atomic<std::size_t> next = 0;
         std::vector<std::exception_ptr> errors(std::min(static_cast<std::size_t>(threads_), rows_.size()));
-        {
-            std::vector<std::jthread> workers;
+        const auto work = [&](std::exception_ptr& error) {
+            try {
+                for (std::size_t i; (i = next++) < rows_.size();)
+                    judge_row(i);
+            } catch (...) {
+                error = std::current_exception();
+                next = rows_.size();
+            }
+        };
+        std::vector<std::jthread> workers;
+        try {
             for (auto& error : errors)
-                workers.emplace_back([&] {
-                    try {
-                        for (std::size_t i; (i = next++) < rows_.size();)
-                            judge_row(i);
-                    } catch (...) {
-                        error = std::current_exception();
-                        next = rows_.size();
-                    }
-                });
+                workers.emplace_back([&work, &error] { work(error); });
+        } catch (const std::system_error&) {  // no more threads
+            if (workers.empty()) throw;
         }
+        workers.clear();
         // Ctrl-C reaches the children too, and may do so first: how they ended is then no verdict.
         InterruptGuard::check();
         for (const auto& error : errors)

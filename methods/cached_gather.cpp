@@ -5,9 +5,9 @@
 #include "methods/pixel_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <numeric>
-#include <tuple>
 
 namespace gib {
 
@@ -127,8 +127,18 @@ void CachedGather::end_pass() {
     // In an order that does not depend on which thread came first.
     const auto key = [](const Missing& m) {
         const IrradianceRecord& r = m.record;
-        return std::tuple(r.p.x(), r.p.y(), r.p.z(), r.n.x(), r.n.y(), r.n.z(), r.irradiance.x(), r.irradiance.y(),
-                          r.irradiance.z(), r.distance, m.spacing.least, m.spacing.greatest);
+        std::array<float, 9 + 2 * 9 + 3> all;
+        auto next = all.begin();
+        const auto add = [&](const auto& numbers) { next = std::copy(numbers.begin(), numbers.end(), next); };
+        add(r.p);
+        add(r.n);
+        add(r.irradiance);
+        for (const Vec3& gradient : r.rotation)
+            add(gradient);
+        for (const Vec3& gradient : r.translation)
+            add(gradient);
+        add(std::array{r.distance, m.spacing.least, m.spacing.greatest});
+        return all;
     };
     std::sort(missing_.begin(), missing_.end(), [&](const Missing& a, const Missing& b) { return key(a) < key(b); });
     for (const Missing& m : missing_)

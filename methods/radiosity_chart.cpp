@@ -164,7 +164,7 @@ void Charts::add_shape(std::uint32_t shape, std::uint32_t instance, Outlines& kn
     }
     const auto at = [&](double u, double v) { return coordinates(position(parts[0], Vec2d(u, v))); };
     const Outline outline = {at(0, 0), at(1, 0), at(0, 1), at(1, 1), at(0.5, 0.5)};
-    const double place = position(parts[0], Vec2d::Zero()).cwiseAbs().maxCoeff();
+    const double place = Vec3d(outline[0].data()).cwiseAbs().maxCoeff();
     const bool is_resolved = std::all_of(parts.begin(), parts.end(), [&](const Chart& chart) {
         return chart.lengths.minCoeff() > least_resolution * place;
     });

@@ -104,9 +104,8 @@ public:
         const SourceLocation where{path, 0, 0};
         const OIIO::ImageSpec& spec = file->spec();
         // As it is read, and as layers. A damaged header may announce more than the file can hold.
-        require_memory(
-            2.0 * sizeof(float) * static_cast<double>(spec.image_pixels()) * spec.nchannels,
-            fmt::format("an image of {} x {} pixels and {} channels", spec.width, spec.height, spec.nchannels), where);
+        require_memory_for_image(2.0 * static_cast<double>(spec.image_pixels()) * spec.nchannels, spec.width,
+                                 spec.height, spec.nchannels, where);
         StoredImage image{{spec.x, spec.y, spec.width, spec.height},
                           {spec.full_x, spec.full_y, spec.full_width, spec.full_height},
                           spec.channelnames,
