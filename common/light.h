@@ -95,7 +95,7 @@ struct LightSample {
 struct EmissionSample {
     Ray ray;
     /// Emitted power / density [W]: the mean over samples is the light's power; may be black. In double: a lamp of
-    /// 1e-24 m^2 and radiance 1e-20 emits less than a float holds.
+    /// 1e-24 m^2 and radiance 1e-20 emits less than a float holds exactly.
     Colord power;
     Vec3 normal;  ///< geometric normal at the origin; zero for a light without a surface
 };

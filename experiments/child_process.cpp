@@ -26,7 +26,7 @@ namespace {
 class Pipe {
 public:
     Pipe() {
-        if (pipe2(ends_, O_CLOEXEC) != 0) throw RunError(fmt::format("no pipe: {}", std::strerror(errno)));
+        if (pipe2(ends_, O_CLOEXEC) != 0) throw ChildNotStarted(fmt::format("no pipe: {}", std::strerror(errno)));
     }
     ~Pipe() {
         close(ends_[0]);
@@ -50,7 +50,7 @@ private:
 class Messages {
 public:
     Messages() : fd_(memfd_create("messages", MFD_CLOEXEC)) {
-        if (fd_ < 0) throw RunError(fmt::format("no memory file: {}", std::strerror(errno)));
+        if (fd_ < 0) throw ChildNotStarted(fmt::format("no memory file: {}", std::strerror(errno)));
     }
     ~Messages() { close(fd_); }
     Messages(const Messages&) = delete;
@@ -82,7 +82,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int output, int messages)
     pid_t child = 0;
     const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw RunError(fmt::format("cannot start '{}': {}", arguments[0], std::strerror(error)));
+    if (error != 0) throw ChildNotStarted(fmt::format("cannot start '{}': {}", arguments[0], std::strerror(error)));
     return child;
 }
 

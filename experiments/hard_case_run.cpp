@@ -70,11 +70,13 @@ public:
             }
         };
         std::vector<std::jthread> workers;
+        workers.reserve(errors.size());
         try {
             for (auto& error : errors)
                 workers.emplace_back([&work, &error] { work(error); });
-        } catch (const std::system_error&) {  // no more threads
-            if (workers.empty()) throw;
+        } catch (const std::system_error& error) {
+            next = rows_.size();
+            throw RunError(fmt::format("cannot start {} threads: {}", errors.size(), error.what()));
         }
         workers.clear();
         // Ctrl-C reaches the children too, and may do so first: how they ended is then no verdict.
@@ -125,6 +127,8 @@ private:
             row.verdict = judge(row.hard, row.images, file_.tail(), file_.resolve,
                                 row.method.empty() ? Effects() : file_.may_leave_out(MethodLabel::parse(row.method)));
         } catch (const Interrupted&) {
+            throw;
+        } catch (const ChildNotStarted&) {
             throw;
         } catch (const std::exception& error) {
             row.verdict = {Verdict::fails, std::nullopt, 0, error.what()};

@@ -58,7 +58,7 @@ void PhotonPayload::set_power(const Color& power) {
 
 double photon_power_unit(const Colord& emitted, std::uint64_t count) {
     const double mean = emitted.maxCoeff() / static_cast<double>(count);
-    return mean > 0 && std::isfinite(mean) ? std::exp2(std::floor(std::log2(mean))) : 1;
+    return mean > 0 && std::isfinite(mean) ? std::scalbn(1.0, std::ilogb(mean)) : 1;
 }
 
 std::uint32_t encode_direction(const Vec3& w) {

@@ -53,8 +53,7 @@ struct Photon : PhotonPayload {
 
     Photon() = default;
     /// @param power      in some unit of power. What no photon can carry (negative, not finite, 3.4e38 or more) comes
-    /// back not finite, so
-    ///                   that the film counts it.
+    ///                   back not finite, so that the film counts it.
     /// @param wi         where it came from, away from here
     /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
     /// @param path_edges of its path, from the light to here; at most 65535
@@ -67,8 +66,8 @@ struct Photon : PhotonPayload {
 };
 static_assert(sizeof(Photon) == 28);
 
-/// [W] The unit for `count` photons of lights that emit this power: the power of two below the mean photon's, so that
-/// neither faint lights nor many photons leave a float's range. 1 where nothing is emitted.
+/// [W] The unit for `count` > 0 photons of lights that together emit this power: the power of two next below the mean
+/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted.
 double photon_power_unit(const Colord& emitted, std::uint64_t count);
 
 /// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at

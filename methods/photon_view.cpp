@@ -209,7 +209,7 @@ private:
     Film film_;
     PhotonMap map_;
     std::unique_ptr<Records> records_;  ///< null: photons are shown
-    float per_mean_power_ = 0.f;        ///< 1 / the mean over photons (records) and channels [1/W (m^2/W)]
+    float per_mean_power_ = 0.f;        ///< 1 / the mean over photons (records) and channels [1/unit (m^2/W)]
     std::uint64_t photons_ = 0;
     std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;

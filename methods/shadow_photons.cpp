@@ -89,7 +89,7 @@ SurfaceSide::SurfaceSide(const SurfaceHit& hit, const Vec3& wo) : shape(hit.shap
 ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count, std::uint64_t seed,
                                         StageProgress* progress) {
     ShadowPhotonResult result;
-    if (!scene.has_light()) return result;
+    if (count == 0 || !scene.has_light()) return result;
     result.emitted = count;
     result.unit = photon_power_unit(scene.emitted_power(), count);
     const std::vector<std::uint64_t> begin_of = shares_of_lights(scene, count);

@@ -69,7 +69,7 @@ struct SurfaceSide {
 inline constexpr std::uint32_t side_count = 6;
 
 struct ShadowPhotonResult {
-    double unit = 1;                    ///< of the photons' power [W]
+    double unit = 1;                    ///< of the photons' power [W]; only ratios count for LightVisibility
     std::vector<ShadowPhoton> photons;  ///< by light, in the order of emission
     std::uint64_t emitted = 0;
     std::uint64_t rays = 0;

@@ -24,7 +24,7 @@ struct LightEvidence {
     std::uint32_t light;
     LightVerdict verdict = LightVerdict::open;
     std::uint32_t photons = 0;
-    /// [W] that would arrive in the cell if nothing stood in the way: with n photons (n U + 8 U') / (n + 8), where U
+    /// Power that would arrive in the cell if nothing stood in the way: with n photons (n U + 8 U') / (n + 8), where U
     /// is their power and U' what the light's share in the larger cell lets expect.
     double unoccluded = 0;
     /// The share of it that arrives: the mean (n v + 1) / (n + 2) of a posterior, where v is the photons' share; with

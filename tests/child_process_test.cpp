@@ -5,6 +5,7 @@
 #include "common/error.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <vector>
@@ -38,6 +39,23 @@ TEST(ChildProcess, AFailureIsToldWithItsLastMessage) {
         EXPECT_THAT(error.what(), ::testing::HasSubstr("what was wrong"));
     }
     EXPECT_THROW(lines_of("kill -9 $$"), RunError);
+}
+
+TEST(ChildProcess, OneThatCannotStartIsNoFailureOfItsOwn) {
+    EXPECT_THROW(run_child({"/no/such/program"}, [](const std::string&) {}), ChildNotStarted);
+    rlimit old;
+    getrlimit(RLIMIT_NOFILE, &old);
+    const rlimit none{3, old.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+    EXPECT_THROW(lines_of("true"), ChildNotStarted);
+    setrlimit(RLIMIT_NOFILE, &old);
+    try {
+        lines_of("exit 3");
+        FAIL() << "it failed";
+    } catch (const ChildNotStarted&) {
+        FAIL() << "it was started";
+    } catch (const RunError&) {
+    }
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(PhotonWalk, StoredPowerIsTheIndirectIrradianceOfTheFurnace) {
     EXPECT_NEAR(stored / expected, 1, 3 * 0.0024);
 }
 
-// 4e-43 W is less than a float holds.
+// 4e-43 W in 20000 photons: a float holds none of them.
 TEST(PhotonWalk, FaintLightLosesNoPower) {
     const auto walk_of = [](const char* e, const char* r) {
         const auto scene = test::shipped_scene("hard/furnace.xml", {{{"e", e}, {"r", r}}, {}});
@@ -64,8 +64,8 @@ TEST(PhotonWalk, FaintLightLosesNoPower) {
         return sum;
     };
     const auto bright = walk_of("0", "0"), faint = walk_of("-12", "-20");
-    // Places are rounded elsewhere, so not all paths are the same: 2e5 photons are stored.
-    EXPECT_NEAR(stored(faint) / (1e-44 * stored(bright)), 1, 0.01);
+    // The same numbers lead both; rounding parts some of their ways. Without that a sum of 2e4 photons is off by 1 %.
+    EXPECT_NEAR(stored(faint) / (1e-44 * stored(bright)), 1, 0.04);
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(faint.balance.emitted[c] / (1e-44 * bright.balance.emitted[c]), 1, 1e-6) << c;
 }

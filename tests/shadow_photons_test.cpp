@@ -134,6 +134,20 @@ TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     EXPECT_GE(result.rays, result.emitted + result.photons.size());
 }
 
+// 4e-43 W in 2^14 photons: a float holds none of them.
+TEST(ShadowPhotons, FaintLightLosesNone) {
+    const auto stored = [](const char* e, const char* r) {
+        const auto scene = test::shipped_scene("hard/furnace.xml", {{{"e", e}, {"r", r}}, {}});
+        const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 14, 1);
+        double sum = 0;
+        for (const ShadowPhoton& photon : result.photons)
+            sum += result.unit * static_cast<double>(photon.power);
+        return sum;
+    };
+    // The same numbers lead both; rounding parts few of their ways.
+    EXPECT_NEAR(stored("-12", "-20") / (1e-44 * stored("0", "0")), 1, 0.01);
+}
+
 /// Of the floor, on the side that the lights shine at.
 SurfaceHit floor_hit(const Scene& scene, float x, float y) {
     return scene.intersect({Vec3(x, y, scene.bounds().lower.z() - 1.f), Vec3::UnitZ()}).value();
