@@ -5,6 +5,8 @@
 #include "common/memory_limit.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -21,12 +23,12 @@ void LinearFile::read_rows(int begin, int end, float* values) const { reader_->r
 
 LinearImage load_linear_image(const std::string& path) {
     const LinearFile file(path, false);
-    constexpr int rows = 64;
+    const int rows = std::min(64, file.height());
     require_memory_for_image(1.0 * file.width() * (3.0 * file.height() + 1.0 * rows * file.channels()), file.width(),
                              file.height(), file.channels(), {path, 0, 0});
     LinearImage image(file.width(), file.height());
     const auto channels = static_cast<std::size_t>(file.channels());
-    std::vector<float> values(static_cast<std::size_t>(image.width) * rows * channels);
+    std::vector<float> values(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(rows) * channels);
     for (int y = 0; y < image.height; y += rows) {
         const int end = std::min(y + rows, image.height);
         file.read_rows(y, end, values.data());

@@ -2,6 +2,7 @@
 
 #include "common/files.h"
 #include "experiments/method_sweep.h"
+#include "experiments/run_limits.h"
 
 #include <fmt/format.h>
 
@@ -123,7 +124,7 @@ void read_case(const TomlReader& reader, const toml::node& node, HardCases& file
     const auto* passes = table.get("passes");
     hard.passes = passes ? static_cast<std::uint32_t>(reader.whole_number(*passes, "passes", 1, 1 << 20)) : 16;
     const auto* seeds = table.get("seeds");
-    hard.seeds = seeds ? reader.whole_number(*seeds, "seeds", 2, 1000) : file.seeds;
+    hard.seeds = seeds ? reader.whole_number(*seeds, "seeds", 2, most_seeds) : file.seeds;
     const auto* every_pixel = table.get("every_pixel");
     hard.every_pixel = every_pixel && yes_or_no(reader, *every_pixel, "every_pixel");
     if (const auto* without = table.get("without"))
@@ -169,7 +170,7 @@ HardCases parse_hard_cases(const std::string& text, const std::string& path) {
     file.name = std::filesystem::path(path).stem().string();
     file.title = file.name;
     if (const auto* title = root.get("title")) file.title = reader.string(*title, "title");
-    if (const auto* seeds = root.get("seeds")) file.seeds = reader.whole_number(*seeds, "seeds", 2, 1000);
+    if (const auto* seeds = root.get("seeds")) file.seeds = reader.whole_number(*seeds, "seeds", 2, most_seeds);
     const auto share = [&](std::string_view key, double otherwise) {
         const auto* node = root.get(key);
         return node ? parse_target(reader.text_of(*node), reader.at(*node)) : otherwise;

@@ -69,16 +69,17 @@ public:
                 next = rows_.size();
             }
         };
-        std::vector<std::jthread> workers;
-        workers.reserve(errors.size());
-        try {
-            for (auto& error : errors)
-                workers.emplace_back([&work, &error] { work(error); });
-        } catch (const std::system_error& error) {
-            next = rows_.size();
-            throw RunError(fmt::format("cannot start {} threads: {}", errors.size(), error.what()));
+        {
+            std::vector<std::jthread> workers;  // which end before this block does, however it does
+            workers.reserve(errors.size());
+            try {
+                for (auto& error : errors)
+                    workers.emplace_back([&work, &error] { work(error); });
+            } catch (const std::system_error& error) {
+                next = rows_.size();
+                throw RunError(fmt::format("cannot start {} threads: {}", errors.size(), error.what()));
+            }
         }
-        workers.clear();
         // Ctrl-C reaches the children too, and may do so first: how they ended is then no verdict.
         InterruptGuard::check();
         for (const auto& error : errors)

@@ -67,7 +67,9 @@ struct Photon : PhotonPayload {
 static_assert(sizeof(Photon) == 28);
 
 /// [W] The unit for `count` > 0 photons of lights that together emit this power: the power of two next below the mean
-/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted.
+/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted. A lamp
+/// whose photons are 1e-38 of the mean photon and less gives none: beside the others its light is less than an image's
+/// floats can hold.
 double photon_power_unit(const Colord& emitted, std::uint64_t count);
 
 /// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at

@@ -29,7 +29,7 @@ public:
     /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
     /// While it does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons, at finite
     /// positions. `unit` [W] is what a power of 1 stands for.
-    explicit PhotonMap(std::vector<Photon> photons, double unit = 1);
+    PhotonMap(std::vector<Photon> photons, double unit);
 
     std::size_t size() const { return payloads_.size(); }
     double unit() const { return unit_; }  ///< of the photons' power [W]

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 namespace gib {
 
@@ -84,6 +85,9 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
                                              const PhotonMap& map, const DensityEstimator& estimator,
                                              int max_photon_edges, std::uint64_t seed, std::uint64_t& rays,
                                              StageProgress* progress) {
+    if (places.empty()) return;
+    // [W/m^2] The mean photon on the square of the scene's extent.
+    const double unit = std::scalbn(map.unit(), -2 * std::ilogb(scene.diagonal()));
     std::vector<Photon> estimated(places.size());
     std::vector<char> found(places.size(), 0);
     std::atomic<std::uint64_t> traced = 0;
@@ -98,7 +102,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             const Reflected light =
                 estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
                                              Sampler(PointSet::independent, seed, i, 0), 0, neighbours);
-            estimated[i] = Photon(places[i].p, pi * (light.between_surfaces + light.through_media), normal, normal,
+            const Color irradiance = pi * (light.between_surfaces + light.through_media);
+            estimated[i] = Photon(places[i].p, (irradiance.cast<double>() / unit).cast<float>(), normal, normal,
                                   coded_radius(light.radius, estimator.max_radius),
                                   light.near_obstacle);  // marked by what says `in a medium` for a photon
             found[i] = 1;
@@ -111,7 +116,7 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     for (std::size_t i = 0; i < estimated.size(); ++i)
         if (found[i]) estimated[left++] = estimated[i];
     estimated.resize(left);
-    places_ = PhotonMap(std::move(estimated));
+    places_ = PhotonMap(std::move(estimated), unit);
 }
 
 std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
@@ -126,7 +131,7 @@ std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHi
     if (found.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
     const bool in_doubt = is_near_obstacle(place) || found.front().distance2 > sqr(seen);
     if (in_doubt && !reaches(rays, hit, normal, place)) return std::nullopt;
-    return place.power();
+    return (places_.unit() * place.power().cast<double>()).cast<float>();
 }
 
 }  // namespace gib

@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(Table, DegeneratePhotons, testing::ValuesIn(photon_case
 
 TEST_P(DegeneratePhotons, EstimateOnASurfaceIsWhatTheoryHas) {
     const PhotonCase& c = GetParam();
-    const PhotonMap map(c.photons);
+    const PhotonMap map(c.photons, 1);
     const SurfaceHit hit = floor_at(c.query);
     for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
         for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
@@ -204,7 +204,7 @@ TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
     PhotonCase c = GetParam();
     // 1 / r^3 of the smallest ball is beyond floats: of no light that is one.
     if (c.name == "RadiusBelowTheRootOfFloats") c.radius = 1e-14f;
-    const PhotonMap map(c.photons);
+    const PhotonMap map(c.photons, 1);
     const double known = static_cast<double>(place_rounding(*empty_space().scene, c.query));
     for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
         for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
@@ -224,7 +224,7 @@ TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
 TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
     constexpr int steps = 2000;
     const std::vector<Photon> photons = copies(10, photon(0, 0, 0.5f));
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
         for (const std::size_t k : {std::size_t{11}, all_photons}) {
             const DensityEstimator on_floor{static_cast<Kernel>(kernel), k, 0.5f, DiscArea::rejected};
@@ -247,7 +247,7 @@ TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
 // a fixed radius helps; within delta it is n P / (pi delta^2), so that it has a bound, and the n P are there.
 TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     constexpr std::size_t n = 100, k = 20;
-    const PhotonMap map(copies(n, photon(0, 0)));
+    const PhotonMap map(copies(n, photon(0, 0)), 1);
     const DensityEstimator e{Kernel::uniform, k, 1.f, DiscArea::surface};
     const double delta = known_at(Vec3::Zero());
     double integral = 0;
@@ -268,7 +268,7 @@ TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
 
 // Forty photons at the point are more than the 16 of the smallest disc that compensation looks at, whose area is 0.
 TEST(FocusedPhotons, CompensationKeepsTheFocus) {
-    const PhotonMap map(photon_cases()[19].photons);
+    const PhotonMap map(photon_cases()[19].photons, 1);
     ASSERT_EQ(photon_cases()[19].name, "AtThePointAndBesideIt");
     const SurfaceHit hit = floor_at(Vec3::Zero());
     const Reflected L = looked_up({Kernel::uniform, 100, 0.5f, DiscArea::surface, true}, map, hit);
@@ -286,7 +286,7 @@ TEST(BrightPhotons, DoNotOverflowOnTheWay) {
     const float factor = shading_normal_factor(hit, wi);
     ASSERT_GT(factor, 50.f);
     const Photon one(Vec3(0.1f, 0, 0), Color::Constant(1e38f), wi, up, 2);
-    const Reflected L = looked_up({Kernel::uniform, all_photons, 1.9f, DiscArea::plain}, PhotonMap({one}), hit);
+    const Reflected L = looked_up({Kernel::uniform, all_photons, 1.9f, DiscArea::plain}, PhotonMap({one}, 1), hit);
     const double stored_factor = static_cast<double>(shading_normal_factor(hit, one.direction()));
     const double expected =
         static_cast<double>(one.power()[0]) * stored_factor / pi_d * kernel_on_disc(Kernel::uniform, 0, 1.9f);
@@ -299,7 +299,7 @@ TEST(ManyPhotons, OfSmallPowerBesideALargeOneCount) {
     std::vector<Photon> photons = copies(4097, photon(0, 0, 0.5f));
     photons.front().set_power(Color::Constant(0x1p24f));
     const double sum = 0x1p24 + 2048;
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     const Color L = scattered({Kernel::uniform, all_photons, 0.5f, DiscArea::plain}, map, Vec3::Zero());
     EXPECT_NEAR(static_cast<double>(L[0]) / (sum * kernel_in_ball(Kernel::uniform, 0, 0.5) / (4 * pi_d)), 1, 0x1p-22);
     const Reflected on_floor =
@@ -328,7 +328,7 @@ struct Places {
     Places(std::vector<Photon> all, std::size_t k, float radius)
         : photons(std::move(all)),
           places(take_places(photons)),
-          map(photons),
+          map(photons, 1),
           estimator{Kernel::uniform, k, radius, DiscArea::surface} {
         std::uint64_t rays = 0;
         irradiance = PrecomputedIrradiance(*floor_scene().scene, places, map, estimator, 100, 1, rays, nullptr);

@@ -87,7 +87,7 @@ struct FewPhotons {
     float radiance(const DensityEstimator& e, const std::vector<Photon>& photons, int max_edges = 100) {
         const Ray eye = down_at(0, 0);
         return e
-            .reflected_radiance(PhotonMap(photons), rays, *scene.scene->intersect(eye), -eye.d, EyePath{max_edges},
+            .reflected_radiance(PhotonMap(photons, 1), rays, *scene.scene->intersect(eye), -eye.d, EyePath{max_edges},
                                 Sampler(PointSet::independent, 1, 0, 0), 0, found)
             .between_surfaces[0];
     }

@@ -52,7 +52,7 @@ inline std::vector<std::vector<Moments>> relative_estimates(
     parallel_blocks(maps, 1, [&](std::size_t number, std::size_t, std::size_t) {
         RayQueries rays(scene);
         DensityEstimator::Found found;
-        const PhotonMap map(make(1000 + number));
+        const PhotonMap map(make(1000 + number), 1);
         for (std::size_t e = 0; e < estimators.size(); ++e)
             for (std::size_t g = 0; g < groups.size(); ++g) {
                 auto& of_group = values[number].emplace_back();

@@ -101,9 +101,10 @@ inline SquareKernel sensitivity(std::size_t channel, double pixels_per_degree) {
     constexpr std::array<std::array<double, 4>, 3> constants = {
         {{1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
     constexpr double pi2 = std::numbers::pi * std::numbers::pi;
-    const auto [a1, b1, a2, b2] = constants[channel];
+    const auto& c = constants[channel];
+    const double a1 = c[0], b1 = c[1], a2 = c[2], b2 = c[3];
     const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * pi2)) * pixels_per_degree));
-    return normalised({radius, [=, a1 = a1, b1 = b1, a2 = a2, b2 = b2](int x, int y) {
+    return normalised({radius, [=](int x, int y) {
                            const double d2 = (x * x + y * y) / (pixels_per_degree * pixels_per_degree);
                            return a1 * std::sqrt(std::numbers::pi / b1) * std::exp(-pi2 * d2 / b1) +
                                   a2 * std::sqrt(std::numbers::pi / b2) * std::exp(-pi2 * d2 / b2);

@@ -76,7 +76,7 @@ void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector
 TEST(PhotonMap, FindsTheSamePhotonsAsASearchOverAll) {
     for (std::size_t n : {0u, 1u, 7u, 8u, 9u, 1000u, 5003u})
         for (float z_extent : {0.f, 1.f}) {
-            const PhotonMap map(random_photons(n, n, z_extent));
+            const PhotonMap map(random_photons(n, n, z_extent), 1);
             ASSERT_EQ(map.size(), n);
             for (std::uint64_t q = 0; q < 40; ++q) {
                 const Sampler u(PointSet::independent, 99, q, 0);
@@ -97,7 +97,7 @@ TEST(PhotonMap, HoldsEveryPhotonOnceWithAllThatItCarries) {
                       static_cast<int>(i),
                       i % 2 == 0,
                       static_cast<int>(i % 32)};
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     std::vector<int> seen(photons.size(), 0);
     for (std::size_t i = 0; i < map.size(); ++i) {
         const Photon photon = map[i];
@@ -117,7 +117,7 @@ TEST(PhotonMap, HoldsEveryPhotonOnceWithAllThatItCarries) {
 TEST(PhotonMap, FewerEquallyManyAndMorePhotonsThanWanted) {
     for (std::size_t k : {1u, 8u, 50u})
         for (std::size_t n : {std::size_t{0}, std::size_t{1}, k - 1, k, k + 1}) {
-            const PhotonMap map(random_photons(n, 3, 1.f));
+            const PhotonMap map(random_photons(n, 3, 1.f), 1);
             expect_right_results(map, Vec3(0.5f, 0.5f, 0.5f), {0.f, 0.4f, 10.f}, {k});
         }
 }
@@ -134,7 +134,7 @@ TEST(PhotonMap, PhotonsAtOnePointOnALineAndDuplicated) {
         signed_zeros[i].p = Vec3(i % 2 == 0 ? 0.f : -0.f, random[i].p.y(), i % 3 == 0 ? -0.f : 0.f);
     }
     for (const auto& photons : {point, line, duplicated, far, signed_zeros}) {
-        const PhotonMap map(photons);
+        const PhotonMap map(photons, 1);
         for (std::size_t i : {0u, 1u, 1500u, 3000u})
             expect_right_results(map, photons[i].p, {0.f, 0.1f, 1e9f}, {1, 49, 50, 2999, 3000, 3001, 3002});
     }
@@ -142,13 +142,13 @@ TEST(PhotonMap, PhotonsAtOnePointOnALineAndDuplicated) {
 
 TEST(PhotonMap, QueriesFarAwayAndOfRadiusZero) {
     const auto photons = random_photons(3001, 5, 1.f);
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     for (const Vec3& p : {Vec3(1e3f, 0, 0), Vec3(-1e6f, 1e6f, 1e6f), Vec3(0, 0, 1e15f), photons[5].p})
         expect_right_results(map, p, {0.f, 1.f, 2e6f, std::numeric_limits<float>::max(), infinity}, {1, 50, 4000});
 }
 
 TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
-    const PhotonMap map(random_photons(20000, 6, 1.f));
+    const PhotonMap map(random_photons(20000, 6, 1.f), 1);
     Neighbours found;
     std::size_t asked = 0;
     map.nearest(
@@ -168,7 +168,7 @@ TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
 TEST(PhotonMap, FindsWhatNanoflannFinds) {
     const auto scene = test::shipped_scene("cornell-box.xml");
     const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
-    const PhotonMap map(walk.photons);
+    const PhotonMap map(walk.photons, 1);
     test::NanoflannCloud cloud;
     for (std::size_t i = 0; i < map.size(); ++i)
         cloud.points.push_back(map[i].p);
@@ -221,7 +221,7 @@ TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
     auto photons = random_photons(2000, 5, 0.f);
     for (std::size_t i = 0; i < photons.size(); i += 2)
         photons[i].edges = 9;
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     std::vector<PhotonMap::Neighbour> found;
     map.nearest(
         {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
@@ -235,7 +235,7 @@ TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
     const auto order = [&](int threads) {
         std::vector<float> xs;
         with_threads(threads, [&] {
-            const PhotonMap map(photons);
+            const PhotonMap map(photons, 1);
             for (std::size_t i = 0; i < map.size(); ++i)
                 xs.push_back(map[i].p.x());
         });

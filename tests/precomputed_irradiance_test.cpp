@@ -58,7 +58,7 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         auto photons = even_photons(4000, seed);
         const auto places = take_places(photons);
-        const PhotonMap map(std::move(photons));
+        const PhotonMap map(std::move(photons), 1);
         const DensityEstimator estimator{Kernel::uniform, 50, 1.f, DiscArea::surface};
         std::uint64_t traced = 0;
         const PrecomputedIrradiance irradiance(scene, places, map, estimator, 100, seed, traced, nullptr);
@@ -84,12 +84,31 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
     EXPECT_NEAR(mean.mean(), 1, 5 * mean.standard_error());
 }
 
+// The same photons in a unit of 2^-120 W: irradiance is a float near the end of their range, and loses nothing on its
+// way.
+TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
+    const auto loaded = floor_scene();
+    RayQueries rays(*loaded.scene);
+    const auto irradiance_of = [&](double unit) {
+        auto photons = even_photons(80000, 3);
+        const auto places = take_places(photons);
+        const PhotonMap map(std::move(photons), unit);
+        const DensityEstimator estimator{Kernel::uniform, 2000, 1.f, DiscArea::surface};
+        std::uint64_t traced = 0;
+        const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
+        DensityEstimator::Found found;
+        const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
+        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found)->x();
+    };
+    EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
+}
+
 // Half of the photons have paths of one edge.
 TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     const auto loaded = floor_scene();
     auto photons = even_photons(80000, 3);
     const auto places = take_places(photons);
-    const PhotonMap map(std::move(photons));
+    const PhotonMap map(std::move(photons), 1);
     const DensityEstimator estimator{Kernel::uniform, 2000, 1.f, DiscArea::surface};
     std::uint64_t traced = 0;
     const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 1, 1, traced, nullptr);
@@ -113,7 +132,7 @@ TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
                         test::diffuse(0.5) + "</shape>"));
     auto photons = even_photons_in_a_room(4000, half);
     const auto places = take_places(photons);
-    const PhotonMap map(std::move(photons));
+    const PhotonMap map(std::move(photons), 1);
     const DensityEstimator estimator{Kernel::uniform, 50, half, DiscArea::surface};
     std::uint64_t traced = 0;
     const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);

@@ -63,7 +63,7 @@ PhotonMap uniform_photons(std::uint64_t seed, std::size_t count) {
         photons.emplace_back(p, Color::Constant(1.f / static_cast<float>(count)), Vec3::UnitZ(), Vec3::UnitZ(), 2,
                              true);
     }
-    return PhotonMap(std::move(photons));
+    return PhotonMap(std::move(photons), 1);
 }
 
 // The k-th photon lies on the rim: k inside would be too dense by k / (k - 1), 25 % for k = 5. Deviation of one look-up
@@ -99,7 +99,7 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
         photons.emplace_back(Vec3(0.1f * static_cast<float>(i % 2), 0.1f * static_cast<float>(i / 2), 5), Color::Ones(),
                              Vec3::UnitZ(), Vec3::UnitZ(), i + 1, true,
                              i < 4 ? std::optional<int>() : std::optional<int>(i + 10));
-    const PhotonMap map(photons);
+    const PhotonMap map(photons, 1);
     RayQueries rays(*empty_space().scene);
     const Sampler u(PointSet::independent, 1, 1, 0);
     std::vector<PhotonMap::Neighbour> found;

@@ -50,7 +50,7 @@ const Workload& workload(std::size_t photons) {
         w.cloud.points.push_back(p.p);
     for (std::size_t i = 0; i < 4096; ++i)
         w.queries.push_back(w.cloud.points[i * 2654435761u % w.cloud.points.size()]);
-    w.map = PhotonMap(std::move(stored));
+    w.map = PhotonMap(std::move(stored), 1);
     w.yardstick = build_yardstick(w.cloud);
     return w;
 }
@@ -101,7 +101,7 @@ void BM_PhotonMapBuildOverNanoflann(benchmark::State& state) {
         for (std::size_t i = 0; i < count; ++i)
             photons[i].p = w.cloud.points[i];  // in the order of emission
         PhotonMap map;
-        with_threads(build_threads, [&] { ours.push_back(seconds([&] { map = PhotonMap(std::move(photons)); })); });
+        with_threads(build_threads, [&] { ours.push_back(seconds([&] { map = PhotonMap(std::move(photons), 1); })); });
         state.counters["bytes_per_photon"] = static_cast<double>(map.memory()) / static_cast<double>(count);
         map = PhotonMap();
         std::unique_ptr<test::NanoflannTree> yardstick;
