@@ -90,10 +90,10 @@ TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
     const auto loaded = floor_scene();
     RayQueries rays(*loaded.scene);
     const auto irradiance_of = [&](double unit) {
-        auto photons = even_photons(80000, 3);
+        auto photons = even_photons(8000, 3);
         const auto places = take_places(photons);
         const PhotonMap map(std::move(photons), unit);
-        const DensityEstimator estimator{Kernel::uniform, 2000, 1.f, DiscArea::surface};
+        const DensityEstimator estimator{Kernel::uniform, 200, 1.f, DiscArea::surface};
         std::uint64_t traced = 0;
         const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
         DensityEstimator::Found found;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <iostream>
 #include <map>
+#include <numbers>
 
 namespace gib {
 namespace {
@@ -134,18 +135,19 @@ TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     EXPECT_GE(result.rays, result.emitted + result.photons.size());
 }
 
-// 4e-43 W in 2^14 photons: a float holds none of them.
+// 8e-43 W in 2^14 photons: a float holds none of them. In an empty box each way meets one surface, so that they have pi
+// times radiance times area together; rounded are the corners, three roundings for an area, and each power.
 TEST(ShadowPhotons, FaintLightLosesNone) {
-    const auto stored = [](const char* e, const char* r) {
-        const auto scene = test::shipped_scene("hard/furnace.xml", {{{"e", e}, {"r", r}}, {}});
-        const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 14, 1);
-        double sum = 0;
-        for (const ShadowPhoton& photon : result.photons)
-            sum += result.unit * static_cast<double>(photon.power);
-        return sum;
-    };
-    // The same numbers lead both; rounding parts few of their ways.
-    EXPECT_NEAR(stored("-12", "-20") / (1e-44 * stored("0", "0")), 1, 0.01);
+    const auto scene = test::scene_of(test::scene_xml(
+        "<sensor type='perspective'/><shape type='cube'><boolean name='flip_normals' value='true'/>"
+        "<transform name='to_world'><scale value='1e-12'/></transform>" +
+        test::diffuse(0.5) + "<emitter type='area'><rgb name='radiance' value='1e-20'/></emitter></shape>"));
+    const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 14, 1);
+    double sum = 0;
+    for (const ShadowPhoton& photon : result.photons)
+        sum += result.unit * static_cast<double>(photon.power);
+    EXPECT_EQ(result.photons.size(), 1u << 14);
+    EXPECT_NEAR(sum / (std::numbers::pi * 1e-20 * 24e-24), 1, 4 * 0x1p-24);
 }
 
 /// Of the floor, on the side that the lights shine at.
