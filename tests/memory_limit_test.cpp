@@ -88,7 +88,7 @@ private:
 };
 
 TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
@@ -111,7 +111,7 @@ TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
 }
 
 TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
@@ -134,7 +134,7 @@ TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
 }
 
 TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
@@ -161,7 +161,7 @@ rlim_t address_space_in_use() {
 
 // Nobody knows beforehand how many records there will be: each time their room is to be doubled it is asked for.
 TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     IrradianceCache cache({Vec3::Zero(), Vec3::Ones()}, 0.1f);
@@ -185,7 +185,7 @@ TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
 }
 
 TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     Image image(4096, 1025);
@@ -215,7 +215,7 @@ std::string serialized_zeros(std::uint64_t vertices) {
 }
 
 TEST_F(MemoryLimitTest, ASerializedMeshAsksAsItGrows) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const std::string content = serialized_zeros(8'000'000);
@@ -235,7 +235,7 @@ Mesh strip_of_triangles(std::uint32_t count) {
 }
 
 TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
-#if GIB_SANITIZED
+#ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     std::vector<Shape> shapes = {strip_of_triangles(3'000'000)};
