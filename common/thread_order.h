@@ -1,8 +1,8 @@
 #pragma once
 // What oneTBB and Embree order in time, told to the thread sanitizer, which sees only what was compiled with it;
-// nothing in other builds.
+// nothing in other builds. GIB_THREAD_SANITIZER: see common/CMakeLists.txt.
 
-#if defined(__SANITIZE_THREAD__) || defined(GIB_THREAD_SANITIZER)
+#ifdef GIB_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
 
@@ -30,7 +30,7 @@ public:
     };
 
 private:
-#if defined(__SANITIZE_THREAD__) || defined(GIB_THREAD_SANITIZER)
+#ifdef GIB_THREAD_SANITIZER
     static void pass(char& point) { __tsan_release(&point); }
     static void await(char& point) { __tsan_acquire(&point); }
 #else

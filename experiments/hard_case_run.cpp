@@ -70,7 +70,7 @@ public:
             }
         };
         {
-            std::vector<std::jthread> workers;  // which end before this block does, however it does
+            std::vector<std::jthread> workers;  // joined at the end of this block, on an exception too
             workers.reserve(errors.size());
             try {
                 for (auto& error : errors)

@@ -18,6 +18,9 @@ namespace gib {
 /// gains or loses nothing. What 1 stands for is up to who stores it (photon_power_unit()).
 class PhotonPayload {
 public:
+    /// A largest channel below may be kept as 0.
+    static constexpr float least_power = 0x1p-126f;
+
     PhotonPayload() = default;
     PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
                   std::optional<int> stratum);
@@ -67,9 +70,7 @@ struct Photon : PhotonPayload {
 static_assert(sizeof(Photon) == 28);
 
 /// [W] The unit for `count` > 0 photons of lights that together emit this power: the power of two next below the mean
-/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted. A lamp
-/// whose photons are 1e-38 of the mean photon and less gives none: beside the others its light is less than an image's
-/// floats can hold.
+/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted.
 double photon_power_unit(const Colord& emitted, std::uint64_t count);
 
 /// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at

@@ -28,11 +28,11 @@ public:
     PhotonMap() = default;
     /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
     /// While it does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons, at finite
-    /// positions. `unit` [W] is what a power of 1 stands for.
+    /// positions. `unit` is what a power of 1 stands for [W, or what the photons carry instead].
     PhotonMap(std::vector<Photon> photons, double unit);
 
     std::size_t size() const { return payloads_.size(); }
-    double unit() const { return unit_; }  ///< of the photons' power [W]
+    double unit() const { return unit_; }  ///< of the photons' power
     Photon operator[](std::size_t i) const {
         const PositionBlock& block = positions_[i / leaf_size];
         const std::size_t lane = i % leaf_size;

@@ -65,7 +65,9 @@ public:
     /// `share` times the start's power is the photon's, in the result's unit.
     void trace(const EmissionSample& start, const TracedRay& first, double share) {
         power_ = (share * start.power).cast<float>();
-        if (is_black(power_)) return;  // from a dark texel; it would count as a neighbour in a density estimate
+        // From a dark texel, or from a lamp that is so much fainter: it would count as a neighbour in a density
+        // estimate.
+        if (power_.maxCoeff() < PhotonPayload::least_power) return;
         result_.balance.emitted += power_.cast<double>();
         residual_ = power_.cast<double>();
         follow(first);

@@ -87,7 +87,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
                                              StageProgress* progress) {
     if (places.empty()) return;
     // [W/m^2] The mean photon on the square of the scene's extent.
-    const double unit = std::scalbn(map.unit(), -2 * std::ilogb(scene.diagonal()));
+    const float extent = scene.diagonal();
+    const double unit = extent > 0.f ? std::scalbn(map.unit(), -2 * std::ilogb(extent)) : map.unit();
     std::vector<Photon> estimated(places.size());
     std::vector<char> found(places.size(), 0);
     std::atomic<std::uint64_t> traced = 0;

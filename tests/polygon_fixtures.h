@@ -56,7 +56,8 @@ public:
         return {r * std::cos(phi), r * std::sin(phi), z};
     }
     Eigen::Matrix3d rotation() {
-        return Eigen::AngleAxisd(2 * std::numbers::pi * next(), direction()).toRotationMatrix();
+        const double angle = 2 * std::numbers::pi * next();
+        return Eigen::AngleAxisd(angle, direction()).toRotationMatrix();
     }
     /// On an ellipse around the point with random directions: a semi-axis of 1, the other one of at least `narrowest`.
     PatchPolygon polygon(const Vec3d& center, double narrowest = 0.3) {

@@ -68,7 +68,8 @@ TEST(PolygonFormFactorLaws, RowsOfTetrahedraAddUpToOne) {
 TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
     RandomPolygons random(3);
     for (int i = 0; i < 60; ++i) {
-        const PatchPolygon from = random.polygon(std::pow(10, 2 * random.next() - 1) * random.direction());
+        const double distance = std::pow(10, 2 * random.next() - 1);
+        const PatchPolygon from = random.polygon(distance * random.direction());
         const PatchPolygon whole = rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0.2, 1, 0});
         const double factor = polygon_form_factor(from, whole);
         EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * tolerance * factor + 1e-12) << i;
@@ -91,11 +92,11 @@ double mean_over_points(const PatchPolygon& from, const PatchPolygon& to, int n,
 }
 
 /// That `factor` is the mean over 40 such means, within 6 of their standard errors: false alarm 5e-7 (Student's t, 39
-/// degrees of freedom).
+/// degrees of freedom), 6e-5 for 120 comparisons.
 void expect_mean_over_points(const PatchPolygon& from, const PatchPolygon& to, double factor, RandomPolygons& random) {
     test::Moments mean;
     for (int i = 0; i < 40; ++i)
-        mean.add(mean_over_points(from, to, 6, random));
+        mean.add(mean_over_points(from, to, 16, random));
     EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + tolerance * factor);
 }
 
@@ -105,8 +106,9 @@ TEST(PolygonFormFactorLaws, IsReciprocalAndTheMeanOverEitherPolygon) {
     int seen = 0;
     for (int i = 0; i < 300; ++i) {
         SCOPED_TRACE(i);
-        const PatchPolygon a = random.polygon({0, 0, 0}),
-                           b = random.polygon((2.5 + 10 * random.next()) * random.direction());
+        const PatchPolygon a = random.polygon({0, 0, 0});
+        const double distance = 2.5 + 10 * random.next();
+        const PatchPolygon b = random.polygon(distance * random.direction());
         const double ab = polygon_form_factor(a, b), ba = polygon_form_factor(b, a);
         EXPECT_NEAR(ab * a.area, ba * b.area, 1e-12 * ab * a.area);
         if (ab < 1e-5) continue;
@@ -137,8 +139,9 @@ TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
     constexpr int rays = 20000;
     int compared = 0;
     while (compared < 80) {
-        const PatchPolygon from = random.polygon({0, 0, 0}),
-                           to = random.polygon(2 * random.next() * random.direction());
+        const PatchPolygon from = random.polygon({0, 0, 0});
+        const double distance = 2 * random.next();
+        const PatchPolygon to = random.polygon(distance * random.direction());
         const double factor = polygon_form_factor(from, to);
         if (factor < 3e-3) continue;
         ++compared;
@@ -167,8 +170,9 @@ TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
 TEST(PolygonFormFactorLaws, KeepsItsToleranceWherePolygonsPierceEachOther) {
     RandomPolygons random(6);
     for (int i = 0; i < 2000; ++i) {
-        const PatchPolygon from = random.polygon({0, 0, 0}, 0.01),
-                           to = random.polygon(1.5 * random.next() * random.direction(), 0.01);
+        const PatchPolygon from = random.polygon({0, 0, 0}, 0.01);
+        const double distance = 1.5 * random.next();
+        const PatchPolygon to = random.polygon(distance * random.direction(), 0.01);
         const double exact = polygon_form_factor(from, to, 1e-8);
         EXPECT_NEAR(polygon_form_factor(from, to), exact, tolerance * exact + 1e-10) << i;
     }
@@ -177,8 +181,9 @@ TEST(PolygonFormFactorLaws, KeepsItsToleranceWherePolygonsPierceEachOther) {
 TEST(PolygonFormFactorLaws, ScaleAndPlaceDoNotMatter) {
     RandomPolygons random(7);
     for (int i = 0; i < 100; ++i) {
-        const PatchPolygon from = random.polygon({0, 0, 0}),
-                           to = random.polygon(std::pow(10, 3 * random.next() - 1) * random.direction());
+        const PatchPolygon from = random.polygon({0, 0, 0});
+        const double distance = std::pow(10, 3 * random.next() - 1);
+        const PatchPolygon to = random.polygon(distance * random.direction());
         const double factor = polygon_form_factor(from, to, 1e-8);
         const Eigen::Matrix3d rotation = random.rotation();
         const Vec3d translation = random.direction();

@@ -98,7 +98,7 @@ TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
         const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
         DensityEstimator::Found found;
         const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found)->x();
+        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, found).value().x();
     };
     EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
 }
