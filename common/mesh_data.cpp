@@ -3,10 +3,19 @@
 #include "common/float_traps.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gib {
 
 namespace {
+
+/// The unit vector along v; v itself if it is zero or not finite. Eigen's stableNormalized() divides by the length,
+/// which has few digits below double's smallest normal number: the vector is brought to about 1 first.
+Vec3d unit_or_zero(const Vec3d& v) {
+    const double largest = v.cwiseAbs().maxCoeff();
+    if (!(largest > 0 && std::isfinite(largest))) return v;
+    return (v / largest).normalized();
+}
 
 /// The inverse transpose of the linear part, times a positive number: only the directions of its images count.
 Eigen::Matrix3d normal_matrix(const Mat4d& to_world) {
@@ -36,10 +45,10 @@ void transform_mesh(MeshData& mesh, const Mat4d& to_world) {
         for (auto& p : mesh.positions)
             p = linear * p + translation;
         for (auto& n : mesh.normals)
-            n = (for_normals * n.cast<double>()).stableNormalized().cast<float>();
+            n = unit_or_zero(for_normals * n.cast<double>()).cast<float>();
     } else {
         for (auto& n : mesh.normals)
-            n = n.cast<double>().stableNormalized().cast<float>();
+            n = unit_or_zero(n.cast<double>()).cast<float>();
     }
 }
 
@@ -59,12 +68,12 @@ void compute_normals(MeshData& mesh) {
             const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
             // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
             // The angle over a length near double's smallest number would be infinite.
-            sums[triangle[i]] += std::atan2(length, a.dot(b)) * (n / length);
+            sums[triangle[i]] += std::atan2(length, a.dot(b)) * unit_or_zero(n);
         }
     }
     mesh.normals.resize(mesh.positions.size(), Vec3::Zero());
     for (std::size_t i = 0; i < sums.size(); ++i)
-        if (missing(mesh.normals[i])) mesh.normals[i] = sums[i].stableNormalized().cast<float>();
+        if (missing(mesh.normals[i])) mesh.normals[i] = unit_or_zero(sums[i]).cast<float>();
 }
 
 }  // namespace gib
