@@ -5,6 +5,7 @@
 #include "common/parallel.h"
 #include "common/scene_file.h"
 #include "experiments/child_process.h"
+#include "experiments/json_file.h"
 #include "experiments/measurement_json.h"
 
 #include <fmt/format.h>
@@ -84,7 +85,7 @@ void measure_request(const CellRequest& request) {
 
 CellTiming timing_from(const std::string& path) {
     try {
-        const json j = json::parse(read_file(path));
+        const json j = read_json(path);
         CellTiming timing;
         timing.load_seconds = j.at("load_seconds");
         timing.measurement.prepare_seconds = j.at("prepare_seconds");
@@ -106,7 +107,7 @@ CellTiming timing_from(const std::string& path) {
 void measure_cell(const std::string& request_file) {
     const CellRequest request = [&] {
         try {
-            const json j = json::parse(read_file(request_file));
+            const json j = read_json(request_file);
             die_with_parent(j.at("parent"));
             return request_from(j);
         } catch (const json::exception& error) {

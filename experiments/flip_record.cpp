@@ -1,8 +1,10 @@
 #include "experiments/flip_record.h"
 
+#include "common/error.h"
 #include "common/files.h"
 #include "common/image_file.h"
 #include "experiments/flip.h"
+#include "experiments/json_file.h"
 #include "experiments/report_images.h"
 
 #include <nlohmann/json.hpp>
@@ -24,8 +26,14 @@ std::string record_path(const ResultFolder& folder, const std::string& cell_name
 /// Null if there is none, or if it cannot be read.
 json stored_record(const std::string& path) {
     if (!std::filesystem::exists(path)) return nullptr;
-    const json record = json::parse(read_file(path), nullptr, false);
-    return record.is_object() && record.contains("flip") ? record : json(nullptr);
+    try {
+        json record = read_json(path);
+        return record.is_object() && record.contains("flip") ? record : json(nullptr);
+    } catch (const json::exception&) {
+        return nullptr;
+    } catch (const InputError&) {
+        return nullptr;
+    }
 }
 
 bool all_finite(const Image& image) {

@@ -6,6 +6,7 @@
 #include "experiments/file_lock.h"
 #include "experiments/hard_case_table.h"
 #include "experiments/interrupt.h"
+#include "experiments/json_file.h"
 #include "experiments/manifest.h"
 #include "experiments/progress.h"
 #include "experiments/result_folder.h"
@@ -204,7 +205,7 @@ std::string rebuild_hard_case_report(const std::string& folder_path) {
     const std::string csv = folder.file("hard_cases.csv"), manifest = folder.file("manifest.json");
     std::string title;
     try {
-        title = nlohmann::json::parse(read_file(manifest)).at("title");
+        title = read_json(manifest).at("title");
     } catch (const nlohmann::json::exception& error) {
         throw InputError({manifest}, fmt::format("not a manifest: {}", error.what()));
     }

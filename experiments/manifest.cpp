@@ -2,6 +2,7 @@
 
 #include "common/files.h"
 #include "experiments/build_info.h"
+#include "experiments/json_file.h"
 #include "experiments/measurement_json.h"
 #include "experiments/run_limits.h"
 
@@ -85,11 +86,11 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
 
 Manifest read_manifest(const std::string& path) {
     using nlohmann::json;
-    const json j = json::parse(read_file(path), nullptr, false);
-    if (!j.is_object() || !j.contains("experiment")) throw InputError({path}, "not a manifest of results");
-    if (!j.contains("cells"))
-        throw InputError({path}, "written by an earlier gibench, which did not say how many passes each cell made");
     try {
+        const json j = read_json(path);
+        if (!j.is_object() || !j.contains("experiment")) throw InputError({path}, "not a manifest of results");
+        if (!j.contains("cells"))
+            throw InputError({path}, "written by an earlier gibench, which did not say how many passes each cell made");
         Manifest m;
         m.experiment_file = j.at("experiment_file");
         m.working_folder = j.at("working_folder");
@@ -107,6 +108,8 @@ Manifest read_manifest(const std::string& path) {
         for (const auto& [name, version] : j.at("libraries").items())
             m.machine[name] = version.get<std::string>();
         return m;
+    } catch (const json::parse_error&) {
+        throw InputError({path}, "not a manifest of results");
     } catch (const json::exception& error) {
         throw InputError({path}, fmt::format("not a manifest that can be repeated: {}", error.what()));
     }

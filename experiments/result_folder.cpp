@@ -1,6 +1,7 @@
 #include "experiments/result_folder.h"
 
 #include "common/files.h"
+#include "experiments/json_file.h"
 #include "experiments/measurement_json.h"
 #include "experiments/run_limits.h"
 
@@ -193,7 +194,7 @@ ResultIndex ResultFolder::read_index() const {
     if (!std::filesystem::exists(path))
         throw InputError(fmt::format("'{}' holds no results: there is no {}", path_, path));
     try {
-        const json j = json::parse(read_file(path));
+        const json j = read_json(path);
         ResultIndex index;
         index.title = j.at("title");
         index.experiment_text = j.at("experiment");
@@ -227,7 +228,7 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         return std::nullopt;
     };
     try {
-        json j = json::parse(read_file(path));
+        json j = read_json(path);
         const std::string digest = j.value("digest", "");
         j.erase("digest");
         // Records of earlier versions have no digests and are believed.

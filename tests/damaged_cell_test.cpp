@@ -84,6 +84,28 @@ TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     }
 }
 
+// Values this deep overflow the stack where they are compared, copied or, as for a digest, written.
+TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    const std::string brackets = std::string(1000000, '[') + std::string(1000000, ']');
+    damage(file_of_cell("cell.json"), "{\"digest\": \"0\", \"key\": " + brackets + "}");
+    damage(file_of_cell("flip.json"), "{\"flip\": 0, \"deep\": " + brackets + "}");
+    const ProgramResult again = run();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("cell.json: it cannot be read; the cell is done again"));
+    EXPECT_TRUE(content_of(results("")) == good);
+    for (const char* name : {"index.json", "manifest.json"}) {
+        const std::string file = results(name), content = read_file(file);
+        damage(file, brackets);
+        const bool index = std::string(name) == "index.json";
+        const ProgramResult refused = run_gibench(index ? "report results/e" : "run --repeat results/e", path());
+        EXPECT_EQ(refused.code, 2) << name;
+        EXPECT_THAT(refused.err, HasSubstr(std::string(name) + ":1:1: nested more than 64 levels deep")) << name;
+        damage(file, content);
+    }
+}
+
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("images/tiny-reference.exr");
