@@ -107,6 +107,7 @@ int render(const RenderOptions& options, std::ostream& out) {
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const ChosenMethod chosen(options.method);
     find_comparable_method(chosen.label.name);
+    require_epsilon(options.epsilon);
     if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
     check_writable(options.out);
     ReferenceGoal goal{std::nullopt, options.seconds};

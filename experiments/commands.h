@@ -1,6 +1,8 @@
 #pragma once
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError where input is wrong.
 
+#include "experiments/epsilon.h"
+
 #include <cstdint>
 #include <iosfwd>
 #include <map>
@@ -25,7 +27,7 @@ struct ReferenceOptions {
     std::string method = "path";
     std::optional<std::string> target;
     std::optional<double> seconds;
-    double epsilon = 0.01;
+    double epsilon = default_epsilon;
     int threads = 0;
     std::map<std::string, std::string> parameters;
     std::string out;

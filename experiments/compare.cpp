@@ -134,8 +134,7 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
 }
 
 void require_consistent(const CompareOptions& options) {
-    if (!std::isfinite(options.epsilon) || options.epsilon <= 0)
-        throw InputError(fmt::format("epsilon must be a number above 0, not {:g}", options.epsilon));
+    require_epsilon(options.epsilon);
     if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
     const bool has_variance = !options.variance.empty(), has_spp = options.test_spp > 0;
     if (has_variance != has_spp) throw InputError("--variance and --spp go together");

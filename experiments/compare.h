@@ -1,6 +1,8 @@
 #pragma once
 // `gibench compare`: images of any renderer against a reference.
 
+#include "experiments/epsilon.h"
+
 #include <cstdint>
 #include <iosfwd>
 #include <string>
@@ -9,9 +11,9 @@
 namespace gib {
 
 struct CompareOptions {
-    std::vector<std::string> tests;  ///< files; several are replicates of one method with different seeds
-    std::string reference;           ///< a file, with or without standard errors
-    double epsilon = 0.01;           ///< of the relative error's denominator [radiance^2], > 0
+    std::vector<std::string> tests;    ///< files; several are replicates of one method with different seeds
+    std::string reference;             ///< a file, with or without standard errors
+    double epsilon = default_epsilon;  ///< of the relative error's denominator [radiance^2], > 0
     bool json = false;
     bool z_test = false;         ///< decide whether the test is the reference but for noise
     std::string variance = {};   ///< a file: Mitsuba's test instead of our own, of a single test

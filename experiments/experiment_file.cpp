@@ -139,7 +139,10 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     read_scenes(reader, *scenes, experiment);
     if (const auto* resolution = root.get("resolution")) read_resolution(reader, *resolution, experiment);
     if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, most_seeds);
-    if (const auto* epsilon = root.get("epsilon")) experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
+    if (const auto* epsilon = root.get("epsilon")) {
+        experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
+        require_epsilon(experiment.epsilon, reader.at(*epsilon));
+    }
     if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");

@@ -3,6 +3,7 @@
 // measured.
 
 #include "common/error.h"
+#include "experiments/epsilon.h"
 #include "methods/method.h"
 
 #include <cstdint>
@@ -42,7 +43,7 @@ struct Experiment {
     std::vector<ExperimentScene> scenes;
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
     int seeds = 1;                                  ///< seeds 1 to this
-    double epsilon = 0.01;                          ///< of relative errors [radiance^2]
+    double epsilon = default_epsilon;               ///< of relative errors [radiance^2]
     Budget budget;
     MethodLabel reference_method;
     std::vector<MethodLabel> methods;  ///< sweeps expanded, in the order of the file

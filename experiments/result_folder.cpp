@@ -199,6 +199,7 @@ ResultIndex ResultFolder::read_index() const {
         index.title = j.at("title");
         index.experiment_text = j.at("experiment");
         index.epsilon = j.at("epsilon");
+        require_epsilon(index.epsilon, {path});
         index.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
         index.threads = count_from_json(j, "threads", path, 0, most_threads);
         index.methods = j.at("methods").get<std::vector<std::string>>();

@@ -2,6 +2,7 @@
 // What a result folder holds besides tables: the index of the experiment and one record for each complete cell. Tables
 // and the report are made from these alone.
 
+#include "experiments/epsilon.h"
 #include "experiments/measure.h"
 #include "experiments/statistics.h"
 
@@ -24,7 +25,7 @@ struct CellIdentity {
     std::string scene_hash;  ///< of its whole content, the resolution included
     std::uint32_t spp = 0;   ///< the last pass: part of the work where neither label nor content say it
     Budget budget;
-    double epsilon = 0.01;
+    double epsilon = default_epsilon;
     int threads = 0;        ///< that computed it: seconds depend on them
     std::string reference;  ///< identity of the reference, its number of samples included
 
@@ -70,7 +71,7 @@ struct IndexScene {
 struct ResultIndex {
     std::string title;
     std::string experiment_text;
-    double epsilon = 0.01;
+    double epsilon = default_epsilon;
     int seeds = 1;
     int threads = 0;
     std::vector<IndexScene> scenes;

@@ -72,6 +72,26 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_TRUE(result["components"].empty());
 }
 
+// The largest difference between floats, over the least epsilon: every number that the replicates give stays finite.
+TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
+    constexpr float largest = std::numeric_limits<float>::max();
+    const std::string r = file("r.exr", {{{"", constant(0)}}, {}});
+    CompareOptions options{{file("x.exr", {{{"", constant(largest)}}, {}}), file("y.exr", {{{"", constant(0)}}, {}}),
+                            file("z.exr", {{{"", constant(largest)}}, {}})},
+                           r};
+    options.epsilon = smallest_epsilon;
+    const auto result = json(options);
+    for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
+        EXPECT_TRUE(result[key].is_number()) << key;
+    EXPECT_NEAR(result["rel_mse"].get<double>() / (static_cast<double>(largest) * largest / smallest_epsilon), 2. / 3,
+                1e-6);
+    for (const double wrong : {1e-310, 0., -1., 1e61, std::numeric_limits<double>::infinity(), std::nan("")}) {
+        options.epsilon = wrong;
+        std::ostringstream out;
+        EXPECT_THAT([&] { compare(options, out); }, ThrowsMessage<InputError>(HasSubstr("from 1e-60 to 1e+60")));
+    }
+}
+
 TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     std::mt19937_64 random(4);
     std::normal_distribution<float> normal;

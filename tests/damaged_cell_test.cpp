@@ -84,6 +84,16 @@ TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     }
 }
 
+TEST_F(DamagedCellTest, EpsilonHasBounds) {
+    ASSERT_EQ(run().code, 0);
+    nlohmann::json index = nlohmann::json::parse(read_file(results("index.json")));
+    index["epsilon"] = 0;
+    damage(results("index.json"), index.dump());
+    const ProgramResult report = run_gibench("report results/e", path());
+    EXPECT_EQ(report.code, 2);
+    EXPECT_THAT(report.err, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0"));
+}
+
 // Values this deep overflow the stack where they are compared, copied or, as for a digest, written.
 TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
     ASSERT_EQ(run().code, 0);

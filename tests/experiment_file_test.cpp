@@ -86,6 +86,8 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
                 AllOf(StartsWith("e.toml:2:1: "), HasSubstr("sedes"), HasSubstr("seeds")));
     EXPECT_THAT(error_of(start + "seeds = 'x'\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
+    EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),
+                AllOf(StartsWith("e.toml:2:11: "), HasSubstr("from 1e-60 to 1e+60, not 1e-310")));
     EXPECT_THAT(error_of("scenes = ['no.xml']\n" + path), AllOf(StartsWith("e.toml:1:11: "), HasSubstr("no.xml")));
     EXPECT_THAT(error_of(start + "[[method]]\nname = 'pth'\n"),
                 AllOf(StartsWith("e.toml:3:8: "), HasSubstr("photon_mapper")));

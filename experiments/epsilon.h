@@ -1,0 +1,18 @@
+#pragma once
+// The epsilon of relative errors, (x - r)^2 / (r^2 + epsilon) [radiance^2]: the experiment file and the command line
+// take the same ones.
+
+#include "common/error.h"
+
+namespace gib {
+
+inline constexpr double default_epsilon = 0.01;
+
+/// Where r is 0, a difference of floats squared, 4.6e77 at most, is divided by epsilon alone; its intervals square that
+/// again and sum it over 3e9 numbers, which double holds from 2e-72 on. The upper bound keeps the same far from zero.
+inline constexpr double smallest_epsilon = 1e-60, largest_epsilon = 1e60;
+
+/// Throws InputError at `where` unless epsilon lies between these two.
+void require_epsilon(double epsilon, const SourceLocation& where = {});
+
+}  // namespace gib
