@@ -1,6 +1,7 @@
 #include "common/mesh_ms3d.h"
 
 #include "common/phong.h"
+#include "common/sampler.h"
 #include "common/text_cursor.h"
 
 #include <fmt/format.h>
@@ -88,7 +89,10 @@ private:
         items([&] { normals.push_back(float_vector("a normal")); });
 
         // A vertex of the mesh is a pair of a position and a normal.
-        std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_pair;
+        struct PairHash {  // the library's own leaves a number as it is, and so puts numbers of a kind in one place
+            std::size_t operator()(std::uint64_t pair) const { return mix64(pair); }
+        };
+        std::unordered_map<std::uint64_t, std::uint32_t, PairHash> vertex_of_pair;
         items([&] {
             integer("flags", 0);
             std::uint32_t position[3], normal[3];

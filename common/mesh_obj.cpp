@@ -1,7 +1,10 @@
 #include "common/mesh_data.h"
+#include "common/sampler.h"
 #include "common/text_cursor.h"
 
 #include <fmt/format.h>
+
+#include <unordered_map>
 
 namespace gib {
 
@@ -13,7 +16,14 @@ struct Corner {
     bool operator==(const Corner&) const = default;
 };
 
+struct CornerHash {
+    std::size_t operator()(const Corner& c) const {
+        return combine_keys((std::uint64_t{c.position} << 32) + c.uv, c.normal);
+    }
+};
+
 constexpr std::uint32_t none = ~0u;
+constexpr int longest_chain = 32;
 
 class ObjParser {
 public:
@@ -104,22 +114,31 @@ private:
         return static_cast<std::uint32_t>(index);
     }
 
-    /// The vertex of a corner. Corners with the same position form a chain, which is short: no hash table is needed.
+    /// The vertex of a corner.
     std::uint32_t vertex_of(const Corner& corner) {
         if (first_of_position_.size() < positions_.size()) first_of_position_.resize(positions_.capacity(), none);
-        std::uint32_t* link = &first_of_position_[corner.position];
-        while (*link != none) {
-            if (corners_[*link] == corner) return *link;
-            link = &next_[*link];
-        }
+        std::uint32_t& known = known_vertex(corner);
+        if (known != none) return known;
         const auto vertex = static_cast<std::uint32_t>(corners_.size());
         if (vertex == none) throw InputError(cursor_.location(), "the mesh has more than 2^32 - 1 vertices");
-        *link = vertex;
+        known = vertex;
         corners_.push_back(corner);
         next_.push_back(none);
         has_uvs_ |= corner.uv != none;
         has_normals_ |= corner.normal != none;
         return vertex;
+    }
+
+    /// Where the vertex of a corner is kept, or `none` until then. Corners with the same position form a chain. It is
+    /// short in most meshes, and then quicker than a hash table, which has the corners of the few long ones: a search
+    /// of a chain takes as long as it has links.
+    std::uint32_t& known_vertex(const Corner& corner) {
+        std::uint32_t* link = &first_of_position_[corner.position];
+        for (int links = 1; *link != none && !(corners_[*link] == corner); ++links) {
+            if (links == longest_chain) return crowded_.try_emplace(corner, none).first->second;
+            link = &next_[*link];
+        }
+        return *link;
     }
 
     void collect_vertices() {
@@ -138,9 +157,10 @@ private:
     std::vector<Vec3d> positions_;
     std::vector<Vec3> normals_;
     std::vector<Vec2> uvs_;
-    std::vector<Corner> corners_;                   ///< of each vertex of the mesh
-    std::vector<std::uint32_t> first_of_position_;  ///< the first vertex at a position
-    std::vector<std::uint32_t> next_;               ///< the next vertex at the same position
+    std::vector<Corner> corners_;                                    ///< of each vertex of the mesh
+    std::vector<std::uint32_t> first_of_position_;                   ///< the first vertex at a position
+    std::vector<std::uint32_t> next_;                                ///< the next vertex at the same position
+    std::unordered_map<Corner, std::uint32_t, CornerHash> crowded_;  ///< vertices that found no place in a chain
     bool has_uvs_ = false, has_normals_ = false;
     MeshData mesh_;
 };

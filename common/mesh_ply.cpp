@@ -11,6 +11,8 @@ namespace gib {
 
 namespace {
 
+constexpr std::size_t most_elements = 1000;  // each name is compared with all before it
+
 enum class Format { ascii, little_endian, big_endian };
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 
@@ -124,6 +126,8 @@ private:
         const SourceLocation where = cursor_.location();
         const std::int64_t count = cursor_.integer();
         if (count < 0) throw InputError(where, "a negative count in the PLY header");
+        if (elements_.size() == most_elements)
+            throw InputError(where, fmt::format("the PLY header has more than {} elements", most_elements));
         // A second list of vertices could have other properties than the first.
         if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; }))
             throw InputError(where, fmt::format("the element '{}' is given twice", name));
