@@ -8,8 +8,9 @@ namespace gib {
 
 inline constexpr double default_epsilon = 0.01;
 
-/// Where r is 0, a difference of floats squared, 4.6e77 at most, is divided by epsilon alone; its intervals square that
-/// again and sum it over 3e9 numbers, which double holds from 2e-72 on. The upper bound keeps the same far from zero.
+/// Where r is 0, a difference of floats squared, 4.6e77 at most, is divided by epsilon alone; intervals square that
+/// again, which double holds from an epsilon of 4e-77 on, and its sum over 3e9 numbers from 2e-72 on. The upper bound
+/// keeps squares of relative errors as far from zero.
 inline constexpr double smallest_epsilon = 1e-60, largest_epsilon = 1e60;
 
 /// Throws InputError at `where` unless epsilon lies between these two.

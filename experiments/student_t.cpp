@@ -71,12 +71,13 @@ SampleMean sample_mean(std::span<const double> values) {
 
 double half_width(const std::vector<VarianceTerm>& terms, double tail) {
     double sum = 0, spread = 0;
-    for (const auto& term : terms) {
+    for (const auto& term : terms)
         sum += term.variance;
-        spread += sqr(term.variance) / term.degrees;
-    }
     if (sum == 0 || !std::isfinite(sum)) return sum;
-    const double degrees = spread > 0 ? sqr(sum) / spread : std::numeric_limits<double>::infinity();
+    // Shares of the sum: squares of variances are the eighth power of a difference of images, and leave double's range.
+    for (const auto& term : terms)
+        spread += sqr(term.variance / sum) / term.degrees;
+    const double degrees = spread > 0 ? 1 / spread : std::numeric_limits<double>::infinity();
     return std::sqrt(sum) * student_t_two_sided(tail, degrees);
 }
 

@@ -83,6 +83,14 @@ TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
     const auto result = json(options);
     for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
         EXPECT_TRUE(result[key].is_number()) << key;
+    // Intervals in units of the value are those of images of 1, 0 and 1.
+    CompareOptions plain{
+        {file("u.exr", {{{"", constant(1)}}, {}}), options.tests[1], file("w.exr", {{{"", constant(1)}}, {}})}, r};
+    const auto expected = json(plain);
+    for (const char* key : {"rel_mse_lo", "rel_mse_hi"})
+        EXPECT_NEAR(result[key].get<double>() / result["rel_mse"].get<double>(),
+                    expected[key].get<double>() / expected["rel_mse"].get<double>(), 1e-6)
+            << key;
     EXPECT_NEAR(result["rel_mse"].get<double>() / (static_cast<double>(largest) * largest / smallest_epsilon), 2. / 3,
                 1e-6);
     for (const double wrong : {1e-310, 0., -1., 1e61, std::numeric_limits<double>::infinity(), std::nan("")}) {

@@ -104,6 +104,14 @@ TEST(StudentT, QuantilesAgreeWithTables) {
     EXPECT_GT(between, student_t_two_sided(0.05, 5));
 }
 
+// Squares of the variances leave double's range from 1e154 on, and below 1e-154.
+TEST(StudentT, HalfWidthsScaleWithAnyUnit) {
+    const double width = half_width({{1, 2}, {3, 7}}, 0.05);
+    EXPECT_NEAR(width, 2 * student_t_two_sided(0.05, 16 / (1 / 2. + 9 / 7.)), 1e-9);
+    for (const double unit : {1e-140, 1e-100, 1e100, 1e150})
+        EXPECT_NEAR(half_width({{unit * unit, 2}, {3 * unit * unit, 7}}, 0.05) / (unit * width), 1, 1e-9) << unit;
+}
+
 TEST(ImageError, IsThePlainFormula) {
     const Image r = constant(3, 2, 2), total = constant(3, 2, 4), x = constant(3, 2, 2.5f);
     ReferenceLayer reference{r, constant(3, 2, 0.1f), {}};
