@@ -114,6 +114,11 @@ TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
         EXPECT_THAT(refused.err, HasSubstr(std::string(name) + ":1:1: nested more than 64 levels deep")) << name;
         damage(file, content);
     }
+    // What stands in a text is no level, and 64 are not too many.
+    damage(results("index.json"), R"(["\"[[", )" + std::string(63, '[') + std::string(63, ']') + "]");
+    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("not an index of results"));
+    damage(results("index.json"), "[" + std::string(64, '[') + std::string(64, ']') + "]");
+    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("nested more than 64"));
 }
 
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
