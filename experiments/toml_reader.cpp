@@ -11,7 +11,36 @@ namespace gib {
 
 namespace {
 
-toml::table parse(const std::string& text, const std::string& file) {
+constexpr int most_dots = 32;  // no key of ours has one
+
+/// toml++ bounds how deep values are nested, but not the parts of a dotted key: a table each, freed one within another
+/// until the stack is full.
+void require_short_keys(const std::vector<std::string>& lines, const std::string& file) {
+    for (std::size_t l = 0; l < lines.size(); ++l) {
+        const std::string& line = lines[l];
+        int dots = 0;
+        char quote = 0;
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            const char c = line[i];
+            if (quote != 0) {
+                if (c == quote) quote = 0;
+                else if (c == '\\' && quote == '"') ++i;
+            } else if (c == '#') {
+                break;
+            } else if (c == '"' || c == '\'') {
+                quote = c;
+            } else if (c == '.' && ++dots > most_dots) {
+                throw InputError({file, static_cast<int>(l + 1), static_cast<int>(i + 1)},
+                                 fmt::format("a key has more than {} dots", most_dots));
+            } else if (std::string_view(",=[]{}").find(c) != std::string_view::npos) {
+                dots = 0;  // the next key or value
+            }
+        }
+    }
+}
+
+toml::table parse(const std::string& text, const std::vector<std::string>& lines, const std::string& file) {
+    require_short_keys(lines, file);
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
@@ -32,7 +61,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 TomlReader::TomlReader(const std::string& text, std::string file)
-    : file_(std::move(file)), lines_(lines_of(text)), root_(parse(text, file_)) {}
+    : file_(std::move(file)), lines_(lines_of(text)), root_(parse(text, lines_, file_)) {}
 
 SourceLocation TomlReader::at(const toml::source_region& region) const {
     return {file_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};

@@ -88,6 +88,16 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),
                 AllOf(StartsWith("e.toml:2:11: "), HasSubstr("from 1e-60 to 1e+60, not 1e-310")));
+    // toml++ would overflow the stack: it has a table for each part.
+    std::string deep = "a";
+    for (int i = 0; i < 300000; ++i)
+        deep += ". \"b\"";
+    for (const std::string& line : {deep + " = 1\n", "[" + deep + "]\n", "x = { " + deep + " = 1 }\n"})
+        EXPECT_THAT(error_of(start + path + line), AllOf(StartsWith("e.toml:4:"), HasSubstr("more than 32 dots")));
+    const std::string dots(40, '.');
+    EXPECT_EQ(labels("# " + dots + "\n[[method]]\nname = 'path' # " + dots + "\nspp = [1, 2, 3]\n").size(), 3u);
+    EXPECT_THAT(error_of("title = \"" + dots + "\\\"" + dots + "\"\nscenes = ['no.xml']\n" + path),
+                HasSubstr("no.xml"));
     EXPECT_THAT(error_of("scenes = ['no.xml']\n" + path), AllOf(StartsWith("e.toml:1:11: "), HasSubstr("no.xml")));
     EXPECT_THAT(error_of(start + "[[method]]\nname = 'pth'\n"),
                 AllOf(StartsWith("e.toml:3:8: "), HasSubstr("photon_mapper")));
