@@ -1,5 +1,6 @@
 #include "experiments/run_experiment.h"
 
+#include "common/error.h"
 #include "common/files.h"
 #include "experiments/experiment_run.h"
 #include "experiments/hard_case_file.h"
@@ -7,7 +8,9 @@
 #include "experiments/interrupt.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <iostream>
 
 namespace gib {
@@ -16,9 +19,21 @@ namespace {
 
 constexpr int exit_interrupted = 130;
 
+/// The records of a run are JSON, which is UTF-8: a path that is not would be noticed by the first record that names
+/// it.
+void require_utf8(const std::string& text, const char* what) {
+    try {
+        static_cast<void>(nlohmann::json(text).dump());
+    } catch (const nlohmann::json::exception&) {
+        throw InputError(fmt::format("{} is not UTF-8, as the records of a run have to be", what));
+    }
+}
+
 }  // namespace
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
+    require_utf8(options.command_line, "the command line");
+    require_utf8(std::filesystem::current_path().string(), "the current folder's name");
     if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
     ExperimentRun run(options);
