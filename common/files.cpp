@@ -139,7 +139,12 @@ std::string read_file(const std::string& path) {
     std::string content(static_cast<std::size_t>(status.st_size) + 1, '\0');
     std::size_t size = 0;
     for (;;) {
-        if (size == content.size()) content.resize(size + std::max<std::size_t>(size / 2, 4096));
+        if (size == content.size()) {
+            const std::size_t larger = size + std::max<std::size_t>(size / 2, 4096);
+            // The old content is kept until it is copied.
+            require_memory(static_cast<double>(larger), "the file", {path, 0, 0});
+            content.resize(larger);
+        }
         const ssize_t n = ::read(file.get(), content.data() + size, content.size() - size);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
