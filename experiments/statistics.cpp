@@ -197,10 +197,16 @@ struct Moments {
 
 /// The mean square of what is left of an n x m table without its rows' and columns' means.
 double interaction_square(const Table& table) {
+    Eigen::ArrayXd rows(table.rows()), columns(table.cols());
+    for (Eigen::Index i = 0; i < table.rows(); ++i)
+        rows[i] = mean_of(table.row(i));
+    for (Eigen::Index j = 0; j < table.cols(); ++j)
+        columns[j] = mean_of(table.col(j));
+    const double mean = mean_of(table);
     double sum = 0;
     for (Eigen::Index i = 0; i < table.rows(); ++i)
         for (Eigen::Index j = 0; j < table.cols(); ++j)
-            sum += sqr(table(i, j) - mean_of(table.row(i)) - mean_of(table.col(j)) + mean_of(table));
+            sum += sqr(table(i, j) - rows[i] - columns[j] + mean);
     return sum / static_cast<double>((table.rows() - 1) * (table.cols() - 1));
 }
 
