@@ -9,6 +9,7 @@ namespace gib {
 
 namespace {
 
+constexpr std::size_t most_attributes = 64;  ///< none takes more than a few, and each is compared with all before it
 constexpr int deepest_element = 64;  ///< deeper files are mistakes, and recursion over them must stay on the stack
 
 class Converter {
@@ -47,6 +48,9 @@ private:
         for (const auto& attribute : node.attributes()) {
             at = text_.find_first_not_of(" \t\r\n", at);
             XmlAttribute converted{attribute.name(), attribute.value(), location(at)};
+            if (element.attributes.size() == most_attributes)
+                throw InputError(converted.where,
+                                 fmt::format("<{}> has more than {} attributes", element.tag, most_attributes));
             if (element.find(converted.name))
                 throw InputError(converted.where, fmt::format("attribute '{}' is given twice", converted.name));
             element.attributes.push_back(std::move(converted));

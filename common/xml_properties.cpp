@@ -69,10 +69,9 @@ void Properties::add_child(const XmlElement& child) {
         throw InputError(where, fmt::format("<{}> cannot hold <{}>", element_.tag, child.tag));
     }
     if (name.empty()) return;
-    const auto first =
-        std::find_if(properties_.begin(), properties_.end(), [&](const auto& p) { return p.name == name; });
-    if (&*first != &properties_.back())
-        throw InputError(where, fmt::format("'{}' is given twice, first at line {}", name, first->where.line));
+    const auto [first, is_new] = line_of_name_.emplace(std::move(name), where.line);
+    if (!is_new)
+        throw InputError(where, fmt::format("'{}' is given twice, first at line {}", first->first, first->second));
 }
 
 const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {

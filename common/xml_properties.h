@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <optional>
+#include <unordered_map>
 
 namespace gib {
 
@@ -90,6 +91,7 @@ private:
     const XmlElement& element_;
     const XmlIds& ids_;
     std::vector<Property> properties_;
+    std::unordered_map<std::string, int> line_of_name_;  ///< a scene may hold 1e5 named shapes
     std::vector<std::string> known_;
     /// A parameter's name and a kind that was asked for before the one that read() is to find, for its message.
     std::vector<std::pair<std::string, std::string>> other_kinds_;

@@ -42,6 +42,10 @@ TEST(SceneErrors, MalformedXml) {
     EXPECT_THAT(error_of("<scene version=\"3.0.0\">\n text</scene>"), HasSubstr("unexpected text in <scene>"));
     EXPECT_THAT(error_of("<scene\n version=\"3.0.0\" version=\"3\"/>"),
                 StartsWith("t.xml:2:18: attribute 'version' is given twice"));
+    std::string many = "<scene version=\"3.0.0\"";
+    for (int i = 0; i < 64; ++i)
+        many += " a" + std::to_string(i) + "=\"\"";
+    EXPECT_THAT(error_of(many + "/>"), HasSubstr("<scene> has more than 64 attributes"));
 }
 
 TEST(SceneErrors, RootAndVersion) {
