@@ -3,6 +3,7 @@
 #include "common/sampler.h"
 #include "scene_text.h"
 #include "tests/moments.h"
+#include "tests/random.h"
 
 #include <gtest/gtest.h>
 
@@ -10,18 +11,7 @@ namespace gib {
 namespace {
 
 using test::load;
-
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : seed_(seed) {}
-    Vec2 next_2d() { return Sampler(PointSet::independent, seed_, index_++, 0).get_2d(dimension::film); }
-    float next() { return next_2d().x(); }
-    Vec3 direction() { return square_to_sphere(next_2d()); }
-
-private:
-    std::uint64_t seed_;
-    std::uint64_t index_ = 0;
-};
+using test::Random;
 
 /// Anywhere, of any size, much longer than wide or the other way round.
 Cylinder any_cylinder(Random& random) {

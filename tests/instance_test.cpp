@@ -3,6 +3,7 @@
 #include "common/effects.h"
 #include "common/sampler.h"
 #include "scene_text.h"
+#include "tests/random.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,20 +13,9 @@ namespace gib {
 namespace {
 
 using test::load;
+using test::Random;
 using test::scene_with;
 using test::TemporaryFolder;
-
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : seed_(seed) {}
-    Vec2 next_2d() { return Sampler(PointSet::independent, seed_, index_++, 0).get_2d(dimension::film); }
-    float next() { return next_2d().x(); }
-    Vec3 direction() { return square_to_sphere(next_2d()); }
-
-private:
-    std::uint64_t seed_;
-    std::uint64_t index_ = 0;
-};
 
 /// A closed surface r(theta, phi) around the origin as an OBJ file, with uv and smooth normals unless `faceted`.
 std::string blob(int rings, bool convex) {
