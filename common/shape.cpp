@@ -148,12 +148,30 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const float of_point = gamma(8) * ng.cwiseAbs().dot(furthest);
     const float of_query =
         gamma(16) * static_cast<float>(scale * (a1 + a2).dot(m)) + off_the_plane * static_cast<float>((a1 + a2).sum());
+    // The least distance from an edge is a bound of the rounding of p in any direction; the weight of a vertex is that
+    // over its height. A triangle that is lower than four times this keeps its points where a quarter of each is left.
+    const double off_edges = length > 0 ? static_cast<double>(gamma(4) * furthest.norm()) / length : 0.;
+    const auto least = [&](const Vec3& edge) {
+        return static_cast<float>(std::min(0.25, off_edges * edge.cast<double>().norm()));
+    };
     Facet facet;
     facet.v0 << t.v0, of_point + of_query;
-    facet.e1 << t.e1, 0.f;
-    facet.e2 << t.e2, 0.f;
-    facet.ng << (flip_normals ? Vec3(-ng) : ng), 0.f;
+    facet.e1 << t.e1, least(t.e2);
+    facet.e2 << t.e2, least(t.e1);
+    facet.ng << (flip_normals ? Vec3(-ng) : ng), least(t.e2 - t.e1);
     return facet;
+}
+
+void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
+    const float least1 = facet.e1.w(), least2 = facet.e2.w(), room = 1.f - least1 - least2 - facet.ng.w();
+    float more1 = std::max(0.f, b1 - least1), more2 = std::max(0.f, b2 - least2);
+    const float more = more1 + more2;
+    if (more > room) {
+        more1 *= room / more;
+        more2 *= room / more;
+    }
+    b1 = least1 + more1;
+    b2 = least2 + more2;
 }
 
 /// Normals that cancel out leave no direction: then the face's.

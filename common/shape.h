@@ -38,14 +38,15 @@ struct Mesh {
     /// by 5 %.
     struct alignas(64) Facet {
         Eigen::Vector4f v0;      ///< a vertex (x, y, z); the offset of points (w)
-        Eigen::Vector4f e1, e2;  ///< the edges from it to the second and third (x, y, z)
-        Eigen::Vector4f ng;      ///< (x, y, z)
+        Eigen::Vector4f e1, e2;  ///< the edges from it to the second and third (x, y, z); least b1, b2 of points (w)
+        Eigen::Vector4f ng;      ///< (x, y, z); the least 1 - b1 - b2 of points (w)
     };
     HugePageVector<Facet> facets;  ///< by prepare(); empty: computed for each point
     /// To be called once the other members are final.
     void prepare();
 
-    /// The point v0 + b1 e1 + b2 e2 of triangle i.
+    /// The point v0 + b1 e1 + b2 e2 of triangle i, kept off the edges by what rounding can move it: rays that leave a
+    /// point beyond an edge of a closed mesh would start outside.
     SurfacePoint point_at(std::size_t i, float b1, float b2) const;
     SurfaceGeometry surface_at(std::size_t i, float b1, float b2) const;
 
@@ -55,6 +56,8 @@ struct Mesh {
 
 private:
     Facet facet_of(std::size_t i) const;
+    /// The nearest weights, or nearly, that are no less than the facet's least ones.
+    static void keep_off_edges(const Facet& facet, float& b1, float& b2);
     /// The shading normal between the vertex normals.
     Vec3 interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const;
 };
@@ -146,6 +149,7 @@ private:
 
 inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
     const auto point = [&](const Facet& facet) -> SurfacePoint {
+        if (b1 < facet.e1.w() || b2 < facet.e2.w() || 1.f - b1 - b2 < facet.ng.w()) keep_off_edges(facet, b1, b2);
         const Eigen::Vector4f p = facet.v0 + (b1 * facet.e1 + b2 * facet.e2);
         return {p.head<3>(), facet.ng.head<3>(), facet.v0.w()};
     };
