@@ -49,8 +49,10 @@ struct Frame {
 
 /// A frame around the unit vector `n` with its first axis as close to `direction` as can be; any where that has none.
 inline Frame frame_along(const Vec3& n, const Vec3& direction) {
-    const Vec3 s = (direction - n * n.dot(direction)).stableNormalized();
-    if (!(s.squaredNorm() > 0.5f)) return Frame(n);
+    const Vec3 d = direction.stableNormalized(), across = d - n * n.dot(d);
+    // Closer to n, what is left across it is rounding, which has a part along n.
+    if (!(across.squaredNorm() > sqr(1e-6f))) return Frame(n);
+    const Vec3 nearly = across.normalized(), s = (nearly - n * n.dot(nearly)).normalized();
     Frame frame;
     frame.n = n;
     frame.s = s;
