@@ -201,7 +201,12 @@ public:
         all_ &= share == 1;
         passed_ += weight * share;
     }
-    double share() const { return all_ ? 1.0 : passed_ / total_; }
+    bool has_rays() const { return total_ > 0; }
+    /// 0 without rays: bent patches whose chords face each other may be back to back themselves.
+    double share() const {
+        if (!has_rays()) return 0;
+        return all_ ? 1.0 : passed_ / total_;
+    }
 
 private:
     static constexpr double least_distance2 = 0.05;  // of the area
@@ -214,10 +219,13 @@ private:
 
 }  // namespace
 
+constexpr std::uint32_t most_tries = 16;  // times as many points as rays are wanted
+
 double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
                           std::uint32_t n, std::uint64_t key) {
     WeighedRays mean(rays, std::min(p.area, q.area));
-    for (std::uint32_t i = 0; i < n; ++i) {
+    // Points that do not face each other cost no ray: of pairs that do in a small part, more are tried.
+    for (std::uint32_t i = 0; i < n || (i < most_tries * n && !mean.has_rays()); ++i) {
         const Sampler u(PointSet::sobol, key, 0, i);
         mean.add(mesh.point_on(p, u.get_2d(0).cast<double>()), mesh.point_on(q, u.get_2d(1).cast<double>()));
     }
@@ -227,7 +235,7 @@ double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNo
 double visibility_from(RayQueries& rays, const PatchMesh& mesh, const SurfaceHit& point, const PatchNode& q,
                        std::uint32_t n, std::uint64_t key) {
     WeighedRays mean(rays, q.area);
-    for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t i = 0; i < n || (i < most_tries * n && !mean.has_rays()); ++i)
         mean.add(point, mesh.point_on(q, Sampler(PointSet::sobol, key, 0, i).get_2d(0).cast<double>()));
     return mean.share();
 }
