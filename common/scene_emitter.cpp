@@ -51,9 +51,15 @@ PointLight parse_point(Properties& properties, const Vec3d& origin) {
             intensity};
 }
 
-/// [degrees], above 0 up to 180.
+/// A cone that is narrower has less than a thousand float directions across, and what it sends is wrong by that.
+constexpr double least_cutoff = 1e-3;
+
+/// [degrees], up to 180.
 double parse_cutoff(Properties& properties) {
     const double cutoff = properties.positive("cutoff_angle", 20);
+    if (cutoff < least_cutoff)
+        throw InputError(properties.where("cutoff_angle"),
+                         fmt::format("'cutoff_angle' must be at least {} degrees, not {}", least_cutoff, cutoff));
     if (!(cutoff <= 180))
         throw InputError(properties.where("cutoff_angle"),
                          fmt::format("'cutoff_angle' must be at most 180 degrees, not {}", cutoff));

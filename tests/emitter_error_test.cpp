@@ -113,13 +113,15 @@ TEST(EmitterErrors, Places) {
 }
 
 TEST(EmitterErrors, SpotAngles) {
-    expect_errors({{emitter("spot", number("cutoff_angle", "0")), "4:28", "'cutoff_angle' must be above 0"},
-                   {emitter("spot", number("cutoff_angle", "181")), "4:28", "must be at most 180 degrees, not 181"},
-                   {emitter("spot", number("cutoff_angle", "nan")), "4:28", "bad number 'nan'"},
-                   {emitter("spot", number("beam_width", "-1")), "4:26", "'beam_width' must be between 0 and"},
-                   {emitter("spot", number("beam_width", "20.5")), "4:26", "the cutoff_angle 20, not 20.5"},
-                   {emitter("spot", squares + "\n" + number("cutoff_angle", "90")), "5:28", "below 90, not 90"},
-                   {emitter("spot", "<rgb name=\"texture\" value=\"1\"/>"), "4:21", "must vary: a <texture>"}});
+    expect_errors(
+        {{emitter("spot", number("cutoff_angle", "0")), "4:28", "'cutoff_angle' must be above 0"},
+         {emitter("spot", number("cutoff_angle", "1e-5")), "4:28", "'cutoff_angle' must be at least 0.001 degrees"},
+         {emitter("spot", number("cutoff_angle", "181")), "4:28", "must be at most 180 degrees, not 181"},
+         {emitter("spot", number("cutoff_angle", "nan")), "4:28", "bad number 'nan'"},
+         {emitter("spot", number("beam_width", "-1")), "4:26", "'beam_width' must be between 0 and"},
+         {emitter("spot", number("beam_width", "20.5")), "4:26", "the cutoff_angle 20, not 20.5"},
+         {emitter("spot", squares + "\n" + number("cutoff_angle", "90")), "5:28", "below 90, not 90"},
+         {emitter("spot", "<rgb name=\"texture\" value=\"1\"/>"), "4:21", "must vary: a <texture>"}});
 }
 
 TEST(EmitterErrors, OneEnvironmentAtMost) {
