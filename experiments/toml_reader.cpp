@@ -84,9 +84,16 @@ toml::table parse(std::string_view text, const std::string& file) {
     }
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
+/// toml++ skips the byte order mark that some editors put before UTF-8: it has no column.
+std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
+std::vector<std::string> lines_of(std::string_view text) {
     std::vector<std::string> lines;
-    std::istringstream stream(text);
+    std::istringstream stream{std::string(text)};
     for (std::string line; std::getline(stream, line);)
         lines.push_back(line);
     return lines;
@@ -94,8 +101,10 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-TomlReader::TomlReader(const std::string& text, std::string file)
-    : file_(std::move(file)), lines_(lines_of(text)), root_(parse(text, file_)) {}
+TomlReader::TomlReader(std::string_view text, std::string file)
+    : file_(std::move(file)),
+      lines_(lines_of(without_byte_order_mark(text))),
+      root_(parse(without_byte_order_mark(text), file_)) {}
 
 SourceLocation TomlReader::at(const toml::source_region& region) const {
     return {file_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};

@@ -145,6 +145,13 @@ TEST_F(ExperimentFileTest, DotsCountInKeysAloneWhateverStringsStandBeside) {
     EXPECT_THAT(error_in("title = '''\xc3\xbc|\xc3\xbc'''|" + dots), StartsWith("e.toml:3:33: a key has"));
 }
 
+TEST_F(ExperimentFileTest, AByteOrderMarkIsNoPartOfTheFirstLine) {
+    const std::string mark = "\xef\xbb\xbf", method = "\n[[method]]\nname = 'path'\n";
+    const Experiment e = parse(mark + "reference = { target = 0.1 }\nscenes = ['a.xml']" + method);
+    EXPECT_DOUBLE_EQ(e.scenes[0].goal.target.value(), 0.1);
+    EXPECT_THAT(error_of(mark + "scenes = ['no.xml']" + method), StartsWith("e.toml:1:11: "));
+}
+
 TEST_F(ExperimentFileTest, ColumnsCountCharactersNotBytes) {
     EXPECT_THAT(labels("[[method]]\nname = 'photon_mapper' # \xc3\xbc\nphotons = [ 1e4, 1e5 ] # \xc3\xbc\n"),
                 ::testing::ElementsAre("photon_mapper photons=1e4", "photon_mapper photons=1e5"));
