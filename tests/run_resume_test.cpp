@@ -79,6 +79,13 @@ TEST_F(RunResumeTest, NamesThatAreNoFolderOfTheirOwnNeedAnother) {
     EXPECT_EQ(elsewhere.code, 0) << elsewhere.err;
 }
 
+TEST_F(RunResumeTest, APipeIsNoExperiment) {
+    const ProgramResult result =
+        run_gibench("--version >/dev/null; cat e.toml | '" + program_path() + "' run /dev/stdin --threads 1", path());
+    EXPECT_EQ(result.code, 2) << result.err;
+    EXPECT_THAT(result.err, ::testing::StartsWith("/dev/stdin:1:1: an experiment has to be a regular file"));
+}
+
 TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {
     ASSERT_EQ(run().code, 0);
     const CsvTable first = table("table.csv");
