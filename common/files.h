@@ -6,6 +6,8 @@
 
 namespace gib {
 
+/// Throws InputError if it is a device, as /dev/zero, which never ends: before a library opens a file that we do not.
+void require_no_device(const std::string& path);
 /// Throws InputError with the file's name.
 std::string read_file(const std::string& path);
 /// Writes to a temporary file in the same folder, flushes it to disk and renames it. Throws RunError.

@@ -1,6 +1,7 @@
 #include "common/linear_file.h"
 
 #include "common/error.h"
+#include "common/files.h"
 #include "common/image_library.h"
 #include "common/memory_limit.h"
 
@@ -12,7 +13,10 @@
 
 namespace gib {
 
-LinearFile::LinearFile(const std::string& path, bool raw) : reader_(image_library().open_image(path, raw)) {}
+LinearFile::LinearFile(const std::string& path, bool raw) {
+    require_no_device(path);
+    reader_ = image_library().open_image(path, raw);
+}
 LinearFile::~LinearFile() = default;
 LinearFile::LinearFile(LinearFile&&) noexcept = default;
 

@@ -121,8 +121,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method, "label without spp (default \"path\")");
     command->add_option("--target", options->target, "relative standard error, such as 0.5% (default 1%)");
-    command->add_option("--max-seconds", options->seconds, "take it as it is after this time")
-        ->check(CLI::PositiveNumber);
+    command->add_option("--max-seconds", options->seconds, "take it as it is after this time");
     command->add_option("--epsilon", options->epsilon, "of the relative error (default 0.01)");
     add_threads(command, options->threads);
     add_set(command, *texts);

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -108,6 +109,9 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const ChosenMethod chosen(options.method);
     find_comparable_method(chosen.label.name);
     require_epsilon(options.epsilon);
+    // A comparison with NaN would be an invalid operation, which some builds trap.
+    if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
+        throw InputError("--max-seconds needs a finite number above 0");
     if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
     check_writable(options.out);
     ReferenceGoal goal{std::nullopt, options.seconds};

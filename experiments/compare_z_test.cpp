@@ -135,6 +135,14 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
                     margin, noisy, 100 * largest_share)};
 }
 
+/// Infinite variance would accept every image.
+void require_variances(const Image& image, const std::string& path) {
+    const auto wrong =
+        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v) || v < 0; });
+    if (wrong > 0)
+        throw InputError({path, 0, 0}, fmt::format("cannot be a variance: {} values are not finite or below 0", wrong));
+}
+
 }  // namespace
 
 ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
@@ -202,6 +210,7 @@ ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::
         throw InputError({variance_path, 0, 0},
                          fmt::format("{} x {} pixels, but the reference has {} x {}", variance->width, variance->height,
                                      reference.width, reference.height));
+    require_variances(*variance, variance_path);
     const MitsubaZTest test = mitsuba_z_test(x, reference, *variance, spp);
     const std::string reason =
         fmt::format("{}: {:.4f} % of {} values pass, {} % are needed", test.accepted() ? "accepted" : "rejected",

@@ -28,8 +28,8 @@ struct ZTestReport {
 /// Our own test. The first layer is the total. Values of `x` that are not finite are a reason to reject.
 ZTestReport own_z_report(const std::vector<ComparedLayer>& layers);
 
-/// Mitsuba's test; `variance_path`: the variances of one sample. Throws InputError if the file is missing, is no image
-/// or has another size.
+/// Mitsuba's test; `variance_path`: the variances of one sample. Throws InputError if the file is missing, is no image,
+/// has another size, or values that are not finite or below 0.
 ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::string& variance_path,
                              std::uint32_t spp);
 

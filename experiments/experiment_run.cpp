@@ -128,7 +128,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
           with_options(options.repeat ? options.repeat->experiment : load_experiment(options.experiment), options)),
       threads_(options.threads > 0 ? options.threads
                                    : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
-      folder_(options.out.value_or("results/" + experiment_.name)),
+      folder_(options.out ? *options.out : result_folder_of(experiment_.name)),
       build_(executable_hash()) {
     for (const auto& entry : experiment_.scenes) {
         const auto start = std::chrono::steady_clock::now();

@@ -33,7 +33,7 @@ public:
     explicit HardCaseRun(const RunOptions& options)
         : options_(options),
           file_(load_hard_cases(options.experiment)),
-          folder_(options.out.value_or("results/" + file_.name)),
+          folder_(options.out ? *options.out : result_folder_of(file_.name)),
           threads_(options.threads > 0 ? options.threads
                                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))) {
         if (options.seeds) {

@@ -6,8 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace gib {
+
+namespace {
+
+/// A stderr that is full or closed is no reason to end a run: what cannot be said is lost.
+void say(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
+}
+
+}  // namespace
 
 ProgressLine::ProgressLine(std::optional<bool> terminal) : terminal_(terminal.value_or(isatty(STDERR_FILENO) == 1)) {}
 
@@ -23,27 +34,23 @@ void ProgressLine::update(double fraction, std::optional<double> seconds_left, c
     const std::string left = seconds_left ? fmt::format(", {} left", duration_text(*seconds_left)) : "";
     const int percent = static_cast<int>(100 * fraction);
     if (!terminal_) {
-        fmt::print(stderr, "{:3} %{}  {}\n", percent, left, what);
+        say(fmt::format("{:3} %{}  {}\n", percent, left, what));
     } else {
         constexpr int width = 24;
         const auto full = static_cast<std::size_t>(std::lround(fraction * width));
-        fmt::print(stderr, "\r\033[2K[{}{}] {:3} %{}  {}", std::string(full, '#'), std::string(width - full, '.'),
-                   percent, left, what);
+        say(fmt::format("\r\033[2K[{}{}] {:3} %{}  {}", std::string(full, '#'), std::string(width - full, '.'), percent,
+                        left, what));
         drawn_ = true;
     }
-    std::fflush(stderr);
 }
 
 void ProgressLine::message(const std::string& text) {
     clear();
-    fmt::print(stderr, "{}\n", text);
-    std::fflush(stderr);
+    say(text + "\n");
 }
 
 void ProgressLine::clear() {
-    if (drawn_) fmt::print(stderr, "\r\033[2K");
-    drawn_ = false;
-    std::fflush(stderr);
+    if (std::exchange(drawn_, false)) say("\r\033[2K");
 }
 
 std::string duration_text(double seconds) {

@@ -132,6 +132,16 @@ void ResultFolder::make(const std::string& path) {
             fmt::format("cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way"));
 }
 
+std::string result_folder_of(const std::string& experiment) {
+    for (const char* taken : {"references", ".", ".."})
+        if (experiment == taken)
+            throw InputError(
+                fmt::format("an experiment cannot be named '{}': its results would go to results/{}; give "
+                            "the file another name, or --out",
+                            experiment, experiment));
+    return "results/" + experiment;
+}
+
 void require_writable(const std::string& folder) {
     std::string file = folder + "/.gibench.tmp-XXXXXX";
     const int fd = ::mkostemp(file.data(), O_CLOEXEC);

@@ -128,6 +128,10 @@ private:
     std::string path_;
 };
 
+/// Where the results of an experiment of that name go: results/NAME. Throws InputError for names that would lead out of
+/// it or into the references.
+std::string result_folder_of(const std::string& experiment);
+
 /// Throws InputError, with the reason, if no file can be made in a folder (RunError on a full disk). Asking for
 /// permissions would not do: they do not bind root, and know nothing of read-only file systems.
 void require_writable(const std::string& folder);

@@ -29,11 +29,21 @@ void require_utf8(const std::string& text, const char* what) {
     }
 }
 
+/// The file is read several times, for hard cases by other processes too: a pipe would be empty by then. What cannot be
+/// read at all is said by reading it.
+void require_regular_file(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        throw InputError({path, 0, 0}, "an experiment has to be a regular file");
+}
+
 }  // namespace
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     require_utf8(options.command_line, "the command line");
     require_utf8(std::filesystem::current_path().string(), "the current folder's name");
+    require_regular_file(options.experiment);
     if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
     ExperimentRun run(options);

@@ -13,34 +13,68 @@ namespace {
 
 constexpr int most_dots = 32;  // no key of ours has one
 
+/// Columns count characters: the continuation bytes of UTF-8 are 10xxxxxx.
+bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xc0u) != 0x80u; }
+
 /// toml++ bounds how deep values are nested, but not the parts of a dotted key: a table each, freed one within another
-/// until the stack is full.
-void require_short_keys(const std::vector<std::string>& lines, const std::string& file) {
-    for (std::size_t l = 0; l < lines.size(); ++l) {
-        const std::string& line = lines[l];
-        int dots = 0;
-        char quote = 0;
-        for (std::size_t i = 0; i < line.size(); ++i) {
-            const char c = line[i];
-            if (quote != 0) {
-                if (c == quote) quote = 0;
-                else if (c == '\\' && quote == '"') ++i;
-            } else if (c == '#') {
-                break;
-            } else if (c == '"' || c == '\'') {
-                quote = c;
-            } else if (c == '.' && ++dots > most_dots) {
-                throw InputError({file, static_cast<int>(l + 1), static_cast<int>(i + 1)},
-                                 fmt::format("a key has more than {} dots", most_dots));
-            } else if (std::string_view(",=[]{}").find(c) != std::string_view::npos) {
-                dots = 0;  // the next key or value
+/// until the stack is full. So the dots are counted beforehand, outside of comments and of strings of all four kinds.
+class DotCounter {
+public:
+    DotCounter(std::string_view text, const std::string& file) : text_(text), where_{file, 1, 1} {}
+
+    /// Throws InputError at the dot that is too many.
+    void require_short_keys() {
+        for (int dots = 0; at_ < text_.size();) {
+            const char c = text_[at_];
+            if (c == '"' || c == '\'') {
+                skip_string(c);
+                continue;
+            }
+            if (c == '.' && ++dots > most_dots)
+                throw InputError(where_, fmt::format("a key has more than {} dots", most_dots));
+            if (std::string_view(",=[]{}\n").find(c) != std::string_view::npos) dots = 0;  // the next key or value
+            if (c == '#') skip_comment();
+            else advance(1);
+        }
+    }
+
+private:
+    void advance(std::size_t count) {
+        for (; count > 0 && at_ < text_.size(); --count, ++at_) {
+            if (text_[at_] == '\n') {
+                ++where_.line;
+                where_.column = 1;
+            } else if (begins_character(text_[at_])) {
+                ++where_.column;
             }
         }
     }
-}
+    void skip_comment() {
+        while (at_ < text_.size() && text_[at_] != '\n')
+            advance(1);
+    }
+    void skip_string(char quote) {
+        const std::string quotes(3, quote);
+        const bool multi_line = text_.substr(at_).starts_with(quotes);
+        const std::string_view end = std::string_view(quotes).substr(0, multi_line ? 3 : 1);
+        advance(end.size());
+        while (at_ < text_.size() && !text_.substr(at_).starts_with(end)) {
+            if (text_[at_] == '\n' && !multi_line) return;  // an error, which the parser tells
+            advance(text_[at_] == '\\' && quote == '"' ? 2 : 1);
+        }
+        advance(end.size());
+        // Up to two more belong to a string of several lines: the last three of five end it.
+        for (int i = 0; i < 2 && multi_line && at_ < text_.size() && text_[at_] == quote; ++i)
+            advance(1);
+    }
 
-toml::table parse(const std::string& text, const std::vector<std::string>& lines, const std::string& file) {
-    require_short_keys(lines, file);
+    std::string_view text_;
+    std::size_t at_ = 0;
+    SourceLocation where_;
+};
+
+toml::table parse(std::string_view text, const std::string& file) {
+    DotCounter(text, file).require_short_keys();
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
@@ -50,9 +84,16 @@ toml::table parse(const std::string& text, const std::vector<std::string>& lines
     }
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
+/// toml++ skips the byte order mark that some editors put before UTF-8: it has no column.
+std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
+std::vector<std::string> lines_of(std::string_view text) {
     std::vector<std::string> lines;
-    std::istringstream stream(text);
+    std::istringstream stream{std::string(text)};
     for (std::string line; std::getline(stream, line);)
         lines.push_back(line);
     return lines;
@@ -60,8 +101,10 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-TomlReader::TomlReader(const std::string& text, std::string file)
-    : file_(std::move(file)), lines_(lines_of(text)), root_(parse(text, lines_, file_)) {}
+TomlReader::TomlReader(std::string_view text, std::string file)
+    : file_(std::move(file)),
+      lines_(lines_of(without_byte_order_mark(text))),
+      root_(parse(without_byte_order_mark(text), file_)) {}
 
 SourceLocation TomlReader::at(const toml::source_region& region) const {
     return {file_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
@@ -88,11 +131,11 @@ void TomlReader::check_keys(const toml::table& table, std::string_view what,
 std::string TomlReader::typed_at(const toml::source_position& position) const {
     if (position.line < 1 || position.line > lines_.size()) return "";
     const std::string& line = lines_[position.line - 1];
-    // toml++ counts columns in code points; the line is UTF-8, whose continuation bytes are 10xxxxxx.
+    // toml++ counts columns in code points too.
     std::size_t begin = 0;
     for (std::size_t column = 1; begin < line.size() && column < position.column; ++column) {
         ++begin;
-        while (begin < line.size() && (static_cast<unsigned char>(line[begin]) & 0xc0u) == 0x80u)
+        while (begin < line.size() && !begins_character(line[begin]))
             ++begin;
     }
     const std::size_t end = std::min(line.find_first_of(",]} \t\r#", begin), line.size());

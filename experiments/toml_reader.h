@@ -18,7 +18,7 @@ namespace gib {
 class TomlReader {
 public:
     /// Parses. Throws InputError with the parser's message at its place in `file`.
-    TomlReader(const std::string& text, std::string file);
+    TomlReader(std::string_view text, std::string file);
 
     struct Entry {
         std::string key;

@@ -17,6 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 Image constant(float value, int width = 20, int height = 20) {
     Image image(width, height);
@@ -223,6 +224,19 @@ TEST_F(CompareZTest, MitsubasTestIsNamedAndDecides) {
     EXPECT_EQ(json["z_share"], 0);
     EXPECT_EQ(json["z_values"], 1200);
     EXPECT_EQ(json["z_spp"], 6400);
+}
+
+TEST_F(CompareZTest, VariancesAreFiniteAndNotNegative) {
+    write("r.exr", {{{"", constant(1)}}, {}});
+    write("x.exr", {{{"", constant(9)}}, {}});
+    for (const float wrong : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN(), -1e-6f}) {
+        Image variance = constant(0.64f);
+        variance.rgb[1] = variance.rgb[77] = wrong;
+        write("v.exr", {{{"", variance}}, {}});
+        const ProgramResult result = run("x.exr r.exr --z-test --variance v.exr --spp 64");
+        EXPECT_EQ(result.code, 2) << wrong << "\n" << result.out;
+        EXPECT_THAT(result.err, StartsWith("v.exr:1:1: cannot be a variance: 2 values are not finite or below 0"));
+    }
 }
 
 TEST_F(CompareZTest, WrongInputGivesTwo) {

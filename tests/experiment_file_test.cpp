@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 namespace gib::test {
 namespace {
 
@@ -117,6 +119,37 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     EXPECT_THAT(error_of("scenes = [\n"), StartsWith("e.toml:"));
     EXPECT_THAT(error_of(start), HasSubstr("[[method]]"));
     EXPECT_THAT(error_of(path), HasSubstr("scenes"));
+}
+
+TEST_F(ExperimentFileTest, DotsCountInKeysAloneWhateverStringsStandBeside) {
+    const auto error_in = [&](std::string text) {
+        std::replace(text.begin(), text.end(), '|', '\n');
+        return error_of(text + "\nscenes = ['no.xml']\n[[method]]\nname = 'path'\n");
+    };
+    std::string deep = "a";
+    for (int i = 0; i < 300000; ++i)
+        deep += ".a";
+    for (const std::string string :
+         {R"("""|' """)", R"("""|\""" ' """)", R"("""|' \\""")", R"("""|' """"")", R"("""\|' """)", R"('''|" ''')",
+          R"('''|" \''')", R"('''|" ''''')", R"(|"")", R"(|'')", R"(|'\')", R"(|"\\")", R"(|"\"'")"})
+        EXPECT_THAT(error_in("x = [ " + string + ", { " + deep + " = 1 } ]"),
+                    AllOf(StartsWith("e.toml:2:"), HasSubstr("more than 32 dots")))
+            << string;
+    const std::string dots(40, '.');
+    for (const std::string& string :
+         {R"("""|)" + dots + "|" + dots + R"(""")", R"(""" \""" )" + dots + R"(""")",
+          R"(""""")" + dots + R"("" )" + dots + R"(""""")", "'''" + dots + "|'" + dots + "'''"})
+        EXPECT_THAT(error_in("title = " + string), HasSubstr("no.xml")) << string;
+    // Columns are those of characters.
+    EXPECT_THAT(error_in("'\xc3\xbc\xc3\xbc'" + dots), StartsWith("e.toml:1:37: a key has"));
+    EXPECT_THAT(error_in("title = '''\xc3\xbc|\xc3\xbc'''|" + dots), StartsWith("e.toml:3:33: a key has"));
+}
+
+TEST_F(ExperimentFileTest, AByteOrderMarkIsNoPartOfTheFirstLine) {
+    const std::string mark = "\xef\xbb\xbf", method = "\n[[method]]\nname = 'path'\n";
+    const Experiment e = parse(mark + "reference = { target = 0.1 }\nscenes = ['a.xml']" + method);
+    EXPECT_DOUBLE_EQ(e.scenes[0].goal.target.value(), 0.1);
+    EXPECT_THAT(error_of(mark + "scenes = ['no.xml']" + method), StartsWith("e.toml:1:11: "));
 }
 
 TEST_F(ExperimentFileTest, ColumnsCountCharactersNotBytes) {

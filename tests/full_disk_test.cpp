@@ -1,9 +1,11 @@
 // Disks that are full and folders that cannot be written: said with the file and the reason, nothing half-written,
 // and the same command goes on once there is space.
 
+#include "experiments/progress.h"
 #include "run_content.h"
 #include "run_fixtures.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
 #include <set>
@@ -74,6 +76,33 @@ TEST_F(FullDiskTest, AFileThatMayNotGrowIsSaid) {
 }
 
 TEST_F(FullDiskTest, StandardOutputToo) { EXPECT_EQ(shell("exec \"$gibench\" list methods >/dev/full").code, 1); }
+
+TEST_F(FullDiskTest, OfStandardErrorLosesMessagesAlone) {
+    write_experiment("[1]");
+    ASSERT_EQ(run().code, 0);
+    const auto whole = content_of(results(""));
+    for (const std::string lost : {"2>/dev/full", "2>&-"}) {
+        fs::remove_all(path("results"));
+        EXPECT_EQ(shell("exec \"$gibench\" run e.toml --threads 1 " + lost).code, 0) << lost;
+        EXPECT_TRUE(content_of(results("")) == whole) << lost;
+        EXPECT_EQ(shell("exec \"$gibench\" reference tiny.xml --target 40% -o r.exr " + lost).code, 0) << lost;
+        EXPECT_EQ(shell("exec \"$gibench\" render tiny.xml --method 'path spp=1' -o x.exr " + lost).code, 0) << lost;
+        EXPECT_TRUE(fs::remove(path("r.exr")) && fs::remove(path("x.exr"))) << lost;
+    }
+}
+
+TEST(FullTerminal, DoesNotEndTheProgram) {
+    const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC), saved = ::dup(STDERR_FILENO);
+    ASSERT_TRUE(full >= 0 && saved >= 0);
+    ::dup2(full, STDERR_FILENO);
+    {
+        ProgressLine line(true);
+        line.update(0.5, std::nullopt, "half");
+    }  // clears the line, in a destructor that must not throw
+    ::dup2(saved, STDERR_FILENO);
+    ::close(saved);
+    ::close(full);
+}
 
 TEST_F(FullDiskTest, UnwritableFoldersAreRefusedBeforeAnyWork) {
     const auto refused = [&](const std::string& script, const std::string& said) {

@@ -2,6 +2,8 @@
 // that passed the readers' checks. Each is refused with its place, or has a defined result.
 
 #include "common/error.h"
+#include "common/image_file.h"
+#include "common/linear_file.h"
 #include "common/mesh_ms3d.h"
 #include "experiments/experiment_file.h"
 #include "input_error.h"
@@ -284,6 +286,10 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 TEST(FuzzFindings, DevicesAreNoFiles) {
     EXPECT_THAT(test::input_error_of([] { read_file("/dev/zero"); }),
                 StartsWith("/dev/zero:1:1: cannot read the file: it is a device"));
+    // As good as /dev/zero, of which the libraries of images find no end.
+    const std::string refused = "/dev/null:1:1: cannot read the file: it is a device";
+    EXPECT_EQ(test::input_error_of([] { read_image("/dev/null"); }), refused);
+    EXPECT_EQ(test::input_error_of([] { LinearFile("/dev/null", false); }), refused);
 }
 
 TEST(FuzzFindings, XmlEndsWhereItsFileEnds) {
