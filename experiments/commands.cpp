@@ -153,13 +153,16 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     }
     const ResultFolder folder(folder_path);
     std::string report;
+    std::vector<std::string> damage;
     with_threads(0, [&] {
         const Analysis analysis = analyse(folder);
-        for (const auto& damage : analysis.damage)
-            std::cerr << fmt::format("warning: {}; the cell is left out\n", damage);
+        for (const auto& what : analysis.damage)
+            damage.push_back(what + "; the cell is left out");
         write_tables(analysis, folder);
-        report = write_report(analysis, folder);
+        report = write_report(analysis, folder, &damage);
     });
+    for (const auto& what : damage)
+        std::cerr << fmt::format("warning: {}\n", what);
     out << "Report: " << report << "\n";
     return 0;
 }

@@ -68,6 +68,26 @@ TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
     EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
 }
 
+TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
+    ASSERT_EQ(run().code, 0);
+    std::string frame;  // of whichever cell has seed 1
+    for (const auto& [name, time] : cells())
+        if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
+    ASSERT_FALSE(frame.empty());
+    const std::string pixels = read_file(results(frame)), rows = read_file(results("table.csv"));
+    std::string flipped = pixels;
+    flipped[flipped.size() - 10] ^= 1;
+    for (const std::string& content : {pixels.substr(0, pixels.size() / 2), std::string(), flipped}) {
+        damage(results(frame), content);
+        for (const ProgramResult& said : {run(), run_gibench("report results/e", path())}) {
+            EXPECT_EQ(said.code, 0) << said.err;
+            EXPECT_THAT(said.err, HasSubstr("warning: results/e/" + frame +
+                                            ": it cannot be read; the image on the way is left out\n"));
+        }
+        EXPECT_EQ(read_file(results("table.csv")), rows);
+    }
+}
+
 // Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
 TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     ASSERT_EQ(run().code, 0);
