@@ -88,6 +88,46 @@ TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
     }
 }
 
+TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const std::string record = file_of_cell("flip.json"), map = file_of_cell("flip.png");
+    const std::string text = read_file(record), picture = read_file(map), rows = read_file(results("table.csv"));
+    std::vector<std::pair<std::string, std::string>> damages = {
+        {map, picture.substr(0, picture.size() / 2)}, {map, ""}, {record, ""}, {record, "[]"}};
+    for (const nlohmann::json& value : {nlohmann::json(123), nlohmann::json(-5), nlohmann::json("x"),
+                                        nlohmann::json(0.25), nlohmann::json(nullptr)}) {
+        nlohmann::json other = nlohmann::json::parse(text);
+        other["flip"] = value;
+        damages.emplace_back(record, other.dump());
+        damages.emplace_back(record, nlohmann::json({{"flip", value}}).dump());  // as earlier versions wrote it
+    }
+    for (const std::string& command : {std::string("run e.toml --threads 1"), std::string("report results/e")}) {
+        for (const auto& [file, content] : damages) {
+            damage(file, content);
+            const ProgramResult again = run_gibench(command, path());
+            EXPECT_EQ(again.code, 0) << again.err;
+            EXPECT_EQ(read_file(record), text) << command << content;
+            EXPECT_EQ(read_file(map), picture) << command << content;
+            EXPECT_EQ(read_file(results("table.csv")), rows) << command << content;
+        }
+        fs::remove(map);
+        EXPECT_EQ(run_gibench(command, path()).code, 0);
+        EXPECT_EQ(read_file(map), picture) << "it is made again";
+    }
+}
+
+TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    std::vector<std::string> folders;
+    for (const auto& [name, time] : cells())
+        folders.push_back(results("cells/" + name));
+    for (const char* file : {"/flip.json", "/flip.png"})  // whole, but another cell's
+        fs::copy_file(folders.front() + file, folders.back() + file, fs::copy_options::overwrite_existing);
+    EXPECT_EQ(run().code, 0);
+    EXPECT_TRUE(content_of(results("")) == good);
+}
+
 // Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
 TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     ASSERT_EQ(run().code, 0);
