@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -52,6 +53,24 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
     }
     for (Effect e : plan.missing.list())
         out << "missing: " << name_of(e) << "\n";
+}
+
+void warn_of(const std::vector<std::string>& damage) {
+    for (const auto& what : damage)
+        std::cerr << fmt::format("warning: {}\n", what);
+}
+
+/// Tables without a row say nothing, and would replace those that do. A run that has made no reference yet has no
+/// others.
+void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
+    const auto& scenes = analysis.index.scenes;
+    const bool had_one =
+        std::any_of(scenes.begin(), scenes.end(), [](const IndexScene& scene) { return !scene.reference.empty(); });
+    if (had_one && analysis.references.empty())
+        throw InputError(
+            fmt::format("no scene of '{}' has a reference that can be read: its tables and its report "
+                        "stay as they are; the run's command makes references again",
+                        folder.path()));
 }
 
 }  // namespace
@@ -156,13 +175,12 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     std::vector<std::string> damage;
     with_threads(0, [&] {
         const Analysis analysis = analyse(folder);
-        for (const auto& what : analysis.damage)
-            damage.push_back(what + "; the cell is left out");
+        warn_of(analysis.damage);
+        require_a_scene(analysis, folder);
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
     });
-    for (const auto& what : damage)
-        std::cerr << fmt::format("warning: {}\n", what);
+    warn_of(damage);
     out << "Report: " << report << "\n";
     return 0;
 }

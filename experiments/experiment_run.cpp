@@ -447,6 +447,7 @@ std::string ExperimentRun::write_results() {
     std::vector<std::string> damage;
     with_threads(threads_, [&] {
         const Analysis analysis = analyse(folder_);
+        damage = analysis.damage;
         link_images(now);
         write_tables(analysis, folder_);
         report = write_report(analysis, folder_, &damage);

@@ -181,15 +181,50 @@ TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
     EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("nested more than 64"));
 }
 
+TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
+    write("other.xml", tiny_scene_xml(6));
+    write("e.toml",
+          "scenes = ['tiny.xml', 'other.xml']\nseeds = 2\n[reference]\ntarget = '40%'\n[[method]]\nname = "
+          "'path'\nspp = [4, 8]\n");
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("images/tiny-reference.exr");
+    const auto left_out = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 0) << report.err;
+        EXPECT_THAT(report.err, HasSubstr(said));
+        for (const char* name : {"table.csv", "curves.csv"}) {
+            const CsvTable rows = table(name);
+            EXPECT_FALSE(rows.rows.empty()) << name;
+            for (const auto& row : rows.rows)
+                EXPECT_EQ(row.at(0), "other") << name;
+        }
+        EXPECT_THAT(read_file(results("table.md")), HasSubstr("4 cells of the experiment are not complete"));
+    };
+    damage(file, read_file(file).substr(0, 200));
+    left_out("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    left_out("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
+    EXPECT_EQ(run().code, 0);  // it is made again
+    EXPECT_EQ(table("table.csv").rows.at(0).at(0), "tiny");
+}
+
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("images/tiny-reference.exr");
     std::string pixels = read_file(file);
     pixels[pixels.size() * 9 / 10] ^= 1;  // behind the header
     damage(file, pixels);                 // the cached one too: they are one file
-    const ProgramResult report = run_gibench("report results/e", path());
-    EXPECT_EQ(report.code, 2);
-    EXPECT_THAT(report.err, HasSubstr("tiny-reference.exr"));
+    const std::string rows = read_file(results("table.csv"));
+    const auto refused = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 2);
+        EXPECT_THAT(report.err, HasSubstr(said));
+        EXPECT_THAT(report.err, HasSubstr("no scene of 'results/e' has a reference that can be read"));
+        EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
+    };
+    refused("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    refused("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
     const ProgramResult again = run();
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr("made again"));
