@@ -5,6 +5,7 @@
 #include "experiments/experiment_run.h"
 #include "experiments/interrupt.h"
 #include "experiments/manifest.h"
+#include "experiments/run_experiment.h"
 
 #include <fmt/format.h>
 
@@ -145,6 +146,7 @@ void RepeatPlan::check_scene(const ExperimentScene& scene, const std::string& co
 }
 
 int repeat_run(const RepeatOptions& options, std::ostream& out) {
+    require_utf8_names(options.command_line);
     const InterruptGuard guard;
     const std::string folder = without_last_slash(options.folder);
     const Manifest manifest = read_manifest(folder + "/manifest.json");

@@ -159,6 +159,8 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     refused("--repeat results/e", "earlier gibench");
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
     refused("--repeat results/e --out results/../results/e", "a folder of its own");
+    refused("--repeat results/e --out 'o\xff'", "the command line is not UTF-8");
+    EXPECT_FALSE(fs::exists(path("o\xff")));
 }
 
 }  // namespace
