@@ -142,6 +142,19 @@ TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
     EXPECT_THAT(again.err, Not(HasSubstr("the processor is another")));
 }
 
+TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    for (const auto& [folder, here] :
+         {std::pair("results/e", "."), std::pair("results/e", "./"), std::pair("results/e/cells", "..")}) {
+        const ProgramResult again = run_gibench("run --repeat " + std::string(here), path(folder));
+        EXPECT_EQ(again.code, 0) << here << again.err;
+        EXPECT_TRUE(fs::exists(path("results/e-repeat/report.html"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/.-repeat"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/..-repeat"))) << here;
+        fs::remove_all(path("results/e-repeat"));
+    }
+}
+
 TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     const auto refused = [&](const std::string& arguments, const std::string& said) {
         const ProgramResult result = run_gibench("run " + arguments, path());
@@ -158,7 +171,11 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     write("results/e/manifest.json", "{\"experiment\": \"\"}");
     refused("--repeat results/e", "earlier gibench");
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
-    refused("--repeat results/e --out results/../results/e", "a folder of its own");
+    for (const char* out : {"results/../results/e", "results/e/", "results/e/cells", "results/e/not/there/yet/"})
+        refused("--repeat results/e --out " + std::string(out), "a folder of its own");
+    fs::create_directory_symlink("e", path("results/link"));
+    refused("--repeat results/e --out results/link/inside", "a folder of its own");
+    EXPECT_FALSE(fs::exists(path("results/e/inside")));
     refused("--repeat results/e --out 'o\xff'", "the command line is not UTF-8");
     EXPECT_FALSE(fs::exists(path("o\xff")));
 }
