@@ -166,7 +166,11 @@ int print_plan(const std::string& scene, const std::string& method,
 }
 
 int rebuild_report(const std::string& folder_path, std::ostream& out) {
-    if (holds_hard_case_results(folder_path)) {
+    const bool of_hard_cases = holds_hard_case_results(folder_path);
+    // Before the lock: where there are no results, that is what has to be said.
+    if (!of_hard_cases) static_cast<void>(ResultFolder(folder_path).read_index());
+    const FileLock lock = lock_result_folder(folder_path);  // a run beside it would write the same files
+    if (of_hard_cases) {
         out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
         return 0;
     }
