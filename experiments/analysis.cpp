@@ -1,5 +1,6 @@
 #include "experiments/analysis.h"
 
+#include "common/error.h"
 #include "common/image_file.h"
 #include "experiments/flip_record.h"
 #include "experiments/judgement.h"
@@ -129,6 +130,64 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     return quality;
 }
 
+/// Empty if the scene has none yet, or if its file is missing or damaged: `damage` then says so.
+std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolder& folder,
+                                      std::vector<std::string>& damage) {
+    if (scene.reference.empty()) return std::nullopt;
+    const std::string path = folder.reference_image(scene.name);
+    const auto damaged = [&](const std::string& what) {
+        damage.push_back(what + "; the scene is left out");
+        return std::nullopt;
+    };
+    if (!std::filesystem::exists(path)) return damaged(path + ": the file is missing");
+    try {
+        return read_reference(path);
+    } catch (const InputError& error) {
+        return damaged(error.what());
+    }
+}
+
+/// The complete cells of a scene are appended to the analysis; returns their folders' names.
+std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& analysis) {
+    const ResultIndex& index = analysis.index;
+    std::vector<std::string> names;
+    for (const auto& method : index.methods)
+        for (int seed = 1; seed <= index.seeds; ++seed) {
+            const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
+            const auto key = index.cell_keys.find(name);
+            std::string damage;
+            auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second, &damage);
+            if (!damage.empty()) analysis.damage.push_back(damage + "; the cell is left out");
+            if (cell) {
+                names.push_back(name);
+                analysis.cells.push_back(*std::move(cell));
+            } else {
+                ++analysis.missing_cells;
+            }
+        }
+    return names;
+}
+
+void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
+    const std::size_t first = analysis.cells.size();
+    const auto names = add_cells(scene, folder, analysis);
+    const Judgement judgement(reference);
+    analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    for (const auto& method : analysis.index.methods) {
+        Replicates replicates;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            const Cell& cell = analysis.cells[first + i];
+            if (cell.method != method) continue;
+            replicates.cells.push_back(&cell);
+            replicates.folders.push_back(names[i]);
+            replicates.images.push_back(components_in(read_image(folder.cell_image(names[i]))));
+        }
+        if (replicates.cells.empty()) continue;
+        for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
+            analysis.rows.push_back(std::move(row));
+    }
+}
+
 }  // namespace
 
 double Analysis::resolved(const std::string& scene, const std::string& component) const {
@@ -150,41 +209,10 @@ std::string cell_folder_name(const std::string& scene, const std::string& method
 Analysis analyse(const ResultFolder& folder) {
     Analysis analysis;
     analysis.index = folder.read_index();
-    const ResultIndex& index = analysis.index;
-    std::vector<std::pair<std::size_t, std::string>> kept;  // index of a cell, its folder
-    for (const auto& scene : index.scenes)
-        for (const auto& method : index.methods)
-            for (int seed = 1; seed <= index.seeds; ++seed) {
-                const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
-                const auto key = index.cell_keys.find(name);
-                std::string damage;
-                auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second, &damage);
-                if (!damage.empty()) analysis.damage.push_back(damage);
-                if (cell) {
-                    kept.emplace_back(analysis.cells.size(), name);
-                    analysis.cells.push_back(*std::move(cell));
-                } else {
-                    ++analysis.missing_cells;
-                }
-            }
-    for (const auto& scene : index.scenes) {
-        if (scene.reference.empty() || !std::filesystem::exists(folder.reference_image(scene.name))) continue;
-        const Reference reference = read_reference(folder.reference_image(scene.name));
-        const Judgement judgement(reference);
-        analysis.references.push_back(quality_of(scene, reference, judgement, index.epsilon));
-        for (const auto& method : index.methods) {
-            Replicates replicates;
-            for (const auto& [i, name] : kept) {
-                const Cell& cell = analysis.cells[i];
-                if (cell.scene != scene.name || cell.method != method) continue;
-                replicates.cells.push_back(&cell);
-                replicates.folders.push_back(name);
-                replicates.images.push_back(components_in(read_image(folder.cell_image(name))));
-            }
-            if (replicates.cells.empty()) continue;
-            for (auto& row : rows_of(replicates, index, judgement, analysis.references.back(), folder))
-                analysis.rows.push_back(std::move(row));
-        }
+    for (const auto& scene : analysis.index.scenes) {
+        const auto reference = reference_of(scene, folder, analysis.damage);
+        if (reference) add_scene(scene, *reference, folder, analysis);
+        else analysis.missing_cells += analysis.index.methods.size() * static_cast<std::size_t>(analysis.index.seeds);
     }
     return analysis;
 }

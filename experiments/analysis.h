@@ -54,7 +54,7 @@ struct Analysis {
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
     std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
-    std::vector<std::string> damage;  ///< records and images that cannot be believed; their cells are missing
+    std::vector<std::string> damage;  ///< what cannot be believed, and what is left out for it: a cell or a scene
     std::size_t missing_cells = 0;    ///< of the experiment, not complete
 
     /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
@@ -62,7 +62,7 @@ struct Analysis {
 };
 
 /// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no
-/// results or an image of it cannot be read.
+/// results.
 Analysis analyse(const ResultFolder& folder);
 
 /// Where a cell's folder is.

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -53,6 +54,24 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
     }
     for (Effect e : plan.missing.list())
         out << "missing: " << name_of(e) << "\n";
+}
+
+void warn_of(const std::vector<std::string>& damage) {
+    for (const auto& what : damage)
+        std::cerr << fmt::format("warning: {}\n", what);
+}
+
+/// Tables without a row say nothing, and would replace those that do. A run that has made no reference yet has no
+/// others.
+void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
+    const auto& scenes = analysis.index.scenes;
+    const bool had_one =
+        std::any_of(scenes.begin(), scenes.end(), [](const IndexScene& scene) { return !scene.reference.empty(); });
+    if (had_one && analysis.references.empty())
+        throw InputError(
+            fmt::format("no scene of '{}' has a reference that can be read: its tables and its report "
+                        "stay as they are; the run's command makes references again",
+                        folder.path()));
 }
 
 }  // namespace
@@ -151,19 +170,25 @@ int print_plan(const std::string& scene, const std::string& method,
 }
 
 int rebuild_report(const std::string& folder_path, std::ostream& out) {
-    if (holds_hard_case_results(folder_path)) {
+    const bool of_hard_cases = holds_hard_case_results(folder_path);
+    // Before the lock: where there are no results, that is what has to be said.
+    if (!of_hard_cases) static_cast<void>(ResultFolder(folder_path).read_index());
+    const FileLock lock = lock_result_folder(folder_path);  // a run beside it would write the same files
+    if (of_hard_cases) {
         out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
         return 0;
     }
     const ResultFolder folder(folder_path);
     std::string report;
+    std::vector<std::string> damage;
     with_threads(0, [&] {
         const Analysis analysis = analyse(folder);
-        for (const auto& damage : analysis.damage)
-            std::cerr << fmt::format("warning: {}; the cell is left out\n", damage);
+        warn_of(analysis.damage);
+        require_a_scene(analysis, folder);
         write_tables(analysis, folder);
-        report = write_report(analysis, folder);
+        report = write_report(analysis, folder, &damage);
     });
+    warn_of(damage);
     out << "Report: " << report << "\n";
     return 0;
 }

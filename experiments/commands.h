@@ -43,6 +43,8 @@ int list_effects(std::ostream& out);
 /// Name, default, unit, range and sentence of every parameter of every method.
 std::string parameter_help();
 
+/// Damage that it can leave out is a warning. Throws InputError, and writes nothing, if no scene is left or if another
+/// process works in the folder.
 int rebuild_report(const std::string& folder, std::ostream& out);
 
 /// Throws InputError unless `path` ends in .exr and can be created in a folder that exists.

@@ -1,6 +1,7 @@
 #include "experiments/comparison.h"
 
 #include "experiments/curves.h"
+#include "experiments/markdown.h"
 #include "experiments/numbers.h"
 
 #include <fmt/format.h>
@@ -177,10 +178,11 @@ std::string comparison_text(const Analysis& analysis) {
     for (const auto& row : rows) {
         std::vector<std::string> others;
         for (std::size_t i = 1; i < row.entries.size(); ++i)
-            others.push_back(fmt::format("{}: {}", row.entries[i].method,
+            others.push_back(fmt::format("{}: {}", markdown_text(row.entries[i].method),
                                          short_number(row.entries[i].relative_rmse / row.entries[0].relative_rmse)));
-        text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", row.scene, row.component, short_number(row.seconds),
-                            row.entries[0].method, percent_text(row.entries[0].relative_rmse), fmt::join(others, "; "));
+        text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", markdown_text(row.scene), row.component,
+                            short_number(row.seconds), markdown_text(row.entries[0].method),
+                            percent_text(row.entries[0].relative_rmse), fmt::join(others, "; "));
     }
     const auto frontier = pareto_frontier(analysis);
     if (!frontier.empty())
@@ -189,9 +191,9 @@ std::string comparison_text(const Analysis& analysis) {
             "error is subtracted.\n\n"
             "| scene | seconds | relative RMSE % | passes | method |\n|---|---:|---:|---:|---|\n";
     for (const auto& point : frontier)
-        text += fmt::format("| {} | {} | {} | {} | {} |\n", point.scene, short_number(point.seconds),
+        text += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_text(point.scene), short_number(point.seconds),
                             point.relative_rmse > 0 ? percent_text(point.relative_rmse) : "below the reference's",
-                            point.passes, point.method);
+                            point.passes, markdown_text(point.method));
     const auto laws = bias_laws(analysis);
     if (!laws.empty())
         text +=
@@ -200,9 +202,10 @@ std::string comparison_text(const Analysis& analysis) {
             "the reference resolves are left out.\n\n"
             "| scene | component | method | parameter | values fitted | p |\n|---|---|---|---|---:|---|\n";
     for (const auto& law : laws)
-        text += fmt::format("| {} | {} | {} | {} | {} of {} | {} ({} to {}) |\n", law.scene, law.component, law.method,
-                            law.parameter, law.resolved, law.values.size(), short_number(law.exponent.value),
-                            short_number(law.exponent.interval->lo), short_number(law.exponent.interval->hi));
+        text += fmt::format("| {} | {} | {} | {} | {} of {} | {} ({} to {}) |\n", markdown_text(law.scene),
+                            law.component, markdown_text(law.method), law.parameter, law.resolved, law.values.size(),
+                            short_number(law.exponent.value), short_number(law.exponent.interval->lo),
+                            short_number(law.exponent.interval->hi));
     return text;
 }
 

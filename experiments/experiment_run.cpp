@@ -444,12 +444,16 @@ std::string ExperimentRun::write_results() {
     write_file(folder_.file("manifest.json"),
                manifest_text(now, {options_.command_line, experiment_.path, experiment_.resolution, complete_cells()}));
     std::string report;
+    std::vector<std::string> damage;
     with_threads(threads_, [&] {
         const Analysis analysis = analyse(folder_);
+        damage = analysis.damage;
         link_images(now);
         write_tables(analysis, folder_);
-        report = write_report(analysis, folder_);
+        report = write_report(analysis, folder_, &damage);
     });
+    for (const auto& what : damage)
+        progress_.message("warning: " + what);
     return report;
 }
 

@@ -72,8 +72,9 @@ std::string lock_owner(const std::string& path) {
 FileLock lock_result_folder(const std::string& folder) {
     const std::string path = folder + "/.lock";
     if (auto lock = FileLock::if_free(path)) return std::move(*lock);
-    throw InputError(fmt::format("{} is working in '{}': wait until it has ended, or give another folder by --out",
-                                 lock_owner(path), folder));
+    throw InputError(
+        fmt::format("{} is working in '{}': wait until it has ended; a run can have another folder by --out",
+                    lock_owner(path), folder));
 }
 
 FileLock lock_reference(const std::string& path, const std::function<void(const std::string& owner)>& waiting) {

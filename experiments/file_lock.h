@@ -28,8 +28,8 @@ private:
 /// "process 1234", or "another process" if its owner has not said its pid.
 std::string lock_owner(const std::string& path);
 
-/// Locks a result folder, which must exist. Throws InputError, with the pid, if another run works in it or if nothing
-/// can be written there.
+/// Locks a result folder, which must exist. Throws InputError, with the pid, if another run or report works in it or if
+/// nothing can be written there.
 FileLock lock_result_folder(const std::string& folder);
 
 /// Locks the file of a reference; `waiting` is told once whom it waits for. Throws Interrupted on Ctrl-C.

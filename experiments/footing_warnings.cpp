@@ -1,5 +1,7 @@
 #include "experiments/footing_warnings.h"
 
+#include "experiments/markdown.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -107,7 +109,7 @@ std::string footing_text(const Analysis& analysis) {
     if (analysis.index.seeds < 2) text += "One seed has no interval: run with two seeds or more.\n";
     for (const auto& warning : footing_warnings(analysis)) {
         if (!warning.differs && analysis.index.seeds < 2) continue;
-        text += fmt::format("- {}{}.\n", warning.differs ? "Warning: " : "", warning.text);
+        text += fmt::format("- {}{}.\n", warning.differs ? "Warning: " : "", markdown_text(warning.text));
     }
     return text;
 }

@@ -1,6 +1,9 @@
 #include "experiments/frames.h"
 
+#include "common/error.h"
 #include "common/image_file.h"
+
+#include <fmt/format.h>
 
 #include <Eigen/Core>
 
@@ -63,11 +66,17 @@ void write_frame(const ResultFolder& folder, const std::string& cell_name, std::
     write_exr(frame_path(folder, cell_name, passes), {{{"", std::move(frame)}}, {}});
 }
 
-std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes) {
+std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes,
+                                std::string* damage) {
     const std::string path = frame_path(folder, cell_name, passes);
     if (!std::filesystem::exists(path)) return std::nullopt;
-    const LayeredImage file = read_image(path);
-    return file.layers.front().second;
+    try {
+        const LayeredImage file = read_image(path);
+        return file.layers.front().second;
+    } catch (const InputError&) {
+        if (damage) *damage = fmt::format("{}: it cannot be read", path);
+        return std::nullopt;
+    }
 }
 
 void forget_frames(const ResultFolder& folder, const std::string& cell_name) {

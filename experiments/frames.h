@@ -25,8 +25,9 @@ bool keeps_frame(std::uint64_t seed, std::uint32_t passes, std::uint32_t last_pa
 /// Values are rounded to half floats (those that a half cannot hold stay as they are), which halves the file. Written
 /// before the cell's record, so that a complete cell's frames are whole.
 void write_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes, const Image& total);
-/// Empty if the cell was measured before frames were kept.
-std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes);
+/// Empty if the cell was measured before frames were kept, or if the file is damaged: `damage`, if given, then says so.
+std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes,
+                                std::string* damage = nullptr);
 /// Before a cell is done again.
 void forget_frames(const ResultFolder& folder, const std::string& cell_name);
 

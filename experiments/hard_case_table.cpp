@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "experiments/html.h"
+#include "experiments/markdown.h"
 #include "experiments/numbers.h"
 #include "experiments/report_assets.h"
 
@@ -151,27 +152,28 @@ HardCaseTable hard_case_table(const std::string& text, const std::string& file, 
 }
 
 std::string hard_case_markdown(const HardCaseTable& table) {
-    std::string text = fmt::format("# {}\n\n{}.\n", table.title, counts_text(table));
+    std::string text = fmt::format("# {}\n\n{}.\n", markdown_text(table.title), counts_text(table));
     for (const auto& line : table.lines)
         if (is_bad(line))
-            text += fmt::format("\n- **{}**, {}: {} ({})", line.name, method_or_dash(line), line.verdict, line.why);
+            text += fmt::format("\n- **{}**, {}: {} ({})", markdown_text(line.name),
+                                markdown_text(method_or_dash(line)), line.verdict, markdown_text(line.why));
     const auto methods = methods_of(table);
     text += "\n\n| case | expected |";
     std::string rule = "\n|---|---|";
     for (const auto& method : methods) {
-        text += fmt::format(" {} |", method);
+        text += fmt::format(" {} |", markdown_text(method));
         rule += "---|";
     }
     text += " reason |" + rule + "---|\n";
     for (const auto& [name, lines] : by_case(table)) {
-        text += fmt::format("| {} | {} |", name, expected_text(*lines.front()));
+        text += fmt::format("| {} | {} |", markdown_text(name), expected_text(*lines.front()));
         const CaseLines of_case{name, lines};
         for (const auto& method : methods) {
             const auto* line = of_case.of(method.empty() ? "" : method);
             if (!line) line = of_case.of("");
             text += line ? fmt::format(" {} {} |", line->verdict, got_text(*line)) : " |";
         }
-        text += fmt::format(" {} |\n", lines.front()->reason);
+        text += fmt::format(" {} |\n", markdown_text(lines.front()->reason));
     }
     return text;
 }

@@ -38,4 +38,10 @@ nlohmann::json read_json(const std::string& path) {
     return nlohmann::json::parse(text);
 }
 
+std::string json_digest(const nlohmann::json& record) {
+    ContentHash hash;
+    hash.add(record.dump());
+    return hash.hex();
+}
+
 }  // namespace gib

@@ -11,4 +11,7 @@ namespace gib {
 /// nested deeper than any file of ours: comparing, copying and writing such a value would overflow the stack.
 nlohmann::json read_json(const std::string& path);
 
+/// SHA-1 of a record's text, which says all of it: numbers are read back as they were written, and keys are sorted.
+std::string json_digest(const nlohmann::json& record);
+
 }  // namespace gib

@@ -100,7 +100,10 @@ Manifest read_manifest(const std::string& path) {
         for (const auto& s : j.at("scenes"))
             m.scenes.push_back({s.at("name"), s.at("file"), s.at("content_hash"), s.at("reference")});
         for (const auto& c : j.at("cells"))
-            m.cells.push_back({c.at("scene"), c.at("method"), c.at("seed"), c.at("passes"), c.at("image")});
+            m.cells.push_back({c.at("scene"), c.at("method"),
+                               static_cast<std::uint64_t>(count_from_json(c, "seed", path, 1, most_seeds)),
+                               static_cast<std::uint32_t>(large_count_from_json(c, "passes", path, 1, most_passes)),
+                               c.at("image")});
         const auto text = [&](const char* key) { return j.at(key).get<std::string>(); };
         m.machine = {{"program", text("program")},       {"commit", commit_text(text("commit"), j.at("modified"))},
                      {"compiler", text("compiler")},     {"flags", text("flags")},

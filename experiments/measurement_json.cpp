@@ -18,9 +18,16 @@ double number_from_json(const json& j) {
 }
 
 int count_from_json(const json& j, const char* key, const std::string& path, int least, int greatest) {
+    return static_cast<int>(large_count_from_json(j, key, path, least, greatest));
+}
+
+std::int64_t large_count_from_json(const json& j, const char* key, const std::string& path, std::int64_t least,
+                                   std::int64_t greatest) {
     const json& value = j.at(key);
-    // As double: what no int holds is compared, too.
-    if (value.is_number_integer() && value.get<double>() >= least && value.get<double>() <= greatest) return value;
+    if (value.is_number_integer()) {
+        const auto number = value.get<double>();  // what no int64_t holds is compared, too
+        if (number >= static_cast<double>(least) && number <= static_cast<double>(greatest)) return value;
+    }
     throw InputError({path},
                      fmt::format("'{}' is no whole number from {} to {}: {}", key, least, greatest, value.dump()));
 }

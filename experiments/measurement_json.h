@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ double number_from_json(const nlohmann::json& j);
 
 /// The whole number j[key] of the file at `path`; throws InputError where it is not from least to greatest.
 int count_from_json(const nlohmann::json& j, const char* key, const std::string& path, int least, int greatest);
+/// The same where the number is more than an int holds.
+std::int64_t large_count_from_json(const nlohmann::json& j, const char* key, const std::string& path,
+                                   std::int64_t least, std::int64_t greatest);
 
 nlohmann::json checkpoint_to_json(const Checkpoint& checkpoint);
 Checkpoint checkpoint_from_json(const nlohmann::json& j);

@@ -1,6 +1,7 @@
 #include "experiments/price_text.h"
 
 #include "common/math.h"
+#include "experiments/markdown.h"
 #include "experiments/numbers.h"
 
 #include <fmt/format.h>
@@ -177,7 +178,7 @@ std::string price_list(const Analysis& analysis, const std::vector<const TableRo
         text += "---|";
     text += "---|---|---|---|---:|---:|\n";
     for (const TableRow* row : rows) {
-        text += fmt::format("| {} | {} |", row->method, short_number(row->prepare_seconds));
+        text += fmt::format("| {} | {} |", markdown_text(row->method), short_number(row->prepare_seconds));
         for (std::size_t t = 0; t < target_names.size(); ++t)
             text += fmt::format(" {} |", time_text(analysis, *row, t));
         text += fmt::format(" {} | {} | {} | {} | {} | {:.0f} |\n",
@@ -194,10 +195,10 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
         "others, by 5 % at least before the next change; 95 % intervals over the seeds.\n\n"
         "| scene | from second | method | relative RMSE % there | before |\n|---|---|---|---:|---|\n";
     for (const auto& change : changes)
-        text += fmt::format("| {} | {} | {} | {} | {} |\n", change.scene,
-                            with_interval({change.seconds, change.interval}), change.method,
+        text += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_text(change.scene),
+                            with_interval({change.seconds, change.interval}), markdown_text(change.method),
                             change.relative_rmse > 0 ? percent_text(change.relative_rmse) : "below the reference's",
-                            change.before.empty() ? "no image yet" : change.before);
+                            change.before.empty() ? "no image yet" : markdown_text(change.before));
     return text;
 }
 
@@ -253,7 +254,7 @@ std::string price_text(const Analysis& analysis) {
     const auto answers = price_answers(analysis);
     if (!answers.empty()) text += "\n## Which method is cheapest, and why\n\n";
     for (const auto& answer : answers)
-        text += fmt::format("- {}: {}\n", answer.scene, answer.text);
+        text += fmt::format("- {}: {}\n", markdown_text(answer.scene), answer.text);
     bool first = true;
     for (const auto& scene : scenes_of(analysis)) {
         const auto rows = totals_of(analysis, scene);
@@ -266,7 +267,7 @@ std::string price_text(const Analysis& analysis) {
                 "extrapolated. "
                 "Halving: the factor by which time grows.\n";
         first = false;
-        text += fmt::format("\n### {}\n\n{}", scene, price_list(analysis, rows));
+        text += fmt::format("\n### {}\n\n{}", markdown_text(scene), price_list(analysis, rows));
     }
     const auto changes = crossovers(analysis);
     return changes.empty() ? text : text + crossover_table(changes);

@@ -5,6 +5,7 @@
 #include "experiments/experiment_run.h"
 #include "experiments/interrupt.h"
 #include "experiments/manifest.h"
+#include "experiments/run_experiment.h"
 
 #include <fmt/format.h>
 
@@ -22,9 +23,23 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int exit_failed = 1, exit_interrupted = 130;
 
-std::string without_last_slash(const std::string& folder) {
-    const fs::path path = fs::path(folder).lexically_normal();
-    return (path.has_filename() ? path : path.parent_path()).string();
+/// Its name last, without a slash: "." and ".." name nothing that "-repeat" could be appended to.
+std::string named_folder(const std::string& folder) {
+    fs::path path = fs::path(folder).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    if (path == "." || path.filename() == "..") path = fs::weakly_canonical(path);
+    return path.string();
+}
+
+/// Whether a path, of which there need not be anything yet, leads to a folder or into it.
+bool lies_in(const std::string& path, const std::string& folder) {
+    std::error_code ignored;  // what is not there is no folder
+    fs::path place = fs::weakly_canonical(fs::absolute(path), ignored);
+    while (!fs::equivalent(place, folder, ignored)) {
+        if (place == place.parent_path()) return false;
+        place = place.parent_path();
+    }
+    return true;
 }
 
 /// Its scenes are found from here as they were found from where the run was started, or else there.
@@ -145,16 +160,16 @@ void RepeatPlan::check_scene(const ExperimentScene& scene, const std::string& co
 }
 
 int repeat_run(const RepeatOptions& options, std::ostream& out) {
+    require_utf8_names(options.command_line);
     const InterruptGuard guard;
-    const std::string folder = without_last_slash(options.folder);
+    const std::string folder = named_folder(options.folder);
     const Manifest manifest = read_manifest(folder + "/manifest.json");
     if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
     const RepeatPlan plan = plan_of(manifest, folder);
     RunOptions run_options;
     run_options.out = options.out.value_or(folder + "-repeat");
-    std::error_code error;
-    if (fs::equivalent(*run_options.out, folder, error))
-        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
+    if (lies_in(*run_options.out, folder))
+        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated, or lies in it");
     run_options.threads = manifest.threads;
     run_options.fresh = true;  // what an earlier repetition left proves nothing
     run_options.program = options.program;

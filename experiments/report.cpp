@@ -125,8 +125,9 @@ std::string filled(std::string_view page, const std::map<std::string, std::strin
 
 }  // namespace
 
-std::string report_html(const Analysis& analysis, const ResultFolder& folder) {
+std::string report_html(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {
     ReportPictures pictures = report_pictures(analysis, folder);
+    if (damage) damage->insert(damage->end(), pictures.damage.begin(), pictures.damage.end());
     json data = report_data(analysis);
     data["pictures"] = std::move(pictures.scenes);
     data["pictures_note"] = pictures.note;
@@ -147,9 +148,9 @@ std::string report_html(const Analysis& analysis, const ResultFolder& folder) {
                                   {"SCRIPTS", scripts_html()}});
 }
 
-std::string write_report(const Analysis& analysis, const ResultFolder& folder) {
+std::string write_report(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {
     const std::string path = folder.file("report.html");
-    write_file(path, report_html(analysis, folder));
+    write_file(path, report_html(analysis, folder, damage));
     return path;
 }
 

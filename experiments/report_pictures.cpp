@@ -188,7 +188,7 @@ struct PackedFrame {
 };
 
 std::vector<PackedFrame> all_frames(const Analysis& analysis, const ResultFolder& folder, const json& scenes,
-                                    int halvings) {
+                                    int halvings, std::vector<std::string>& damage) {
     std::vector<PackedFrame> frames;
     for (const auto& [scene, entry] : scenes.items())
         for (std::size_t i = 1; i < entry.at("images").size(); ++i) {
@@ -196,7 +196,9 @@ std::vector<PackedFrame> all_frames(const Analysis& analysis, const ResultFolder
             const Cell& cell = *SceneFiles{analysis, folder, scene}.cells(label).front();
             for (const auto& [checkpoint, errors] : cell.checkpoints) {
                 if (!keeps_frame(1, checkpoint.passes, cell.last().passes)) continue;
-                const auto image = read_frame(folder, cell_folder_name(scene, label, 1), checkpoint.passes);
+                std::string said;
+                const auto image = read_frame(folder, cell_folder_name(scene, label, 1), checkpoint.passes, &said);
+                if (!said.empty()) damage.push_back(said + "; the image on the way is left out");
                 if (!image) continue;
                 const Image small = reduced(*image, 1 << halvings);
                 if (small.width != entry["width"] || small.height != entry["height"]) continue;
@@ -252,13 +254,14 @@ ReportPictures report_pictures(const Analysis& analysis, const ResultFolder& fol
             scenes[quality.scene] = scene_entry({analysis, folder, quality.scene}, halvings, store);
     } while (store.html().size() > budget.final_images && halvings < most_halvings);
 
-    const auto frames = all_frames(analysis, folder, scenes, halvings);
+    std::vector<std::string> damage;
+    const auto frames = all_frames(analysis, folder, scenes, halvings, damage);
     const int octaves = octaves_apart(frames, budget.all - std::min(budget.all, store.html().size()));
     for (const PackedFrame& frame : frames)
         if (std::countr_zero(frame.passes) % octaves == 0)
             scenes[frame.scene]["images"][frame.image]["frames"].push_back(
                 {{"passes", frame.passes}, {"seconds", frame.seconds}, {"image", store.add(frame.packed)}});
-    return {scenes, store.html(), note_of(scenes, frames, octaves)};
+    return {scenes, store.html(), note_of(scenes, frames, octaves), damage};
 }
 
 }  // namespace gib

@@ -22,9 +22,10 @@ struct PictureBudget {
 };
 
 struct ReportPictures {
-    nlohmann::json scenes;  ///< by scene's name; what the script needs to find its images
-    std::string elements;   ///< HTML
-    std::string note;       ///< what was left out for the budget's sake, as sentences; may be empty
+    nlohmann::json scenes;            ///< by scene's name; what the script needs to find its images
+    std::string elements;             ///< HTML
+    std::string note;                 ///< what was left out for the budget's sake, as sentences; may be empty
+    std::vector<std::string> damage;  ///< images on the way that cannot be read and are left out
 };
 
 /// Throws InputError if an image of the folder cannot be read.

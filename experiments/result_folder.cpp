@@ -78,13 +78,6 @@ Cell cell_from(const json& j) {
     return cell;
 }
 
-/// Numbers are read back as they were written, and keys are sorted: the text of a record says all of it.
-std::string digest_of(const json& record) {
-    ContentHash hash;
-    hash.add(record.dump());
-    return hash.hex();
-}
-
 json to_json(const IndexScene& s) {
     return {{"name", s.name},
             {"path", s.path},
@@ -226,7 +219,7 @@ ResultIndex ResultFolder::read_index() const {
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
     json record = to_json(cell);
-    record["digest"] = digest_of(record);
+    record["digest"] = json_digest(record);
     write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
 
@@ -243,7 +236,8 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         const std::string digest = j.value("digest", "");
         j.erase("digest");
         // Records of earlier versions have no digests and are believed.
-        if (!digest.empty() && digest != digest_of(j)) return damaged(path, "its content is not what its digest says");
+        if (!digest.empty() && digest != json_digest(j))
+            return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key || j.at("complete") != true) return std::nullopt;
         Cell cell = cell_from(j);
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");

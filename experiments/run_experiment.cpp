@@ -19,8 +19,6 @@ namespace {
 
 constexpr int exit_interrupted = 130;
 
-/// The records of a run are JSON, which is UTF-8: a path that is not would be noticed by the first record that names
-/// it.
 void require_utf8(const std::string& text, const char* what) {
     try {
         static_cast<void>(nlohmann::json(text).dump());
@@ -40,9 +38,13 @@ void require_regular_file(const std::string& path) {
 
 }  // namespace
 
-int run_experiment(const RunOptions& options, std::ostream& out) {
-    require_utf8(options.command_line, "the command line");
+void require_utf8_names(const std::string& command_line) {
+    require_utf8(command_line, "the command line");
     require_utf8(std::filesystem::current_path().string(), "the current folder's name");
+}
+
+int run_experiment(const RunOptions& options, std::ostream& out) {
+    require_utf8_names(options.command_line);
     require_regular_file(options.experiment);
     if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;

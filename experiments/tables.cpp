@@ -3,6 +3,7 @@
 #include "common/files.h"
 #include "experiments/comparison.h"
 #include "experiments/footing_warnings.h"
+#include "experiments/markdown.h"
 #include "experiments/numbers.h"
 #include "experiments/price_text.h"
 
@@ -116,9 +117,9 @@ std::string markdown_row(const TableRow& r, double resolved) {
     const auto& s = *r.statistics;
     // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
     const std::string bias2 = s.bias2 ? short_number(at_least_zero(s.bias2->value)) : "";
-    return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.scene, r.method,
-                       short_number(r.seconds), relative_error_text(r, resolved), r.flip ? short_number(*r.flip) : "",
-                       bias2, s.variance ? short_number(s.variance->value) : "",
+    return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(r.scene),
+                       markdown_text(r.method), short_number(r.seconds), relative_error_text(r, resolved),
+                       r.flip ? short_number(*r.flip) : "", bias2, s.variance ? short_number(s.variance->value) : "",
                        r.times[1] ? with_interval(*r.times[1], short_number) : "",
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
 }
@@ -128,9 +129,9 @@ std::string outliers_text(const Analysis& analysis) {
     std::string text;
     for (const auto& row : analysis.rows)
         if (row.component == total_name && row.robust && is_decided_by_outliers(*row.robust))
-            text +=
-                fmt::format("| {} | {} | {} | {} | {} |\n", row.scene, row.method, percent_text(row.robust->share),
-                            percent_text(std::sqrt(row.robust->trimmed)), percent_text(std::sqrt(row.robust->median)));
+            text += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_text(row.scene), markdown_text(row.method),
+                                percent_text(row.robust->share), percent_text(std::sqrt(row.robust->trimmed)),
+                                percent_text(std::sqrt(row.robust->median)));
     if (text.empty()) return "";
     return "\n## Errors of few pixels\n\nThe worst 0.1 % of the pixels hold most of these images' squared error; the "
            "errors without them and of the pixel in the middle, plain formulas.\n\n"
@@ -195,16 +196,16 @@ CsvTable stages_table(const Analysis& analysis) {
 
 std::string markdown_table(const Analysis& analysis) {
     const ResultIndex& index = analysis.index;
-    std::string text =
-        fmt::format("# {}\n\nRelative errors with epsilon = {}; {} seed{}; {} thread{}.\n", index.title, index.epsilon,
-                    index.seeds, index.seeds == 1 ? "" : "s", index.threads, index.threads == 1 ? "" : "s");
+    std::string text = fmt::format("# {}\n\nRelative errors with epsilon = {}; {} seed{}; {} thread{}.\n",
+                                   markdown_text(index.title), index.epsilon, index.seeds, index.seeds == 1 ? "" : "s",
+                                   index.threads, index.threads == 1 ? "" : "s");
     for (const auto& reference : analysis.references) {
-        text +=
-            fmt::format("\nReference of {}: {}, {} samples a pixel, relative standard error {} %{}.\n", reference.scene,
-                        reference.method, reference.samples, percent_text(reference.relative_error),
-                        reference.target ? fmt::format(" (target {} %)", percent_text(*reference.target)) : "");
+        text += fmt::format("\nReference of {}: {}, {} samples a pixel, relative standard error {} %{}.\n",
+                            markdown_text(reference.scene), reference.method, reference.samples,
+                            percent_text(reference.relative_error),
+                            reference.target ? fmt::format(" (target {} %)", percent_text(*reference.target)) : "");
         for (const auto& note : reference.notes)
-            text += fmt::format("Note: {}.\n", note);
+            text += fmt::format("Note: {}.\n", markdown_text(note));
     }
     if (analysis.missing_cells > 0)
         text += fmt::format("\n{} cells of the experiment are not complete.\n", analysis.missing_cells);

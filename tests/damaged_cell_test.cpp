@@ -68,6 +68,66 @@ TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
     EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
 }
 
+TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
+    ASSERT_EQ(run().code, 0);
+    std::string frame;  // of whichever cell has seed 1
+    for (const auto& [name, time] : cells())
+        if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
+    ASSERT_FALSE(frame.empty());
+    const std::string pixels = read_file(results(frame)), rows = read_file(results("table.csv"));
+    std::string flipped = pixels;
+    flipped[flipped.size() - 10] ^= 1;
+    for (const std::string& content : {pixels.substr(0, pixels.size() / 2), std::string(), flipped}) {
+        damage(results(frame), content);
+        for (const ProgramResult& said : {run(), run_gibench("report results/e", path())}) {
+            EXPECT_EQ(said.code, 0) << said.err;
+            EXPECT_THAT(said.err, HasSubstr("warning: results/e/" + frame +
+                                            ": it cannot be read; the image on the way is left out\n"));
+        }
+        EXPECT_EQ(read_file(results("table.csv")), rows);
+    }
+}
+
+TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const std::string record = file_of_cell("flip.json"), map = file_of_cell("flip.png");
+    const std::string text = read_file(record), picture = read_file(map), rows = read_file(results("table.csv"));
+    std::vector<std::pair<std::string, std::string>> damages = {
+        {map, picture.substr(0, picture.size() / 2)}, {map, ""}, {record, ""}, {record, "[]"}};
+    for (const nlohmann::json& value : {nlohmann::json(123), nlohmann::json(-5), nlohmann::json("x"),
+                                        nlohmann::json(0.25), nlohmann::json(nullptr)}) {
+        nlohmann::json other = nlohmann::json::parse(text);
+        other["flip"] = value;
+        damages.emplace_back(record, other.dump());
+        damages.emplace_back(record, nlohmann::json({{"flip", value}}).dump());  // as earlier versions wrote it
+    }
+    for (const std::string& command : {std::string("run e.toml --threads 1"), std::string("report results/e")}) {
+        for (const auto& [file, content] : damages) {
+            damage(file, content);
+            const ProgramResult again = run_gibench(command, path());
+            EXPECT_EQ(again.code, 0) << again.err;
+            EXPECT_EQ(read_file(record), text) << command << content;
+            EXPECT_EQ(read_file(map), picture) << command << content;
+            EXPECT_EQ(read_file(results("table.csv")), rows) << command << content;
+        }
+        fs::remove(map);
+        EXPECT_EQ(run_gibench(command, path()).code, 0);
+        EXPECT_EQ(read_file(map), picture) << "it is made again";
+    }
+}
+
+TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    std::vector<std::string> folders;
+    for (const auto& [name, time] : cells())
+        folders.push_back(results("cells/" + name));
+    for (const char* file : {"/flip.json", "/flip.png"})  // whole, but another cell's
+        fs::copy_file(folders.front() + file, folders.back() + file, fs::copy_options::overwrite_existing);
+    EXPECT_EQ(run().code, 0);
+    EXPECT_TRUE(content_of(results("")) == good);
+}
+
 // Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
 TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     ASSERT_EQ(run().code, 0);
@@ -121,15 +181,50 @@ TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
     EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("nested more than 64"));
 }
 
+TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
+    write("other.xml", tiny_scene_xml(6));
+    write("e.toml",
+          "scenes = ['tiny.xml', 'other.xml']\nseeds = 2\n[reference]\ntarget = '40%'\n[[method]]\nname = "
+          "'path'\nspp = [4, 8]\n");
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("images/tiny-reference.exr");
+    const auto left_out = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 0) << report.err;
+        EXPECT_THAT(report.err, HasSubstr(said));
+        for (const char* name : {"table.csv", "curves.csv"}) {
+            const CsvTable rows = table(name);
+            EXPECT_FALSE(rows.rows.empty()) << name;
+            for (const auto& row : rows.rows)
+                EXPECT_EQ(row.at(0), "other") << name;
+        }
+        EXPECT_THAT(read_file(results("table.md")), HasSubstr("4 cells of the experiment are not complete"));
+    };
+    damage(file, read_file(file).substr(0, 200));
+    left_out("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    left_out("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
+    EXPECT_EQ(run().code, 0);  // it is made again
+    EXPECT_EQ(table("table.csv").rows.at(0).at(0), "tiny");
+}
+
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("images/tiny-reference.exr");
     std::string pixels = read_file(file);
     pixels[pixels.size() * 9 / 10] ^= 1;  // behind the header
     damage(file, pixels);                 // the cached one too: they are one file
-    const ProgramResult report = run_gibench("report results/e", path());
-    EXPECT_EQ(report.code, 2);
-    EXPECT_THAT(report.err, HasSubstr("tiny-reference.exr"));
+    const std::string rows = read_file(results("table.csv"));
+    const auto refused = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 2);
+        EXPECT_THAT(report.err, HasSubstr(said));
+        EXPECT_THAT(report.err, HasSubstr("no scene of 'results/e' has a reference that can be read"));
+        EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
+    };
+    refused("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    refused("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
     const ProgramResult again = run();
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr("made again"));

@@ -53,6 +53,20 @@ TEST_F(FileLockTest, ASecondRunInTheFolderIsRefusedWithThePid) {
     EXPECT_FALSE(fs::exists(results(".lock")));
 }
 
+TEST_F(FileLockTest, AReportBesideARunIsRefusedWithThePid) {
+    write_experiment("[1, 100000000]");
+    BackgroundRun first(path());
+    ASSERT_TRUE(comes_true([&] { return cells().size() == 1; }));
+    const ProgramResult beside = run_gibench("report results/e", path());
+    EXPECT_EQ(beside.code, 2);
+    EXPECT_THAT(beside.err, HasSubstr("process " + std::to_string(first.pid()) + " is working in 'results/e'"));
+    EXPECT_FALSE(fs::exists(results("table.csv")));
+    EXPECT_EQ(first.interrupt(SIGTERM), 130);
+    const ProgramResult after = run_gibench("report results/e", path());
+    EXPECT_EQ(after.code, 0) << after.err;
+    EXPECT_FALSE(fs::exists(results(".lock")));
+}
+
 TEST_F(FileLockTest, AKilledRunLocksNothing) {
     write_experiment("[1, 100000000]");
     BackgroundRun first(path());
@@ -81,6 +95,10 @@ TEST_F(FileLockTest, HardCasesTakeTheirFolderToo) {
     const ProgramResult alone = run_gibench("run h.toml", path());
     EXPECT_EQ(alone.code, 0) << alone.out << alone.err;
     EXPECT_FALSE(fs::exists(path("results/h/table.md.tmp-abcdef")));
+    lock.emplace(lock_result_folder(path("results/h")));
+    EXPECT_THAT(run_gibench("report results/h", path()).err, HasSubstr("is working in 'results/h'"));
+    lock.reset();
+    EXPECT_EQ(run_gibench("report results/h", path()).code, 0);
     EXPECT_FALSE(fs::exists(path("results/h/.lock")));
 }
 

@@ -142,6 +142,45 @@ TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
     EXPECT_THAT(again.err, Not(HasSubstr("the processor is another")));
 }
 
+TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    for (const auto& [folder, here] :
+         {std::pair("results/e", "."), std::pair("results/e", "./"), std::pair("results/e/cells", "..")}) {
+        const ProgramResult again = run_gibench("run --repeat " + std::string(here), path(folder));
+        EXPECT_EQ(again.code, 0) << here << again.err;
+        EXPECT_TRUE(fs::exists(path("results/e-repeat/report.html"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/.-repeat"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/..-repeat"))) << here;
+        fs::remove_all(path("results/e-repeat"));
+    }
+}
+
+// Converted without a look, the first is 2^32 - 1 passes, which would take days, and the last is 2.
+TEST_F(RepeatTest, NumbersOfTheManifestHaveBounds) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    const nlohmann::json good = manifest();
+    for (const auto& [key, value] :
+         std::vector<std::pair<std::string, nlohmann::json>>{{"passes", -1},
+                                                             {"passes", 0},
+                                                             {"passes", 1e30},
+                                                             {"passes", 2.5},
+                                                             {"passes", "4"},
+                                                             {"passes", 4294967298},
+                                                             {"passes", 18446744073709551615u},
+                                                             {"seed", -1},
+                                                             {"seed", 0},
+                                                             {"seed", 1e30},
+                                                             {"seed", 18446744073709551615u}}) {
+        nlohmann::json bad = good;
+        bad["cells"][0][key] = value;
+        set_manifest(bad);
+        const ProgramResult again = repeat();
+        EXPECT_EQ(again.code, 2) << value;
+        EXPECT_THAT(again.err, HasSubstr("manifest.json:1:1: '" + key + "' is no whole number from 1 to ")) << value;
+        EXPECT_FALSE(fs::exists(path("results/e-repeat"))) << value;
+    }
+}
+
 TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     const auto refused = [&](const std::string& arguments, const std::string& said) {
         const ProgramResult result = run_gibench("run " + arguments, path());
@@ -158,7 +197,13 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     write("results/e/manifest.json", "{\"experiment\": \"\"}");
     refused("--repeat results/e", "earlier gibench");
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
-    refused("--repeat results/e --out results/../results/e", "a folder of its own");
+    for (const char* out : {"results/../results/e", "results/e/", "results/e/cells", "results/e/not/there/yet/"})
+        refused("--repeat results/e --out " + std::string(out), "a folder of its own");
+    fs::create_directory_symlink("e", path("results/link"));
+    refused("--repeat results/e --out results/link/inside", "a folder of its own");
+    EXPECT_FALSE(fs::exists(path("results/e/inside")));
+    refused("--repeat results/e --out 'o\xff'", "the command line is not UTF-8");
+    EXPECT_FALSE(fs::exists(path("o\xff")));
 }
 
 }  // namespace

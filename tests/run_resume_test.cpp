@@ -97,16 +97,23 @@ TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {
         else EXPECT_EQ(row[at], "") << row[2];
     // What is stored is believed, until the cell is done again.
     std::string one;
-    for (const auto& [name, time] : cells()) {
-        EXPECT_TRUE(fs::exists(folder_ / ("results/e/cells/" + name + "/flip.png")));
-        folder_.write("results/e/cells/" + name + "/flip.json", "{\"flip\": 0.75}");
-        one = name;
-    }
+    std::map<std::string, fs::file_time_type> written;
+    for (const auto& [name, time] : cells())
+        for (const char* file : {"/flip.json", "/flip.png"}) {
+            one = results("cells/" + name);
+            ASSERT_TRUE(fs::exists(one + file));
+            written[one + file] = fs::last_write_time(one + file);
+        }
     ASSERT_EQ(run().code, 0);
-    EXPECT_EQ(table("table.csv").rows[0][at], "0.75");
-    fs::remove(folder_ / ("results/e/cells/" + one + "/flip.json"));
+    for (const auto& [file, time] : written)
+        EXPECT_EQ(fs::last_write_time(file), time) << file;
+    fs::remove(one + "/flip.json");
     ASSERT_EQ(run_gibench("report results/e", folder_ / "").code, 0);
-    EXPECT_TRUE(fs::exists(folder_ / ("results/e/cells/" + one + "/flip.json")));
+    EXPECT_TRUE(fs::exists(one + "/flip.json"));
+    // Done again, the cell has another record, though it says the same.
+    ASSERT_EQ(run("--fresh").code, 0);
+    for (const auto& [file, time] : written)
+        EXPECT_NE(fs::last_write_time(file), time) << file;
     ASSERT_EQ(run("--fresh").code, 0);
     EXPECT_EQ(table("table.csv").rows[0][at], first.rows[0][at]);
 }

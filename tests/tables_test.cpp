@@ -2,6 +2,7 @@
 
 #include "experiments/tables.h"
 
+#include "experiments/hard_case_table.h"
 #include "experiments/numbers.h"
 
 #include <gmock/gmock.h>
@@ -79,6 +80,26 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("flip"), "0.125");
     EXPECT_THAT(markdown_table(analysis),
                 ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) | 0.125 |"));
+}
+
+// A file may be called so, and a title may have several lines.
+TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
+    Analysis analysis = small_analysis();
+    analysis.index.title = "T\n| a | b |";
+    analysis.index.scenes[0].name = analysis.cells[0].scene = analysis.rows[0].scene = "a|b\nc";
+    analysis.references.push_back({"a|b\nc", "path", 0.01, {}, 64, {"of a|b\nc"}, {{total_name, 1e-6}}});
+    const std::string text = markdown_table(analysis);
+    EXPECT_THAT(text, ::testing::StartsWith("# T \\| a \\| b \\|\n\n"));
+    EXPECT_THAT(text, ::testing::HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
+    EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("a|b")));
+    EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("b\nc")));
+    EXPECT_EQ(error_table(analysis).rows.at(0).at(0), "a|b\nc") << "CSV has quotes for that";
+}
+
+TEST(Tables, ReasonsOfHardCasesDoNotBreakTheirRows) {
+    const HardCaseTable table{
+        "T", {{"a|b", "path", "1", "", "not judged", "", "", "equals", "one\ntwo | three", "", "s.xml", ""}}};
+    EXPECT_THAT(hard_case_markdown(table), ::testing::HasSubstr("\n| a\\|b | 1 | not judged  | one two \\| three |\n"));
 }
 
 TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
