@@ -149,16 +149,20 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const float of_query =
         gamma(16) * static_cast<float>(scale * (a1 + a2).dot(m)) + off_the_plane * static_cast<float>((a1 + a2).sum());
     // The least distance from an edge is a bound of the rounding of p in any direction; the weight of a vertex is that
-    // over its height. A triangle that is lower than four times this keeps its points where a quarter of each is left.
-    const double off_edges = length > 0 ? static_cast<double>(gamma(4) * furthest.norm()) / length : 0.;
+    // over its height. But no point moves by more than some eight times as far: off the long edges of a needle, it
+    // would move along them.
+    const Vec3 e3 = t.e2 - t.e1;
+    const double off_edges = static_cast<double>(gamma(4) * furthest.norm());
+    const double longest = static_cast<double>(std::max({t.e1.norm(), t.e2.norm(), e3.norm()}));
+    const double most = length > 0 ? std::min(0.25, 8 * off_edges / longest) : 0.;
     const auto least = [&](const Vec3& edge) {
-        return static_cast<float>(std::min(0.25, off_edges * edge.cast<double>().norm()));
+        return most > 0 ? static_cast<float>(std::min(most, off_edges / length * edge.cast<double>().norm())) : 0.f;
     };
     Facet facet;
     facet.v0 << t.v0, of_point + of_query;
     facet.e1 << t.e1, least(t.e2);
     facet.e2 << t.e2, least(t.e1);
-    facet.ng << (flip_normals ? Vec3(-ng) : ng), least(t.e2 - t.e1);
+    facet.ng << (flip_normals ? Vec3(-ng) : ng), least(e3);
     return facet;
 }
 

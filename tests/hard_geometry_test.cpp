@@ -124,6 +124,19 @@ TEST(HardGeometryRays, PointsOnTheEdgesOfAConvexMeshLieWithin) {
     }
 }
 
+// Kept off both long edges of a needle, points near its ends would move along it.
+TEST(HardGeometryRays, PointsOfNeedlesStayWhereTheyAre) {
+    for (const float height : {1e-3f, 1e-5f, 1e-6f, 1e-7f}) {
+        Mesh needle;
+        needle.vertices = {{0.f, 0.f, 1.f}, {1.f, 0.f, 1.f}, {0.5f, height, 1.f}, {}};
+        needle.triangles = {{0, 1, 2}};
+        for (const Vec2& b : {Vec2(0.f, 0.f), Vec2(1.f, 0.f), Vec2(0.98f, 0.02f), Vec2(0.f, 1.f), Vec2(0.3f, 0.f)}) {
+            const Vec3 expected(b.x() + 0.5f * b.y(), height * b.y(), 1.f);
+            EXPECT_LT((needle.point_at(0, b.x(), b.y()).p - expected).norm(), 1e-5f) << height << ' ' << b.transpose();
+        }
+    }
+}
+
 TEST(FrameAlong, IsOrthonormalForEveryDirection) {
     Random random(6);
     for (int i = 0; i < 10000; ++i) {
