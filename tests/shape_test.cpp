@@ -40,7 +40,9 @@ Neighbours neighbours_on(const Shape& s, Random& random, float h) {
     if (const auto* mesh = std::get_if<Mesh>(&s)) {
         const auto count = static_cast<float>(mesh->triangles.size());
         n.primitive = static_cast<std::uint32_t>(random.next() * count);
-        const Vec2 at = square_to_triangle(random.next_2d()), step = h * square_to_disk(random.next_2d());
+        // All three weights of `at` are 2 h or more, so that a step stays on the triangle.
+        const Vec2 at = (1.f - 6.f * h) * square_to_triangle(random.next_2d()) + Vec2::Constant(2.f * h);
+        const Vec2 step = h * square_to_disk(random.next_2d());
         n.a = surface_at(s, n.primitive, at.x(), at.y(), Vec3::Zero());
         n.b = surface_at(s, n.primitive, at.x() + step.x(), at.y() + step.y(), Vec3::Zero());
         return n;
