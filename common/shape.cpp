@@ -151,12 +151,14 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
     // The least distance from an edge is a bound of the rounding of p in any direction; the weight of a vertex is that
     // over its height. But no point moves by more than some eight times as far: off the long edges of a needle, it
     // would move along them.
+    // In double: floats have no squares of lengths below 1e-23.
     const Vec3 e3 = t.e2 - t.e1;
-    const double off_edges = static_cast<double>(gamma(4) * furthest.norm());
-    const double longest = static_cast<double>(std::max({t.e1.norm(), t.e2.norm(), e3.norm()}));
+    const auto length_of = [](const Vec3& v) { return v.cast<double>().norm(); };
+    const double off_edges = static_cast<double>(gamma(4)) * length_of(furthest);
+    const double longest = std::max({length_of(t.e1), length_of(t.e2), length_of(e3)});
     const double most = length > 0 ? std::min(0.25, 8 * off_edges / longest) : 0.;
     const auto least = [&](const Vec3& edge) {
-        return most > 0 ? static_cast<float>(std::min(most, off_edges / length * edge.cast<double>().norm())) : 0.f;
+        return most > 0 ? static_cast<float>(std::min(most, off_edges / length * length_of(edge))) : 0.f;
     };
     Facet facet;
     facet.v0 << t.v0, of_point + of_query;

@@ -137,6 +137,17 @@ TEST(HardGeometryRays, PointsOfNeedlesStayWhereTheyAre) {
     }
 }
 
+TEST(HardGeometryRays, PointsKeepOffTheEdgesOfTrianglesOfAnySize) {
+    for (const float s : {1e-24f, 1e-12f, 1.f, 1e12f}) {
+        Mesh mesh;
+        mesh.vertices = {{0.f, 0.f, 0.f}, {s, 0.f, 0.f}, {0.f, s, 0.f}, {}};
+        mesh.triangles = {{0, 1, 2}};
+        const Vec3 p = mesh.point_at(0, 0.f, 0.f).p / s;
+        EXPECT_GT(p.x(), 1e-7f) << s;
+        EXPECT_LT(p.x(), 1e-5f) << s;
+    }
+}
+
 TEST(FrameAlong, IsOrthonormalForEveryDirection) {
     Random random(6);
     for (int i = 0; i < 10000; ++i) {
