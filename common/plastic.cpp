@@ -151,8 +151,9 @@ RoughCoat::RoughCoat(const MicrofacetDistribution& distribution, float eta) {
         const double left = (i - 1.0) / (table_size - 1), right = static_cast<double>(i) / (table_size - 1);
         transmitted += (right - left) * (a * (2 * left + right) + b * (left + 2 * right)) / 3;
     }
-    internal_reflectance = static_cast<float>(reflectance / table_size);
     diffuse_transmittance = static_cast<float>(transmitted);
+    // What comes out of a diffuse radiance is what goes in at the same angles, over eta^2: R + that cannot exceed 1.
+    internal_reflectance = static_cast<float>(std::min(reflectance / table_size, 1 - transmitted / sqr(double{eta})));
 }
 
 float RoughCoat::transmittance(float cos_o) const {

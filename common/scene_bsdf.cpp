@@ -60,6 +60,16 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
     return eta;
 }
 
+/// That of a rough coat, which must be denser than what is outside: RoughCoat's nodes are too far apart for the edge of
+/// the cone through which light enters a thinner one; beyond it, light would both be reflected wholly and get in.
+float parse_coat_index(Properties& properties, const std::string& interior) {
+    const float eta = parse_changing_index(properties, interior);
+    if (eta < 1.f)
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         "'int_ior' must be above 'ext_ior': a rough coat is denser than what is outside");
+    return eta;
+}
+
 /// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as
 /// the index is. 0 where neither is given.
 float parse_dispersion(Properties& properties, const std::string& interior) {
@@ -270,7 +280,7 @@ Material parse_plastic(Properties& properties, TextureFiles& files) {
 
 Material parse_roughplastic(Properties& properties, TextureFiles& files) {
     ModelReader<RoughPlastic> model(properties, files);
-    model->eta = parse_changing_index(properties, plastic);
+    model->eta = parse_coat_index(properties, plastic);
     model->nonlinear = properties.boolean("nonlinear", false);
     model->distribution = parse_uniform_distribution(properties);
     model->prepare();

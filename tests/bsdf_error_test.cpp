@@ -177,6 +177,15 @@ TEST(BsdfErrors, RoughInterfacesWithoutAChangeOfIndex) {
     expect_errors({{"roughplastic", outside, "4:24", "'int_ior' and 'ext_ior' must differ"}});
 }
 
+TEST(BsdfErrors, RoughCoatsThinnerThanWhatIsOutside) {
+    const std::string thinner = number("int_ior", "1.3") + number("ext_ior", "1.5"), outside = number("ext_ior", "1.6");
+    for (const std::string type : {"roughdielectric", "plastic"})
+        for (const std::string& indices : {thinner, outside})
+            EXPECT_EQ(error_of(type, indices), "no error") << type;
+    expect_errors({{"roughplastic", thinner, number_place("int_ior"), "'int_ior' must be above 'ext_ior'"},
+                   {"roughplastic", outside, number_place("ext_ior"), "'int_ior' must be above 'ext_ior'"}});
+}
+
 TEST(BsdfErrors, Conductors) {
     const std::string gold = word("material", "Au"), either = "give either 'material' or 'eta' and 'k'";
     for (const std::string type : {"conductor", "roughconductor"}) {

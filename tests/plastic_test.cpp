@@ -207,6 +207,23 @@ TEST(RoughPlastic, ReflectsAtMostAllLight) {
             }
 }
 
+// By the tables alone: of the light that gets in, a white base gives off no more than all. R is rounded to a
+// float, which counts as much as 1 - R is small; besides, four roundings of numbers below 1.
+TEST(RoughPlastic, ItsBaseGivesOffAtMostWhatComesIn) {
+    for (auto type : types)
+        for (float alpha : {1e-4f, 0.01f, 0.1f, 1.f})
+            for (float eta : {1.0001f, 1.49f, 3.f, 5.7f, 7.f, 100.f}) {
+                RoughPlastic white = colored<RoughPlastic>(eta, Color::Ones(), false);
+                white.distribution = {type, alpha, alpha};
+                white.prepare();
+                const float escaping = 1 - RoughCoat(white.distribution, eta).internal_reflectance;
+                const float rounding = unit_roundoff * (1 / escaping + 4);
+                for (double degrees : {0.0, 60.0, 89.0})
+                    EXPECT_LE(white.coefficients_local(direction_at(degrees, 0.3)).of(Lobes::all)[0], 1 + rounding)
+                        << alpha << ' ' << eta << ' ' << degrees;
+            }
+}
+
 TEST(RoughPlastic, SamplesCarryTheirOwnValueAndDensity) {
     for (auto type : types)
         for (float alpha : {0.05f, 0.3f, 1.f}) {
