@@ -1,10 +1,10 @@
 #pragma once
 // What every method is: a sequence of passes over one scene, whose image can be taken after each of them.
 
-#include "common/components.h"
-#include "common/effects.h"
-#include "common/film.h"
-#include "common/image.h"
+#include "common/core/components.h"
+#include "common/images/film.h"
+#include "common/images/image.h"
+#include "common/scene/effects.h"
 #include "methods/parameters.h"
 
 #include <atomic>

@@ -1,7 +1,7 @@
 #pragma once
 // A method's parameters, declared once: parsing, help, labels and reference keys all read the declaration.
 
-#include "common/error.h"
+#include "common/core/error.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
-// The library that common/image_library.h speaks of.
-#include "common/image_library.h"
+// The library that common/images/image_library.h speaks of.
+#include "common/images/image_library.h"
 
-#include "common/error.h"
-#include "common/memory_limit.h"
+#include "common/core/error.h"
+#include "common/core/memory_limit.h"
 #include "common/openimageio/linear_reader.h"
 
 #include <OpenImageIO/filesystem.h>

@@ -1,7 +1,7 @@
 #include "common/openimageio/linear_reader.h"
 
-#include "common/error.h"
-#include "common/srgb.h"
+#include "common/color/srgb.h"
+#include "common/core/error.h"
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>

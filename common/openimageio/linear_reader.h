@@ -1,9 +1,9 @@
 #pragma once
 // An image file by OpenImageIO, row by row as linear floats. What it accepts and refuses stands in
-// common/linear_file.h.
+// common/images/linear_file.h.
 
-#include "common/error.h"
-#include "common/image_library.h"
+#include "common/core/error.h"
+#include "common/images/image_library.h"
 
 #include <OpenImageIO/imageio.h>
 #include <vector>

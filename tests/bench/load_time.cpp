@@ -1,7 +1,7 @@
 // Time to load a scene of one large mesh beside what nobody can avoid: reading the mesh's file once and Embree's own
 // build of it.
-#include "common/files.h"
-#include "common/scene_file.h"
+#include "common/core/files.h"
+#include "common/reader/scene_file.h"
 #include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>

@@ -1,12 +1,12 @@
 // The photon map beside nanoflann on the same photons and queries: the rates of their k-nearest searches on one thread,
 // and of building them (nanoflann's on one thread, as its version here can; ours on two). `ratio` is ours over
 // nanoflann's.
-#include "common/parallel.h"
-#include "common/scene_file.h"
-#include "methods/photon_map.h"
-#include "methods/photon_walk.h"
+#include "common/core/parallel.h"
+#include "common/reader/scene_file.h"
+#include "methods/parts/photons/photon_map.h"
+#include "methods/parts/photons/photon_walk.h"
 #include "tests/bench/paired_ratio.h"
-#include "tests/nanoflann_tree.h"
+#include "tests/support/nanoflann_tree.h"
 
 #include <limits>
 #include <map>

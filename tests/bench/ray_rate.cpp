@@ -1,10 +1,10 @@
 // Rays per second of a method's estimator beside those of bare Embree on the same rays: what everything but ray queries
 // costs.
-#include "common/parallel.h"
-#include "common/scene_file.h"
-#include "common/warp.h"
-#include "methods/path.h"
-#include "methods/pixel_samples.h"
+#include "common/core/parallel.h"
+#include "common/reader/scene_file.h"
+#include "common/sampling/warp.h"
+#include "methods/parts/transport/pixel_samples.h"
+#include "methods/path/path.h"
 #include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>

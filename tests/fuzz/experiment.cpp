@@ -1,6 +1,6 @@
 // Experiment files. Their scenes are looked for, not read.
 
-#include "experiments/experiment_file.h"
+#include "experiments/plan/experiment_file.h"
 #include "tests/fuzz/harness.h"
 
 #include <cmath>

@@ -2,8 +2,8 @@
 // What a fuzz target is: one reader, fed with any bytes. The same functions run under libFuzzer (preset `fuzz`) and, in
 // every other build, over the files of tests/fuzz/corpus (the tests FuzzCorpus.*).
 
-#include "common/error.h"
-#include "common/mesh_data.h"
+#include "common/core/error.h"
+#include "common/mesh_files/mesh_data.h"
 
 #include <string>
 #include <string_view>

@@ -1,6 +1,6 @@
 // MilkShape 3D ASCII models.
 
-#include "common/mesh_ms3d.h"
+#include "common/mesh_files/mesh_ms3d.h"
 #include "tests/fuzz/harness.h"
 
 namespace gib::fuzz {

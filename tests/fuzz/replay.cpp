@@ -1,6 +1,6 @@
 // Feeds files to a target where there is no libFuzzer: gib_fuzz_NAME FILE_OR_FOLDER... Exit code 1 if one is a finding.
 
-#include "common/files.h"
+#include "common/core/files.h"
 #include "tests/fuzz/harness.h"
 
 #include <algorithm>

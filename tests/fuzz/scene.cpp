@@ -1,8 +1,8 @@
 // Scene files. An input is the scene, and after a line `%% name` another file of its folder: an include, a mesh, a
 // spectrum, a volume. What loads is planned by every method and rendered in a few pixels.
 
-#include "common/parallel.h"
-#include "common/scene_file.h"
+#include "common/core/parallel.h"
+#include "common/reader/scene_file.h"
 #include "methods/method.h"
 #include "tests/fuzz/harness.h"
 

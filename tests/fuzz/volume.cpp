@@ -1,6 +1,6 @@
 // Values on a grid (.vol).
 
-#include "common/grid_volume.h"
+#include "common/media/grid_volume.h"
 #include "tests/fuzz/harness.h"
 
 namespace gib::fuzz {

@@ -1,0 +1,116 @@
+#include "common/core/memory_limit.h"
+
+#include <fmt/format.h>
+
+#include <sys/resource.h>
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// The number that follows a name in a file of lines `name: 123 kB`, in bytes.
+std::optional<double> entry_in(const std::string& path, const std::string& name) {
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string first, unit;
+        double value = 0;
+        if (!(words >> first >> value) || (first != name && first != name + ":")) continue;
+        return words >> unit && unit == "kB" ? value * 1024 : value;
+    }
+    return std::nullopt;
+}
+
+/// The only number in a file; empty for `max` and for no file.
+std::optional<double> number_in(const fs::path& path) {
+    std::ifstream file(path);
+    double value = 0;
+    if (file >> value) return value;
+    return std::nullopt;
+}
+
+/// What a control group leaves. Pages of files count as used there and are given up when memory is short.
+double left_in(const fs::path& group, const char* limit_name, const char* usage_name, const char* cache_name) {
+    const auto limit = number_in(group / limit_name);
+    if (!limit) return unlimited;
+    const double used = number_in(group / usage_name).value_or(0);
+    const double cached = entry_in((group / "memory.stat").string(), cache_name).value_or(0);
+    return std::max(0.0, *limit - std::max(0.0, used - cached));
+}
+
+/// The least of a group and those above it, down from `root`.
+template <typename Left>
+double least_above(const fs::path& root, const std::string& group, const Left& left) {
+    double least = left(root);
+    fs::path folder = root;
+    for (const auto& part : fs::path(group).relative_path()) {
+        folder /= part;
+        least = std::min(least, left(folder));
+    }
+    return least;
+}
+
+double left_by_groups(const std::string& proc, const fs::path& root) {
+    const auto version2 = [](const fs::path& group) {
+        return left_in(group, "memory.max", "memory.current", "inactive_file");
+    };
+    const auto version1 = [](const fs::path& group) {
+        return left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file");
+    };
+    double least = unlimited;
+    std::ifstream file(proc + "/self/cgroup");
+    for (std::string line; std::getline(file, line);) {  // `number:controllers:/group`
+        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+        if (first == std::string::npos || second == std::string::npos) continue;
+        const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+        const std::string group = line.substr(second + 1);
+        if (controllers == ",,") least = std::min(least, least_above(root, group, version2));
+        else if (controllers.find(",memory,") != std::string::npos)
+            least = std::min(least, least_above(root / "memory", group, version1));
+    }
+    return least;
+}
+
+/// What a limit of this process leaves above what it has already.
+double left_by(int resource, const char* used_name) {
+    rlimit limit{};
+    if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+        return unlimited;
+    return std::max(0.0, static_cast<double>(limit.rlim_cur) - entry_in("/proc/self/status", used_name).value_or(0));
+}
+
+}  // namespace
+
+double available_memory(const std::string& proc, const std::string& control_groups) {
+    return std::min(entry_in(proc + "/meminfo", "MemAvailable").value_or(unlimited),
+                    left_by_groups(proc, control_groups));
+}
+
+double available_memory() {
+    return std::min(
+        {available_memory("/proc", "/sys/fs/cgroup"), left_by(RLIMIT_AS, "VmSize"), left_by(RLIMIT_DATA, "VmData")});
+}
+
+void require_memory(double bytes, const std::string& what, const SourceLocation& where) {
+    constexpr double always_there = 1 << 20;  // not worth asking the system for
+    if (bytes <= always_there) return;
+    const double available = available_memory();
+    if (bytes > available)
+        throw InputError(where, fmt::format("{} needs {:.0f} bytes, and {:.0f} are available", what, bytes, available));
+}
+
+void require_memory_for_image(double values, int width, int height, int channels, const SourceLocation& where) {
+    require_memory(values * sizeof(float),
+                   fmt::format("an image of {} x {} pixels and {} channels", width, height, channels), where);
+}
+
+}  // namespace gib

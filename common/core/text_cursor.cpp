@@ -1,0 +1,73 @@
+#include "common/core/text_cursor.h"
+
+#include <fmt/format.h>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+namespace gib {
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+}  // namespace
+
+bool TextCursor::at_word_end() const { return at_line_end() || is_blank(*at_); }
+
+void TextCursor::fail_number(const char* expected) {
+    const SourceLocation where = location();
+    const std::string_view found = word();
+    throw InputError(where, found.empty() ? fmt::format("{} is missing", expected)
+                                          : fmt::format("bad number '{}': expected {}", found, expected));
+}
+
+void TextCursor::skip_blanks() {
+    while (at_ != end_ && is_blank(*at_))
+        ++at_;
+}
+
+void TextCursor::skip_space() {
+    for (skip_blanks(); at_ != end_ && *at_ == '\n'; skip_blanks())
+        next_line();
+}
+
+void TextCursor::next_line() {
+    const void* newline = at_ == end_ ? nullptr : std::memchr(at_, '\n', bytes_left());
+    at_ = newline ? static_cast<const char*>(newline) + 1 : end_;
+    if (newline) {
+        ++line_;
+        line_begin_ = at_;
+    }
+}
+
+std::string_view TextCursor::word() {
+    skip_blanks();
+    const char* first = at_;
+    while (!at_line_end() && !is_blank(*at_))
+        ++at_;
+    return {first, static_cast<std::size_t>(at_ - first)};
+}
+
+double TextCursor::number() {
+    skip_blanks();
+    const char* first = at_ != end_ && *at_ == '+' ? at_ + 1 : at_;
+    double value = 0;
+    const auto [next, error] = std::from_chars(first, end_, value);
+    const char* start = std::exchange(at_, next);
+    if (error == std::errc() && at_word_end()) return value;
+    at_ = start;
+    fail_number("a number");
+}
+
+std::int64_t TextCursor::integer() {
+    skip_blanks();
+    std::int64_t value = 0;
+    const auto [next, error] = std::from_chars(at_, end_, value);
+    const char* start = std::exchange(at_, next);
+    if (error == std::errc() && (at_word_end() || *at_ == '/')) return value;
+    at_ = start;
+    fail_number("an integer");
+}
+
+}  // namespace gib

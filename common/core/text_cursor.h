@@ -1,0 +1,55 @@
+#pragma once
+// Reading lines of numbers from a file in memory, with the place of whatever is wrong. No allocation and no stream:
+// meshes have millions of lines.
+
+#include "common/core/error.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace gib {
+
+class TextCursor {
+public:
+    TextCursor(std::string_view text, const std::string& file)
+        : begin_(text.data()), at_(begin_), end_(begin_ + text.size()), line_begin_(begin_), file_(file) {}
+
+    bool at_end() const { return at_ == end_; }
+    bool at_line_end() const { return at_ == end_ || *at_ == '\n'; }
+    char peek() const { return at_ == end_ ? '\0' : *at_; }
+    std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
+    std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
+    SourceLocation location() const { return location_of(at_); }
+    /// Remembers this place, for a message about what is read next from the same line.
+    void mark() { mark_ = at_; }
+    SourceLocation marked() const { return location_of(mark_); }
+
+    void advance() { ++at_; }
+    /// Spaces and tabs; a carriage return is white space too.
+    void skip_blanks();
+    /// White space including line ends.
+    void skip_space();
+    /// To the start of the next line.
+    void next_line();
+    /// Up to the next white space; empty at the end of a line.
+    std::string_view word();
+
+    // These skip blanks first, do not leave the line and throw InputError at the place of anything else. An integer may
+    // be followed by a slash.
+    double number();
+    std::int64_t integer();
+
+private:
+    SourceLocation location_of(const char* place) const {
+        return {file_, line_, static_cast<int>(place - line_begin_) + 1};
+    }
+    bool at_word_end() const;
+    [[noreturn]] void fail_number(const char* expected);
+
+    const char *begin_, *at_, *end_, *line_begin_, *mark_ = begin_;
+    int line_ = 1;
+    const std::string& file_;
+};
+
+}  // namespace gib

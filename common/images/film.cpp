@@ -1,0 +1,69 @@
+#include "common/images/film.h"
+
+#include "common/core/memory_limit.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <tuple>
+
+namespace gib {
+
+Film::Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black)
+    : width_(width), height_(height), black_(black) {
+    const auto summed = static_cast<double>(accumulated.size());
+    const double shown = summed + static_cast<double>(black.size());
+    // Sums in double; the image in float, its layers with their total, and these twice as a file that is written.
+    const double of_a_value = sizeof(double) * summed + sizeof(float) * (shown + 3 * (shown + 1));
+    require_memory(3.0 * width * height * of_a_value, fmt::format("a film of {} x {} pixels", width, height));
+    for (Component c : accumulated)
+        sums_[static_cast<std::size_t>(index_of(c))].assign(
+            static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 0.0);
+}
+
+void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample) {
+    bool finite = true;
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        finite = finite && sample.parts[c].isFinite().all();
+        if (sums_[c].empty() && !is_black(sample.parts[c]))
+            throw std::logic_error("a sample holds light of a component that the plan left out");
+    }
+    if (!finite) {
+        const std::scoped_lock lock(non_finite_mutex_);
+        if (non_finite_.count == 0 ||
+            std::tie(pass, pixel) < std::tie(non_finite_.first_pass, non_finite_.first_pixel)) {
+            non_finite_.first_pass = pass;
+            non_finite_.first_pixel = pixel;
+        }
+        ++non_finite_.count;
+        return;
+    }
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        if (sums_[c].empty()) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            sums_[c][3 * pixel + k] += static_cast<double>(sample.parts[c][static_cast<Eigen::Index>(k)]);
+    }
+}
+
+ComponentImages Film::mean(std::uint32_t passes) const {
+    ComponentImages images;
+    images.width = width_;
+    images.height = height_;
+    for (Component c : black_)
+        images[c] = Image(width_, height_);
+    for (std::size_t c = 0; c < sums_.size(); ++c) {
+        if (sums_[c].empty()) continue;
+        Image image(width_, height_);
+        for (std::size_t i = 0; i < image.rgb.size(); ++i)
+            image.rgb[i] = static_cast<float>(sums_[c][i] / passes);
+        images.parts[c] = std::move(image);
+    }
+    return images;
+}
+
+NonFinite Film::non_finite() const {
+    const std::scoped_lock lock(non_finite_mutex_);
+    return non_finite_;
+}
+
+}  // namespace gib

@@ -1,0 +1,42 @@
+#pragma once
+// Images in memory: linear radiance, height x width x 3, row 0 on top.
+
+#include "common/core/components.h"
+#include "common/core/math.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace gib {
+
+struct Image {
+    int width = 0, height = 0;
+    std::vector<float> rgb;  ///< [W/(sr m^2)], height x width x 3, row 0 on top
+
+    Image() = default;
+    Image(int w, int h)
+        : width(w), height(h), rgb(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3, 0.f) {}
+
+    std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+    Color at(std::size_t pixel) const { return {rgb[3 * pixel], rgb[3 * pixel + 1], rgb[3 * pixel + 2]}; }
+    void set(std::size_t pixel, const Color& c) {
+        for (std::size_t k = 0; k < 3; ++k)
+            rgb[3 * pixel + k] = c[static_cast<Eigen::Index>(k)];
+    }
+    bool same_size(const Image& other) const { return width == other.width && height == other.height; }
+};
+
+/// An image as the sum of its components; one that a method cannot simulate, or a scene cannot have, is absent.
+struct ComponentImages {
+    int width = 0, height = 0;
+    std::array<std::optional<Image>, component_count> parts;
+
+    const std::optional<Image>& operator[](Component c) const { return parts[static_cast<std::size_t>(index_of(c))]; }
+    std::optional<Image>& operator[](Component c) { return parts[static_cast<std::size_t>(index_of(c))]; }
+    /// The sum of the components that are there.
+    Image total() const;
+};
+
+}  // namespace gib

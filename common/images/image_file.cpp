@@ -1,0 +1,202 @@
+#include "common/images/image_file.h"
+
+#include "common/color/srgb.h"
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "common/images/image_library.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStdIO.h>
+#include <ImfStringAttribute.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <tuple>
+
+namespace gib {
+
+namespace {
+
+constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"};
+
+std::string channel_name(const std::string& layer, const std::string& channel) {
+    return layer.empty() ? channel : layer + "." + channel;
+}
+
+std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+/// The whole file in memory, so that writing it to disk is one step that succeeds or fails as one.
+std::string encode_exr(const LayeredImage& image, Imf::Compression compression) {
+    if (image.layers.empty()) throw std::invalid_argument("an EXR file needs a layer");
+    const Image& first = image.layers[0].second;
+    Imf::Header header(first.width, first.height);
+    header.compression() = compression;
+    for (const auto& [key, value] : image.metadata)
+        header.insert(key, Imf::StringAttribute(value));
+    Imf::FrameBuffer pixels;
+    constexpr std::size_t pixel_bytes = 3 * sizeof(float);
+    for (const auto& [name, layer] : image.layers) {
+        if (!layer.same_size(first)) throw std::invalid_argument("the layers of an EXR file differ in size");
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::string channel = channel_name(name, rgb_names[k]);
+            header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+            // OpenEXR's interface for writing takes a pointer to mutable data and does not write to it.
+            char* base = reinterpret_cast<char*>(const_cast<float*>(layer.rgb.data() + k));
+            pixels.insert(channel, Imf::Slice(Imf::FLOAT, base, pixel_bytes,
+                                              pixel_bytes * static_cast<std::size_t>(layer.width)));
+        }
+    }
+    Imf::StdOSStream stream;
+    {
+        Imf::OutputFile file(stream, header);
+        file.setFrameBuffer(pixels);
+        file.writePixels(first.height);
+    }  // the destructor writes the table of offsets
+    return stream.str();
+}
+
+/// Cuts what lies outside the display window (overscan). A picture of a part only cannot be compared with a whole one.
+void require_display_window(const StoredImage& stored, const std::string& path) {
+    const auto& [data, display] = std::tie(stored.data, stored.display);
+    const bool covered = data.x <= display.x && data.y <= display.y &&
+                         data.x + data.width >= display.x + display.width &&
+                         data.y + data.height >= display.y + display.height;
+    if (!covered)
+        throw InputError({path, 0, 0}, "the data window of " + size_text(data.width, data.height) +
+                                           " pixels does not cover the display window of " +
+                                           size_text(display.width, display.height) + ": a cropped image");
+}
+
+/// Three channels (or one, three times) as an image of the display window.
+Image take_channels(const StoredImage& stored, const std::array<int, 3>& channels) {
+    const auto& [data, display] = std::tie(stored.data, stored.display);
+    Image image(display.width, display.height);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const auto row = static_cast<std::size_t>(y + display.y - data.y);
+            const auto column = static_cast<std::size_t>(x + display.x - data.x);
+            const std::size_t from = (row * static_cast<std::size_t>(data.width) + column) * stored.channels.size();
+            const std::size_t to =
+                3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+            for (std::size_t k = 0; k < 3; ++k) {
+                const float v = stored.values[from + static_cast<std::size_t>(channels[k])];
+                image.rgb[to + k] = stored.srgb ? linear_from_srgb(v) : v;
+            }
+        }
+    return image;
+}
+
+int channel_index(const std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+/// The layers that a file's channels form: those with R, G and B, or with Y alone. In the order of the file, "" first.
+std::vector<std::pair<std::string, std::array<int, 3>>> layers_among(const std::vector<std::string>& names) {
+    std::vector<std::pair<std::string, std::array<int, 3>>> layers;
+    for (const std::string& name : names) {
+        const std::size_t dot = name.rfind('.');
+        const std::string layer = dot == std::string::npos ? "" : name.substr(0, dot);
+        const std::string channel = dot == std::string::npos ? name : name.substr(dot + 1);
+        std::array<int, 3> channels{};
+        for (std::size_t k = 0; k < 3; ++k)
+            channels[k] = channel_index(names, channel_name(layer, rgb_names[k]));
+        const bool colour = std::all_of(channels.begin(), channels.end(), [](int c) { return c >= 0; });
+        // Y beside RY and BY is luminance of a colour image, which Y alone would turn grey.
+        const bool chroma = channel_index(names, channel_name(layer, "RY")) >= 0;
+        const bool grey = !colour && !chroma && (channel == "Y" || names.size() == 1);
+        if (grey) channels.fill(channel_index(names, name));
+        if (grey || (colour && channel == "R")) layers.emplace_back(layer, channels);
+    }
+    std::stable_partition(layers.begin(), layers.end(), [](const auto& layer) { return layer.first.empty(); });
+    return layers;
+}
+
+std::string encoded_for(const std::string& path, const LayeredImage& image, Imf::Compression compression) {
+    try {
+        return encode_exr(image, compression);
+    } catch (const std::exception& e) {
+        throw RunError(path + ": " + e.what());
+    }
+}
+
+}  // namespace
+
+const Image* LayeredImage::find(const std::string& layer) const {
+    for (const auto& [name, image] : layers)
+        if (name == layer) return &image;
+    return nullptr;
+}
+
+void write_exr(const std::string& path, const LayeredImage& image) {
+    write_file(path, encoded_for(path, image, Imf::ZIP_COMPRESSION));
+}
+
+void write_scratch_exr(const std::string& path, const LayeredImage& image) {
+    const std::string content = encoded_for(path, image, Imf::NO_COMPRESSION);
+    errno = 0;
+    std::ofstream file(path, std::ios::binary);
+    file.write(content.data(), static_cast<std::streamsize>(content.size()));
+    file.close();
+    if (!file) throw RunError(path + ": cannot write" + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+}
+
+LayeredImage read_image(const std::string& path) {
+    require_no_device(path);
+    const StoredImage stored = image_library().read_image(path);
+    require_display_window(stored, path);
+    const auto layers = layers_among(stored.channels);
+    if (layers.empty()) {
+        std::string names;
+        for (const auto& name : stored.channels)
+            names += (names.empty() ? "" : ", ") + name;
+        throw InputError({path, 0, 0}, "no channels R,G,B or Y; the image has " + names);
+    }
+    LayeredImage image;
+    for (const auto& [name, channels] : layers)
+        image.layers.emplace_back(name, take_channels(stored, channels));
+    // Some renderers name the only layer ("ViewLayer.Combined.R"): then that is the image.
+    if (image.layers.size() == 1) image.layers[0].first = "";
+    image.metadata = stored.metadata;
+    return image;
+}
+
+LayeredImage layers_of(const ComponentImages& image) {
+    LayeredImage file;
+    file.layers.emplace_back("", image.total());
+    for (Component c : all_components)
+        if (image[c]) file.layers.emplace_back(std::string(name_of(c)), *image[c]);
+    return file;
+}
+
+ComponentImages components_in(const LayeredImage& image) {
+    ComponentImages result;
+    if (image.layers.empty()) return result;
+    result.width = image.layers[0].second.width;
+    result.height = image.layers[0].second.height;
+    for (Component c : all_components)
+        if (const Image* layer = image.find(std::string(name_of(c)))) result[c] = *layer;
+    return result;
+}
+
+std::vector<std::uint8_t> encode_png(const Image& image, float exposure) {
+    std::vector<std::uint8_t> bytes(image.rgb.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const float v = image.rgb[i] * exposure;
+        // NaN becomes black: a picture shows what is there, the tables count it.
+        const float clipped = std::isgreater(v, 0.f) ? std::min(v, 1.f) : 0.f;
+        bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * srgb_from_linear(clipped)));
+    }
+    return image_library().encode_png(image.width, image.height, bytes);
+}
+
+}  // namespace gib

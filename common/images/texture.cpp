@@ -1,0 +1,153 @@
+#include "common/images/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <variant>
+
+namespace gib {
+
+namespace {
+
+/// A coordinate in its first period, so that no later step leaves the range of int: [0, 1], mirrored ones [0, 2].
+float reduced(float s, TextureWrap wrap) {
+    if (wrap == TextureWrap::repeat) s -= std::floor(s);
+    else if (wrap == TextureWrap::mirror) s -= 2 * std::floor(s / 2);
+    else s = std::clamp(s, 0.f, 1.f);
+    return s >= 0 ? s : 0;
+}
+
+/// The texel that stands for index `i` of a row of `size`; i is at most one texel outside of the first period.
+int wrapped(int i, int size, TextureWrap wrap) {
+    if (wrap == TextureWrap::clamp) return std::clamp(i, 0, size - 1);
+    if (wrap == TextureWrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
+    if (i < 0) return -1 - i;
+    if (i >= 2 * size) return i - 2 * size;
+    return i < size ? i : 2 * size - 1 - i;
+}
+
+/// Two neighbours along one axis, and how far the place lies from the first to the second.
+struct Neighbours {
+    int first, second;
+    float weight;
+};
+
+Neighbours neighbours(float s, int size, TextureWrap wrap) {
+    const float x = reduced(s, wrap) * static_cast<float>(size) - 0.5f;
+    const int i = static_cast<int>(std::floor(x));
+    return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap), x - static_cast<float>(i)};
+}
+
+int nearest(float s, int size, TextureWrap wrap) {
+    return wrapped(static_cast<int>(std::floor(reduced(s, wrap) * static_cast<float>(size))), size, wrap);
+}
+
+/// The four texels around a place: (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
+struct Quad {
+    std::array<Color, 4> texels;
+    float wx, wy;
+};
+
+Quad quad_at(const BitmapTexture& texture, const Vec2& uv) {
+    const Bitmap& bitmap = *texture.bitmap;
+    const Vec2 st = texture.to_uv(uv);
+    const Neighbours x = neighbours(st.x(), bitmap.width(), texture.wrap);
+    const Neighbours y = neighbours(st.y(), bitmap.height(), texture.wrap);
+    return {{bitmap.texel(x.first, y.first), bitmap.texel(x.second, y.first), bitmap.texel(x.first, y.second),
+             bitmap.texel(x.second, y.second)},
+            x.weight,
+            y.weight};
+}
+
+Color color_of(const BitmapTexture& texture, const Vec2& uv) {
+    const Bitmap& bitmap = *texture.bitmap;
+    if (texture.filter == TextureFilter::nearest) {
+        const Vec2 st = texture.to_uv(uv);
+        return bitmap.texel(nearest(st.x(), bitmap.width(), texture.wrap),
+                            nearest(st.y(), bitmap.height(), texture.wrap));
+    }
+    const Quad q = quad_at(texture, uv);
+    const Color top = (1 - q.wx) * q.texels[0] + q.wx * q.texels[1];
+    const Color bottom = (1 - q.wx) * q.texels[2] + q.wx * q.texels[3];
+    // Rounding must not lift a reflectance above 1.
+    return ((1 - q.wy) * top + q.wy * bottom).max(bitmap.minimum()).min(bitmap.maximum());
+}
+
+float number(const Color& c, bool grey) { return grey ? c[0] : luminance(c); }
+
+/// Versions of Mitsuba that multiply by the resolution after to_uv instead of before differ where to_uv mixes the axes
+/// of an image that is not square; this is the derivative.
+Vec2 gradient_of(const BitmapTexture& texture, const Vec2& uv) {
+    if (texture.filter == TextureFilter::nearest) return Vec2::Zero();
+    const Quad q = quad_at(texture, uv);
+    std::array<float, 4> v;
+    for (std::size_t i = 0; i < 4; ++i)
+        v[i] = number(q.texels[i], texture.bitmap->grey());
+    const Vec2 per_texel((1 - q.wy) * (v[1] - v[0]) + q.wy * (v[3] - v[2]),
+                         (1 - q.wx) * (v[2] - v[0]) + q.wx * (v[3] - v[1]));
+    const Vec2 size(static_cast<float>(texture.bitmap->width()), static_cast<float>(texture.bitmap->height()));
+    return texture.to_uv.linear.transpose() * per_texel.cwiseProduct(size);
+}
+
+/// Whether both coordinates lie in the same half of their period.
+bool on_diagonal(const CheckerboardTexture& texture, const Vec2& uv) {
+    const Vec2 st = texture.to_uv(uv);
+    return (st.x() - std::floor(st.x()) > 0.5f) == (st.y() - std::floor(st.y()) > 0.5f);
+}
+
+bool is_grey(const Color& c) { return c[0] == c[1] && c[1] == c[2]; }
+
+}  // namespace
+
+struct Texture::Varying {
+    std::variant<BitmapTexture, CheckerboardTexture> kind;
+
+    const BitmapTexture* bitmap() const { return std::get_if<BitmapTexture>(&kind); }
+    const CheckerboardTexture& checkerboard() const { return std::get<CheckerboardTexture>(kind); }
+};
+
+Texture::Texture(BitmapTexture bitmap) : varying_(std::make_shared<const Varying>(Varying{std::move(bitmap)})) {}
+Texture::Texture(CheckerboardTexture checkerboard)
+    : varying_(std::make_shared<const Varying>(Varying{std::move(checkerboard)})) {}
+
+Color Texture::varying_color(const Vec2& uv) const {
+    if (const auto* bitmap = varying_->bitmap()) return color_of(*bitmap, uv);
+    const auto& board = varying_->checkerboard();
+    return (on_diagonal(board, uv) ? board.color0 : board.color1).color(uv);
+}
+
+float Texture::value(const Vec2& uv) const {
+    if (!varying_) return is_grey(constant_) ? constant_[0] : constant_.mean();
+    if (const auto* bitmap = varying_->bitmap()) return number(color_of(*bitmap, uv), bitmap->bitmap->grey());
+    const auto& board = varying_->checkerboard();
+    return (on_diagonal(board, uv) ? board.color1 : board.color0).value(uv);
+}
+
+Vec2 Texture::gradient(const Vec2& uv) const {
+    const auto* bitmap = varying_ ? varying_->bitmap() : nullptr;
+    return bitmap ? gradient_of(*bitmap, uv) : Vec2(Vec2::Zero());
+}
+
+bool Texture::has_gradient() const { return !varying_ || varying_->bitmap(); }
+
+Color Texture::mean() const {
+    if (!varying_) return constant_;
+    if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->mean();
+    const auto& board = varying_->checkerboard();
+    return 0.5f * (board.color0.mean() + board.color1.mean());
+}
+
+Color Texture::minimum() const {
+    if (!varying_) return constant_;
+    if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->minimum();
+    const auto& board = varying_->checkerboard();
+    return board.color0.minimum().min(board.color1.minimum());
+}
+
+Color Texture::maximum() const {
+    if (!varying_) return constant_;
+    if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->maximum();
+    const auto& board = varying_->checkerboard();
+    return board.color0.maximum().max(board.color1.maximum());
+}
+
+}  // namespace gib

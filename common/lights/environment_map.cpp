@@ -1,0 +1,160 @@
+#include "common/lights/environment_map.h"
+
+#include "common/core/memory_limit.h"
+
+#include <fmt/format.h>
+
+namespace gib {
+
+namespace {
+
+constexpr float uniform_share = 0.1f;
+constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
+
+/// In double: the product with a small solid angle must not underflow.
+double luminance_d(const Color& c) { return static_cast<double>(luminance(c)); }
+
+Color lerp(const Color& a, const Color& b, float t) { return (1.f - t) * a + t * b; }
+
+}  // namespace
+
+EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
+    : width_(static_cast<std::size_t>(radiance.width)),
+      bands_(std::max<std::size_t>(static_cast<std::size_t>(radiance.height), 2) - 1),
+      bands_f_(static_cast<double>(bands_)),
+      cell_phi_(2 * std::numbers::pi / radiance.width),
+      to_world_(to_world),
+      rgb_(std::move(radiance.rgb)) {
+    if (radiance.height == 1) {
+        const std::vector<float> row = rgb_;
+        rgb_.insert(rgb_.end(), row.begin(), row.end());
+    }
+    require_memory(static_cast<double>(width_ * bands_ * bytes_per_choice),
+                   fmt::format("choosing directions of an environment of {} x {} pixels", width_, radiance.height));
+    std::vector<double> rows, columns(width_);
+    for (std::size_t row = 0; row < bands_; ++row) {
+        const double theta0 = theta_of(row), theta1 = theta_of(row + 1);
+        weights_.push_back({PolarRamp{theta0, theta1, 1, 0}.integral(), PolarRamp{theta0, theta1, 0, 1}.integral()});
+        double sum = 0;
+        for (std::size_t column = 0; column < width_; ++column) {
+            const Corners c = corners({column, row, 0.f, 0.f});
+            columns[column] = luminance_of(c, row);
+            sum += columns[column];
+            integral_ += 0.5 * cell_phi_ *
+                         ((c.c00 + c.c10).cast<double>() * weights_[row].upper +
+                          (c.c01 + c.c11).cast<double>() * weights_[row].lower);
+        }
+        rows.push_back(sum);
+        columns_.emplace_back(columns);
+    }
+    rows_ = DiscreteDistribution(rows);
+}
+
+Color EnvironmentMap::texel(std::size_t column, std::size_t row) const {
+    const std::size_t i = 3 * (row * width_ + column);
+    return {rgb_[i], rgb_[i + 1], rgb_[i + 2]};
+}
+
+EnvironmentMap::Corners EnvironmentMap::corners(const Cell& cell) const {
+    const std::size_t next = cell.column + 1 < width_ ? cell.column + 1 : 0;
+    return {texel(cell.column, cell.row), texel(next, cell.row), texel(cell.column, cell.row + 1),
+            texel(next, cell.row + 1)};
+}
+
+Color EnvironmentMap::interpolated(const Cell& cell) const {
+    const Corners c = corners(cell);
+    return lerp(lerp(c.c00, c.c10, cell.s), lerp(c.c01, c.c11, cell.s), cell.t);
+}
+
+EnvironmentMap::Cell EnvironmentMap::cell_at(const Vec3& w) const {
+    // acos(y) would lose half of the digits at the poles.
+    const float theta = std::atan2(std::hypot(w.x(), w.z()), w.y());
+    const float v = std::clamp(theta * inv_pi, 0.f, 1.f) * static_cast<float>(bands_);
+    const float columns = static_cast<float>(width_);
+    float u = std::atan2(w.x(), -w.z()) * (0.5f * inv_pi) * columns - 0.5f;
+    u -= std::floor(u / columns) * columns;
+    Cell cell;
+    cell.row = std::min(static_cast<std::size_t>(v), bands_ - 1);
+    cell.column = std::min(static_cast<std::size_t>(u), width_ - 1);
+    cell.t = std::min(v - static_cast<float>(cell.row), 1.f);
+    cell.s = std::min(u - static_cast<float>(cell.column), 1.f);
+    return cell;
+}
+
+Vec3 EnvironmentMap::direction_of(const Cell& cell, double theta) const {
+    const double phi = cell_phi_ * (static_cast<double>(cell.column) + 0.5 + static_cast<double>(cell.s));
+    const double r = std::sin(theta);
+    return Vec3d(r * std::sin(phi), std::cos(theta), -r * std::cos(phi)).cast<float>();
+}
+
+double EnvironmentMap::luminance_of(const Corners& c, std::size_t row) const {
+    return 0.5 * cell_phi_ *
+           ((luminance_d(c.c00) + luminance_d(c.c10)) * weights_[row].upper +
+            (luminance_d(c.c01) + luminance_d(c.c11)) * weights_[row].lower);
+}
+
+float EnvironmentMap::density(const Cell& cell) const {
+    // The cell was chosen with a rounded probability; within it the density is exactly that of the luminance.
+    const DiscreteDistribution& columns = columns_[cell.row];
+    if (!(columns.total() > 0)) return uniform_share * uniform_sphere_pdf_w;
+    const float choice = rows_.probability(cell.row) * columns.probability(cell.column);
+    if (!(choice > 0.f)) return uniform_share * uniform_sphere_pdf_w;
+    const Corners c = corners(cell);
+    const Color here = lerp(lerp(c.c00, c.c10, cell.s), lerp(c.c01, c.c11, cell.s), cell.t);
+    const auto relative = static_cast<float>(luminance_d(here) / luminance_of(c, cell.row));
+    const double latitude = 0.5 * (theta_of(cell.row) + theta_of(cell.row + 1));
+    const float sine = injected(Fault::environment_jacobian) ? static_cast<float>(std::sin(latitude)) : 1.f;
+    return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative * sine;
+}
+
+EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
+    if (u.x() < uniform_share) {
+        const Vec3 w = square_to_sphere(Vec2(u.x() / uniform_share, u.y()));
+        const Cell cell = cell_at(w);
+        return {to_world_.to_world(w), interpolated(cell), density(cell)};
+    }
+    const float u_column = std::min((u.x() - uniform_share) / (1.f - uniform_share), 1.f - unit_roundoff);
+    const auto row = rows_.sample(u.y());
+    const auto column = columns_[row.index].sample(u_column);
+    Cell cell{column.index, row.index, 0.f, 0.f};
+    const Corners c = corners(cell);
+    const double l00 = luminance_d(c.c00), l10 = luminance_d(c.c10), l01 = luminance_d(c.c01), l11 = luminance_d(c.c11);
+    const double theta0 = theta_of(row.index), theta1 = theta_of(row.index + 1);
+    const double theta = PolarRamp{theta0, theta1, l00 + l10, l01 + l11}.sample(static_cast<double>(row.u));
+    const double t = (theta - theta0) / (theta1 - theta0);
+    cell.t = static_cast<float>(t);
+    cell.s = static_cast<float>(
+        sample_linear(static_cast<double>(column.u), (1 - t) * l00 + t * l01, (1 - t) * l10 + t * l11));
+    return {to_world_.to_world(direction_of(cell, theta)), interpolated(cell), density(cell)};
+}
+
+DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) const {
+    if (upper.x() <= uniform_share)
+        return cone_around(square_to_sphere_patch(Vec2(lower.x() / uniform_share, lower.y()),
+                                                  Vec2(std::min(upper.x() / uniform_share, 1.f), upper.y())),
+                           to_world_);
+    if (lower.x() < uniform_share) return {};
+    // By whole texels. Each number finds a row, or a column of it, that does not fall as the number rises.
+    const auto in_row = [](float u) {
+        return std::clamp((u - uniform_share) / (1.f - uniform_share), 0.f, 1.f - unit_roundoff);
+    };
+    const std::size_t first = rows_.sample(lower.y()).index;
+    const std::size_t last = rows_.sample(std::min(upper.y(), 1.f - unit_roundoff)).index;
+    std::size_t left = width_, right = 0;
+    for (std::size_t row = first; row <= last; ++row) {
+        if (!(columns_[row].total() > 0)) continue;  // never chosen
+        left = std::min(left, columns_[row].sample(in_row(lower.x())).index);
+        right = std::max(right, columns_[row].sample(in_row(upper.x())).index);
+    }
+    if (left > right) return {};
+    // Azimuth from -z towards +x, about the map's y.
+    Frame axes;
+    axes.s = -to_world_.n;
+    axes.t = to_world_.s;
+    axes.n = to_world_.t;
+    return cone_around({theta_of(first), theta_of(last + 1), cell_phi_ * (static_cast<double>(left) + 0.5),
+                        cell_phi_ * (static_cast<double>(right) + 1.5)},
+                       axes);
+}
+
+}  // namespace gib

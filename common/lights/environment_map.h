@@ -1,0 +1,78 @@
+#pragma once
+// Radiance from all directions, given by a latitude-longitude image, and directions in proportion to it.
+
+#include "common/images/image.h"
+#include "common/sampling/direction_cone.h"
+#include "common/sampling/warp.h"
+
+#include <vector>
+
+namespace gib {
+
+/// Mitsuba's map: in the map's frame column coordinate u = atan2(x, -z) / (2 pi) and row coordinate v = acos(y) / pi,
+/// so the middle of the image is +z, its right half -x, its top +y. Texel centres stand at u = (column + 1/2) / width,
+/// periodic, and at v = row / (height - 1): the first and the last row are the poles. Bilinear in between.
+///
+/// The density of directions is that of the luminance, except for a tenth that is uniform over the sphere: where the
+/// sun is hidden, the sky that is left would otherwise be found too rarely, and never at all below the resolution of
+/// the random numbers. With it the density is nowhere 0.
+class EnvironmentMap {
+public:
+    /// `radiance` [W/(sr m^2)] is finite and not negative; an image of one row is constant along each meridian.
+    /// `to_world` holds the map's axes in world space, orthonormal.
+    EnvironmentMap(Image radiance, const Frame& to_world);
+
+    /// Towards the viewer who looks along the unit vector w.
+    Color radiance(const Vec3& w) const { return interpolated(cell_at(to_world_.to_local(w))); }
+    /// The density of sample() [1/sr].
+    float pdf_w(const Vec3& w) const { return density(cell_at(to_world_.to_local(w))); }
+
+    struct Sample {
+        Vec3 w;
+        Color radiance;
+        float pdf_w;
+    };
+    /// Not for a black map.
+    Sample sample(const Vec2& u) const;
+    /// Holds the directions that sample() finds for u in a box of [0, 1]^2. Not for a black map.
+    DirectionCone cone_of(const Vec2& lower, const Vec2& upper) const;
+
+    /// Radiance over all directions [W/m^2].
+    const Colord& integral() const { return integral_; }
+
+private:
+    /// A place among four texels.
+    struct Cell {
+        std::size_t column, row;
+        float s, t;  ///< towards the next column and the next row, in [0, 1]
+    };
+    struct Corners {
+        Color c00, c10, c01, c11;  ///< column, row
+    };
+    /// Integrals over a row of cells of the rows' bilinear weights times sin(theta) d theta.
+    struct Band {
+        double upper, lower;
+    };
+
+    Color texel(std::size_t column, std::size_t row) const;
+    Corners corners(const Cell& cell) const;
+    Color interpolated(const Cell& cell) const;
+    Cell cell_at(const Vec3& w_local) const;
+    Vec3 direction_of(const Cell& cell, double theta) const;
+    /// Luminance [W/m^2] of a cell: radiance over its directions.
+    double luminance_of(const Corners& c, std::size_t row) const;
+    float density(const Cell& cell) const;
+    double theta_of(std::size_t row) const { return std::numbers::pi * static_cast<double>(row) / bands_f_; }
+
+    std::size_t width_, bands_;  ///< columns of texels, rows of cells
+    double bands_f_;
+    double cell_phi_;  ///< width of a cell [rad]
+    Frame to_world_;
+    std::vector<float> rgb_;  ///< (bands + 1) x width x 3
+    std::vector<Band> weights_;
+    DiscreteDistribution rows_;
+    std::vector<DiscreteDistribution> columns_;  ///< of every row of cells
+    Colord integral_ = Colord::Zero();
+};
+
+}  // namespace gib

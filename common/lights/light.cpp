@@ -1,0 +1,285 @@
+#include "common/lights/light.h"
+
+#include "common/lights/emission_axes.h"
+#include "common/sampling/sampler.h"
+
+namespace gib {
+
+namespace {
+
+/// The mean of a texture over a surface. Deterministic points: whoever asks for the power of a light gets the same
+/// answer.
+Color mean_over_surface(const Texture& texture, const AreaSampler& surface, const Shape& shape) {
+    constexpr std::uint32_t points = 1u << 16;
+    Colord sum = Colord::Zero();
+    for (std::uint32_t i = 0; i < points; ++i)
+        sum += texture.color(surface.sample_geometry(shape, Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).uv)
+                   .cast<double>();
+    // A texture that is dark but for what no point met keeps a chance to be chosen.
+    return sum.maxCoeff() > 0 ? Color((sum / points).cast<float>()) : texture.mean();
+}
+
+/// The directions from p to a sphere that it lies outside of.
+struct SphereCone {
+    Vec3 axis;
+    float distance;  ///< to the centre
+    float one_minus_cos_max;
+
+    /// [sr]
+    float solid_angle() const {
+        const float sin2 = one_minus_cos_max * (2.f - one_minus_cos_max);
+        return injected(Fault::cone_density) ? pi * sin2 : 2.f * pi * one_minus_cos_max;
+    }
+};
+
+std::optional<SphereCone> cone_to_sphere(const Sphere& sphere, const Vec3& p) {
+    const Vec3 to_center = sphere.center - p;
+    const float d2 = to_center.squaredNorm(), r2 = sqr(sphere.radius);
+    // Inside or on the sphere there is no cone; a margin keeps the division below well conditioned.
+    if (d2 <= r2 * 1.0001f) return std::nullopt;
+    const float d = std::sqrt(d2), sin2 = r2 / d2;
+    // 1 - cos = sin^2 / (1 + cos), which does not cancel for a distant sphere.
+    return SphereCone{to_center / d, d, sin2 / (1.f + safe_sqrt(1.f - sin2))};
+}
+
+/// Emission is outwards only: a flipped sphere emits inwards and is sampled by area.
+std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
+    const auto* sphere = std::get_if<Sphere>(&shape);
+    return sphere && !sphere->flip_normals ? cone_to_sphere(*sphere, p) : std::nullopt;
+}
+
+/// The place of a sphere in the direction n from its centre. surface_at() looks for that direction in the difference of
+/// a point and the centre: far out it is rounded least, which matters where the radius is about an ulp of the centre.
+SurfaceGeometry place_on_sphere(const Sphere& sphere, const Vec3& n) {
+    const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
+    return surface_at(sphere, 0, 0, 0, sphere.center + lever * n);
+}
+
+std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sphere, const SphereCone& cone,
+                                       const Vec3& p, const Vec2& u) {
+    const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
+    const Frame frame(cone.axis);
+    const Vec3 wi = frame.to_world(w);
+    // The near intersection along wi; rays at the rim touch. From the centre it is t w - (0, 0, distance), written
+    // without cancellation: the cone of a small or distant sphere is known to more digits than its cosine.
+    const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
+    const double d = double{cone.distance}, r = double{sphere.radius};
+    const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
+    const Vec3d n = Vec3d(t * x, t * y, -d * sin2 - inside * cosine).normalized();
+    const SurfaceGeometry q = place_on_sphere(sphere, frame.to_world(n.cast<float>()));
+    return LightSample{wi,    static_cast<float>(t),  light.radiance_at(q.uv), 1.f / cone.solid_angle(),
+                       false, shadow_ray_target(q, p)};
+}
+
+/// Where the shadow ray of a light at infinity may end.
+LightSample distant_sample(const BoundingSphere& scene, const Vec3& p, const Vec3& wi, const Color& Le, float pdf_w,
+                           bool delta) {
+    return {wi, infinity, Le, pdf_w, delta, p + scene.distance_past(p) * wi};
+}
+
+struct LightSampler {
+    const std::vector<Shape>& shapes;
+    const Vec3& p;
+    const Vec2& u;
+
+    std::optional<LightSample> operator()(const AreaLight& light) const {
+        const Shape& shape = shapes[light.shape];
+        if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, std::get<Sphere>(shape), *cone, p, u);
+        if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
+        const SurfaceGeometry q = light.surface.sample_geometry(shape, u);
+        return seen_from_front(light, q, light.texture->color(q.uv));
+    }
+
+    std::optional<LightSample> operator()(const PointLight& light) const {
+        return from_point(light.position, [&](const Vec3&) { return light.intensity; });
+    }
+
+    std::optional<LightSample> operator()(const SpotLight& light) const {
+        return from_point(light.position(), [&](const Vec3& w) { return light.intensity(w); });
+    }
+
+    std::optional<LightSample> operator()(const DirectionalLight& light) const {
+        return distant_sample(light.scene, p, -light.direction, light.irradiance, 1.f, true);
+    }
+
+    std::optional<LightSample> operator()(const ConstantEnvironment& light) const {
+        return distant_sample(light.scene, p, square_to_sphere(u), light.radiance, uniform_sphere_pdf_w, false);
+    }
+
+    std::optional<LightSample> operator()(const MappedEnvironment& light) const {
+        const EnvironmentMap::Sample sample = light.map->sample(u);
+        return distant_sample(light.scene, p, sample.w, sample.radiance, sample.pdf_w, false);
+    }
+
+private:
+    std::optional<LightSample> seen_from_front(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
+        const Vec3 to_light = q.p - p;
+        const float towards = -to_light.dot(q.ng);
+        if (!(towards > 0.f)) return std::nullopt;
+        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2), per_d = 1.f / d;
+        const Vec3 wi = to_light * per_d;
+        const float cos_light = towards * per_d;
+        const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
+        // Built where it is returned, member by member: an aggregate in parentheses is more than clang 14 knows.
+        std::optional<LightSample> sample(std::in_place);
+        sample->wi = wi;
+        sample->distance = d;
+        sample->Le = Le;
+        sample->pdf_w = d2 / (cosine * light.surface.area());
+        sample->delta = false;
+        sample->target = shadow_ray_target(q, p);
+        return sample;
+    }
+
+    template <typename Intensity>
+    std::optional<LightSample> from_point(const Vec3& position, Intensity intensity) const {
+        const Vec3 to_light = position - p;
+        const float d2 = to_light.squaredNorm(), d = std::sqrt(d2);
+        if (!(d2 > 0.f)) return std::nullopt;
+        const Vec3 wi = to_light / d;
+        const Color I = intensity(-wi);
+        if (is_black(I)) return std::nullopt;
+        // A ray that ended in the light itself would meet a surface that it lies in, or not, as rounding has it.
+        return LightSample{wi, d, I / d2, 1.f, true, position - rounding_of_connection(position, p) * wi};
+    }
+};
+
+/// [W] of a lamp that sends out `radiance` everywhere.
+Colord power_of_area(const AreaLight& light, const Color& radiance) {
+    return std::numbers::pi * double{light.surface.area()} * radiance.cast<double>();
+}
+
+struct EmissionSampler {
+    const std::vector<Shape>& shapes;
+    const Vec2& u_position;
+    const Vec2& u_direction;
+
+    EmissionSample operator()(const AreaLight& light) const {
+        const Shape& shape = shapes[light.shape];
+        if (const auto* sphere = std::get_if<Sphere>(&shape)) return from_sphere(light, *sphere);
+        if (!light.texture) return from_surface(light, light.surface.sample(shape, u_position), light.radiance);
+        const SurfaceGeometry q = light.surface.sample_geometry(shape, u_position);
+        return from_surface(light, q, light.texture->color(q.uv));
+    }
+
+    EmissionSample operator()(const PointLight& light) const {
+        const Vec3 w = emission_axes(light.position).to_world(square_to_sphere(u_direction));
+        return {from_point(light.position, w), 4 * std::numbers::pi * light.intensity.cast<double>(), Vec3::Zero()};
+    }
+
+    EmissionSample operator()(const SpotLight& light) const {
+        const SpotLight::Direction sample = light.sample(u_direction);
+        return {from_point(light.position(), sample.w), sample.power, Vec3::Zero()};
+    }
+
+    EmissionSample operator()(const DirectionalLight& light) const {
+        return from_infinity(light.scene, -light.direction, light.irradiance.cast<double>());
+    }
+
+    EmissionSample operator()(const ConstantEnvironment& light) const {
+        return from_infinity(light.scene, square_to_sphere(u_direction),
+                             light.radiance.cast<double>() / double{uniform_sphere_pdf_w});
+    }
+
+    EmissionSample operator()(const MappedEnvironment& light) const {
+        const EnvironmentMap::Sample sample = light.map->sample(u_direction);
+        return from_infinity(light.scene, sample.w, sample.radiance.cast<double>() / double{sample.pdf_w});
+    }
+
+private:
+    /// It may lie in a surface, which is not in the way of its own light.
+    static Ray from_point(const Vec3& position, const Vec3& w) {
+        return {position, w, rounding_of_connection(position, position)};
+    }
+
+    /// Uniform on the surface and cosine-weighted: Le cos / (pdf_a pdf_w) = Le A pi.
+    EmissionSample from_surface(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
+        // Around a cylinder the frame must turn with the normal: Frame's axes jump where n.z changes its sign.
+        const auto* cylinder = std::get_if<Cylinder>(&shapes[light.shape]);
+        const Frame frame = cylinder ? frame_along(q.ng, cylinder->axis) : Frame(q.ng);
+        const Vec3 w = frame.to_world(square_to_cosine_hemisphere(u_direction));
+        return {Ray{offset_origin(q, w), w}, power_of_area(light, Le), q.ng};
+    }
+
+    /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is
+    /// the area on that disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and
+    /// no frame has to be spread over the sphere: neighbours in (u_position, u_direction) are neighbours in position
+    /// and direction.
+    EmissionSample from_sphere(const AreaLight& light, const Sphere& sphere) const {
+        const Vec3 w = emission_axes(sphere.center).to_world(square_to_sphere(u_direction));
+        const Vec2 d = square_to_disk(u_position);
+        // As in square_to_cosine_hemisphere: no ray leaves along the surface.
+        const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
+        const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
+        const SurfaceGeometry q = place_on_sphere(sphere, n);
+        return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, light.radiance_at(q.uv)), q.ng};
+    }
+
+    /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.
+    EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Colord& irradiance) const {
+        const Vec2 d = scene.radius * square_to_disk(u_position);
+        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w},
+                scene.area() * (injected(Fault::directional_area) ? 0.9 : 1.0) * irradiance, Vec3::Zero()};
+    }
+};
+
+struct PowerOf {
+    Colord operator()(const AreaLight& light) const { return power_of_area(light, light.radiance); }
+    Colord operator()(const PointLight& light) const { return 4 * std::numbers::pi * light.intensity.cast<double>(); }
+    Colord operator()(const SpotLight& light) const { return light.power(); }
+    Colord operator()(const DirectionalLight& light) const {
+        return light.scene.area() * light.irradiance.cast<double>();
+    }
+    Colord operator()(const ConstantEnvironment& light) const {
+        return light.scene.area() * 4 * std::numbers::pi * light.radiance.cast<double>();
+    }
+    Colord operator()(const MappedEnvironment& light) const { return light.scene.area() * light.map->integral(); }
+};
+
+}  // namespace
+
+BoundingSphere::BoundingSphere(const Bounds& bounds) {
+    // The margin covers the rounding of the box and of the points on the disk; a scene without extent keeps a disk.
+    center = bounds.center();
+    radius = std::max(0.5f * bounds.diagonal() * 1.00001f, 1e-15f);
+}
+
+AreaLight::AreaLight(std::uint32_t shape_index, const Shape& of, const Texture& emitted)
+    : shape(shape_index), radiance(emitted.mean()), surface(of) {
+    if (emitted.constant()) return;
+    texture = emitted;
+    radiance = mean_over_surface(emitted, surface, of);
+}
+
+Colord power_of(const Light& light) { return std::visit(PowerOf(), light); }
+
+std::optional<LightSample> sample_light(const Light& light, const std::vector<Shape>& shapes, const Vec3& p,
+                                        const Vec2& u) {
+    return std::visit(LightSampler{shapes, p, u}, light);
+}
+
+float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit) {
+    if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / cone->solid_angle();
+    const Vec3 to_light = hit.p - p;
+    const float d2 = to_light.squaredNorm(), towards = -to_light.dot(hit.ng);
+    if (!(towards > 0.f && d2 > 0.f)) return 0.f;
+    const float cos_light = towards / std::sqrt(d2);
+    return d2 / (cos_light * light.surface.area());
+}
+
+Color environment_radiance(const Light& environment, const Vec3& w) {
+    if (const auto* constant = std::get_if<ConstantEnvironment>(&environment)) return constant->radiance;
+    return std::get<MappedEnvironment>(environment).map->radiance(w);
+}
+
+float environment_pdf_w(const Light& environment, const Vec3& w) {
+    if (std::holds_alternative<ConstantEnvironment>(environment)) return uniform_sphere_pdf_w;
+    return std::get<MappedEnvironment>(environment).map->pdf_w(w);
+}
+
+EmissionSample sample_emission(const Light& light, const std::vector<Shape>& shapes, const Vec2& u_position,
+                               const Vec2& u_direction) {
+    return std::visit(EmissionSampler{shapes, u_position, u_direction}, light);
+}
+
+}  // namespace gib

@@ -1,0 +1,84 @@
+#include "common/lights/spot_light.h"
+
+#include "common/sampling/sampler.h"
+
+namespace gib {
+
+namespace {
+
+/// 1 - cos(theta) without cancellation.
+double one_minus_cos(double theta) { return 2 * sqr(std::sin(0.5 * theta)); }
+
+constexpr std::uint32_t power_samples = 1u << 16;
+
+}  // namespace
+
+SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& intensity, double cutoff_angle,
+                     double beam_width, std::optional<Texture> slide)
+    : position_(position),
+      axes_(axes),
+      intensity_(intensity),
+      cutoff_(static_cast<float>(cutoff_angle)),
+      beam_(static_cast<float>(beam_width)),
+      beam_one_minus_cos_(static_cast<float>(one_minus_cos(beam_width))),
+      edge_{beam_width, cutoff_angle, 1, 0},
+      slide_(std::move(slide)) {
+    const double beam = one_minus_cos(beam_width), all = beam + edge_.integral();
+    beam_share_ = static_cast<float>(beam / all);
+    solid_angle_ = 2 * std::numbers::pi * all;
+    power_ = solid_angle_ * intensity_.cast<double>();
+    if (!slide_) return;
+    slide_scale_ = static_cast<float>(0.5 / std::tan(cutoff_angle));
+    Colord sum = Colord::Zero();
+    for (std::uint32_t i = 0; i < power_samples; ++i)
+        sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power;
+    // A slide that is dark but for what no sample met keeps a chance to be chosen.
+    power_ = sum.maxCoeff() > 0 ? Colord(sum / power_samples) : Colord(power_ * slide_->mean().cast<double>());
+}
+
+float SpotLight::falloff(float theta) const {
+    if (theta <= beam_) return 1.f;
+    const float share = theta < cutoff_ ? (cutoff_ - theta) / (cutoff_ - beam_) : 0.f;
+    return injected(Fault::spot_falloff) ? sqr(share) : share;
+}
+
+Color SpotLight::slide_color(const Vec3& w) const {
+    return slide_->color(Vec2(0.5f + slide_scale_ * (w.x() / w.z()), 0.5f + slide_scale_ * (w.y() / w.z())));
+}
+
+Color SpotLight::intensity(const Vec3& w) const {
+    const Vec3 local = axes_.to_local(w);
+    // Not from the cosine, which hardly changes over a narrow beam.
+    const float share = falloff(std::atan2(std::hypot(local.x(), local.y()), local.z()));
+    if (!(share > 0.f)) return Color::Zero();
+    return slide_ ? Color(share * intensity_ * slide_color(local)) : Color(share * intensity_);
+}
+
+SpotLight::Direction SpotLight::sample(const Vec2& u) const {
+    Vec3 local;
+    if (u.x() < beam_share_) {
+        local = square_to_cone(Vec2(u.x() / beam_share_, u.y()), beam_one_minus_cos_);
+    } else {
+        const double theta = edge_.sample(static_cast<double>((u.x() - beam_share_) / (1.f - beam_share_)));
+        const double phi = 2 * std::numbers::pi * static_cast<double>(u.y());
+        local = Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)).cast<float>();
+    }
+    const Colord power = solid_angle_ * intensity_.cast<double>();
+    return {axes_.to_world(local), slide_ ? Colord(power * slide_color(local).cast<double>()) : power};
+}
+
+double SpotLight::sampled_angle(float u) const {
+    if (u < beam_share_)
+        return 2 * std::asin(std::sqrt(0.5 * static_cast<double>(u / beam_share_ * beam_one_minus_cos_)));
+    return beam_share_ < 1.f ? edge_.sample(std::min(static_cast<double>((u - beam_share_) / (1.f - beam_share_)), 1.0))
+                             : edge_.theta1;
+}
+
+DirectionCone SpotLight::cone_of(const Vec2& lower, const Vec2& upper) const {
+    const double turn = 2 * std::numbers::pi;
+    return cone_around({sampled_angle(lower.x()), sampled_angle(upper.x()), turn * static_cast<double>(lower.y()),
+                        turn * static_cast<double>(upper.y())},
+                       axes_);
+}
+
+}  // namespace gib

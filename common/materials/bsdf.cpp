@@ -1,0 +1,309 @@
+#include "common/materials/bsdf.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace gib {
+
+namespace {
+
+LobeTraits traits_of(const Scattering& model) {
+    return std::visit([](const auto& m) { return m.traits(); }, model);
+}
+
+/// Into the layer's own frame.
+Vec3 to_layer(const Bsdf::Layer& layer, const Vec3& w) {
+    if (layer.to_layer) return *layer.to_layer * w;
+    return layer.flipped ? Vec3(w.x(), w.y(), -w.z()) : w;
+}
+
+Vec3 from_layer(const Bsdf::Layer& layer, const Vec3& w) {
+    if (layer.to_layer) return layer.to_layer->transpose() * w;
+    return layer.flipped ? Vec3(w.x(), w.y(), -w.z()) : w;
+}
+
+/// A tilted normal must not let light through the surface: a direction counts only if it lies on the same side of both.
+bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
+    return !layer.to_layer || w.z() * (layer.flipped ? -w_layer.z() : w_layer.z()) > 0.f;
+}
+
+/// The caller multiplies by the cosine of the shading frame; a tilted layer has its own. For radiance it is that of the
+/// light's direction wi; for power the light comes along wo, and the caller's correction for shading normals expects
+/// the same ratio there (Veach 1997, section 5.3).
+float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wo_layer,
+                          const Vec3& wi, const Vec3& wi_layer) {
+    if (!layer.to_layer || injected(Fault::tilted_cosine)) return 1.f;
+    const float ratio = transport == Transport::radiance ? wi_layer.z() / wi.z() : wo_layer.z() / wo.z();
+    return std::abs(ratio);
+}
+
+/// 0 for a layer that scatters nothing from wo. Where the eye is still to be found, each layer has the share of
+/// directions for which it exists.
+float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Transport transport) {
+    const Vec3 wo_layer = to_layer(layer, wo);
+    if (!same_side(layer, wo, wo_layer)) return 0.f;
+    if (transport == Transport::radiance && !layer.exists_for(wo)) return 0.f;
+    const float share = transport == Transport::radiance ? 1.f : layer.share();
+    return share * layer.weight *
+           std::visit([&](const auto& m) { return m.coefficients_local(wo_layer).of(which).mean(); }, layer.model);
+}
+
+/// Whether light leaves a layer along wi: power only towards eyes that see it.
+bool joins(const Bsdf::Layer& layer, Transport transport, const Vec3& wi, const Vec3& wi_layer) {
+    return same_side(layer, wi, wi_layer) && (transport == Transport::radiance || layer.exists_for(wi));
+}
+
+/// Power leaves a tilted diffuse layer by the surface's cosine. Samples by the layer's own, which is next to nothing
+/// towards its horizon, would have weights without bound there; so this share of them goes by the surface's.
+constexpr float untilted_share = 0.5f;
+
+bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which) {
+    return transport == Transport::power && layer.to_layer && which != Lobes::specular &&
+           traits_of(layer.model).diffuse;
+}
+
+/// Of the samples of one layer.
+float layer_pdf_w(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo, const Vec3& wo_layer,
+                  const Vec3& wi, const Vec3& wi_layer) {
+    const float tilted =
+        std::visit([&](const auto& m) { return m.pdf_w_local(wo_layer, wi_layer, which); }, layer.model);
+    if (!samples_untilted(layer, transport, which)) return tilted;
+    return untilted_share * cosine_hemisphere_pdf(std::copysign(1.f, wo.z()) * wi.z()) +
+           (1.f - untilted_share) * tilted;
+}
+
+/// A direction in the shading frame of the hit; of a delta lobe also f and density, those of the layer alone.
+std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo,
+                                       float u_lobe, const Vec2& u) {
+    const bool untilted = samples_untilted(layer, transport, which);
+    if (untilted && u_lobe < untilted_share) {
+        const Vec3 w = square_to_cosine_hemisphere(u);
+        return BsdfSample{
+            {w.x(), w.y(), std::copysign(w.z(), wo.z())}, Color::Zero(), 0.f, false, LobeKind::diffuse, 1.f};
+    }
+    if (untilted) u_lobe = std::min((u_lobe - untilted_share) / (1.f - untilted_share), 1.f - unit_roundoff);
+    auto sample = std::visit(
+        [&](const auto& m) { return m.sample_local(to_layer(layer, wo), u_lobe, u, transport, which); }, layer.model);
+    if (!sample) return sample;
+    if (untilted) sample->pdf_w *= 1.f - untilted_share;
+    sample->wi = from_layer(layer, sample->wi);
+    return sample;
+}
+
+/// What the maps of a layer leave of light between these directions: nothing, where the eye sees another normal.
+float perturbed_share(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wi) {
+    if (layer.perturbations.empty()) return 1.f;
+    const bool radiance = transport == Transport::radiance;
+    return layer.exists_for(radiance ? wo : wi) ? layer.shadowing(radiance ? wi : wo) : 0.f;
+}
+
+}  // namespace
+
+Perturbation::Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows)
+    : base_(base), tilted_(tilted), eye_(eye) {
+    const float cosine = base.dot(tilted), sine2 = base.cross(tilted).squaredNorm();
+    alpha2_ = !shadows ? 0.f : sine2 < 8.f * sqr(cosine) ? 0.125f * sine2 / sqr(cosine) : 1.f;
+}
+
+float Perturbation::share() const {
+    if (eye_ == Eye::any) return 1.f;
+    const float behind = std::acos(std::clamp(base_.dot(tilted_), -1.f, 1.f)) * inv_pi;
+    return eye_ == Eye::in_front ? 1.f - behind : behind;
+}
+
+float Perturbation::shadowing(const Vec3& light) const {
+    if (alpha2_ == 0.f) return 1.f;
+    const float cosine = light.dot(base_), sine2 = base_.cross(light).squaredNorm();
+    // 2 / (1 + sqrt(1 + alpha^2 tan^2)), which has no limit of its own at the horizon.
+    return 2.f * std::abs(cosine) / (std::abs(cosine) + std::sqrt(sqr(cosine) + alpha2_ * sine2));
+}
+
+bool Bsdf::Layer::exists_for(const Vec3& eye) const {
+    return std::all_of(perturbations.begin(), perturbations.end(), [&](const auto& p) { return p.exists_for(eye); });
+}
+
+float Bsdf::Layer::shadowing(const Vec3& light) const {
+    float product = 1.f;
+    for (const Perturbation& p : perturbations)
+        product *= p.shadowing(light);
+    return product;
+}
+
+float Bsdf::Layer::share() const {
+    float product = 1.f;
+    for (const Perturbation& p : perturbations)
+        product *= p.share();
+    return product;
+}
+
+Bsdf::Bsdf(Scattering one_sided) : layers_{{one_sided}} { prepare(); }
+
+Bsdf::Bsdf(Scattering front, Scattering back) : layers_{{front}, {back, 1.f, true}} { prepare(); }
+
+Bsdf::Bsdf(std::vector<Layer> layers, float pass_through) : layers_(std::move(layers)), pass_through_(pass_through) {
+    if (pass_through_ >= 1.f) layers_.clear();
+    std::erase_if(layers_, [](const Layer& layer) { return !(layer.weight > 0.f); });
+    for (Layer& layer : layers_)
+        layer.weight /= 1.f - pass_through_;
+    prepare();
+}
+
+void Bsdf::prepare() {
+    traits_of_side_ = {traits_of_side(false), traits_of_side(true)};
+    traits_ = traits_of_side_[0];
+    traits_ |= traits_of_side_[1];
+    mixes_kinds_ = traits_.diffuse && traits_.glossy;
+    const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f; };
+    if (layers_.size() == 1 && plain(layers_[0])) only_ = {0, 0};
+    const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
+                              layers_[1].flipped && !traits_.transmission;
+    if (back_to_back) only_ = {0, 1};
+    for (std::size_t side = 0; side < 2; ++side) {
+        if (only_[side] < 0) continue;
+        const Layer& layer = layers_[static_cast<std::size_t>(only_[side])];
+        if (const auto* diffuse = std::get_if<Diffuse>(&layer.model))
+            diffuse_sides_[side] = {*diffuse, true, layer.flipped ? -1.f : 1.f};
+    }
+}
+
+bool Bsdf::two_sided() const {
+    return std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) { return l.flipped; });
+}
+
+LobeTraits Bsdf::traits_of_side(bool below) const {
+    LobeTraits traits;
+    for (const Layer& layer : layers_) {
+        const LobeTraits t = traits_of(layer.model);
+        if (t.transmission || layer.flipped == below) traits |= t;
+    }
+    return traits;
+}
+
+bool Bsdf::is_tilted() const {
+    return std::any_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.to_layer.has_value(); });
+}
+
+std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
+    const LobeTraits& lobes = traits_at(wo.z());
+    if (!lobes.delta || !lobes.transmission || lobes.diffuse || lobes.glossy) return std::nullopt;
+    // The lobes at both ends of the numbers that choose one: if their probabilities add up to 1, there is none between
+    // them.
+    const auto first = sample_local(wo, Vec2(0.f, 0.f), Vec2::Zero(), transport, Lobes::specular);
+    const auto last = sample_local(wo, Vec2(1.f - unit_roundoff, 0.f), Vec2::Zero(), transport, Lobes::specular);
+    if (!first || !last || !(std::abs(first->pdf_w + last->pdf_w - 1.f) <= 4.f * unit_roundoff)) return std::nullopt;
+    return std::array{*first, *last};
+}
+
+LobeValues Bsdf::layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
+    if (const Layer* only = only_layer(wo.z())) {
+        const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);
+        return std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, only->model);
+    }
+    return mixture_f_local(wo, wi, transport);
+}
+
+LobeValues Bsdf::mixture_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
+    LobeValues sum;
+    if (wo.z() == 0.f || wi.z() == 0.f) return sum;
+    for (const Layer& layer : layers_) {
+        const Vec3 o = to_layer(layer, wo), i = to_layer(layer, wi);
+        if (!same_side(layer, wo, o) || !same_side(layer, wi, i)) continue;
+        const float share = layer.weight * perturbed_share(layer, transport, wo, wi);
+        if (share == 0.f) continue;
+        const LobeValues f = std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, layer.model);
+        const float weight = share * tilted_cosine_ratio(layer, transport, wo, o, wi, i);
+        sum.diffuse += weight * f.diffuse;
+        sum.specular += weight * f.specular;
+    }
+    return sum;
+}
+
+float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Transport transport) const {
+    if (const Layer* only = only_layer(wo.z())) {
+        const Vec3 o = to_layer(*only, wo), i = to_layer(*only, wi);
+        return std::visit([&](const auto& m) { return m.pdf_w_local(o, i, which); }, only->model);
+    }
+    float sum = 0.f, total = 0.f;
+    for (const Layer& layer : layers_) {
+        const Vec3 o = to_layer(layer, wo), i = to_layer(layer, wi);
+        const float weight = choice_weight(layer, wo, which, transport);
+        total += weight;
+        if (weight > 0.f && joins(layer, transport, wi, i))
+            sum += weight * layer_pdf_w(layer, transport, which, wo, o, wi, i);
+    }
+    return total > 0.f ? sum / total : 0.f;
+}
+
+std::optional<BsdfSample> Bsdf::sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
+                                                     Transport transport, Lobes which) const {
+    const Layer* only = only_layer(wo.z());
+    if (!only) return sample_mixture_local(wo, u_lobe, u, transport, which);
+    auto sample =
+        std::visit([&](const auto& m) { return m.sample_local(to_layer(*only, wo), u_lobe.x(), u, transport, which); },
+                   only->model);
+    if (!sample) return sample;
+    if (only->flipped) sample->wi.z() = -sample->wi.z();
+    if (mixes_kinds_ && which == Lobes::all && !sample->delta) choose_kind(wo, u_lobe.y(), transport, *sample);
+    return sample;
+}
+
+std::optional<BsdfSample> Bsdf::sample_mixture_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
+                                                     Transport transport, Lobes which) const {
+    std::array<float, max_layers> weights;
+    float total = 0.f;
+    for (std::size_t l = 0; l < layers_.size(); ++l) {
+        weights[l] = choice_weight(layers_[l], wo, which, transport);
+        total += weights[l];
+    }
+    if (!(total > 0.f)) return std::nullopt;
+    // The layer in whose share of [0, total) the number falls; what is left of the number chooses inside the layer.
+    float rest = u_lobe.x() * total;
+    std::size_t chosen = 0;
+    for (std::size_t l = 0; l < layers_.size(); ++l) {
+        if (weights[l] == 0.f) continue;
+        chosen = l;
+        if (rest < weights[l]) break;
+        rest -= weights[l];
+    }
+    const Layer& layer = layers_[chosen];
+    const float u_layer = std::clamp(rest / weights[chosen], 0.f, 1.f - unit_roundoff);
+    auto sample = sample_layer(layer, transport, which, wo, u_layer, u);
+    if (!sample) return sample;
+    const Vec3 wi = sample->wi, o = to_layer(layer, wo), i = to_layer(layer, wi);
+    if (wi.z() == 0.f || !joins(layer, transport, wi, i)) return std::nullopt;
+    if (sample->delta) {
+        sample->f *= layer.weight * perturbed_share(layer, transport, wo, wi) *
+                     tilted_cosine_ratio(layer, transport, wo, o, wi, i);
+        sample->pdf_w *= weights[chosen] / total;
+        return sample;
+    }
+    sample->pdf_w = pdf_w_local(wo, wi, which, transport);
+    if (!(sample->pdf_w > 0.f)) return std::nullopt;
+    if (mixes_kinds_ && which == Lobes::all) choose_kind(wo, u_lobe.y(), transport, *sample);
+    else sample->f = f_local(wo, wi, transport).of(which);
+    return sample;
+}
+
+void Bsdf::choose_kind(const Vec3& wo, float u, Transport transport, BsdfSample& sample) const {
+    const LobeValues f = f_local(wo, sample.wi, transport);
+    const float sum = f.sum().mean();
+    const float diffuse = sum > 0.f ? f.diffuse.mean() / sum : 1.f;
+    const bool is_diffuse = u < diffuse;
+    sample.lobe = is_diffuse ? LobeKind::diffuse : LobeKind::specular;
+    sample.f = is_diffuse ? Color(f.diffuse / diffuse) : Color(f.specular / (1.f - diffuse));
+}
+
+ScatteringCoefficients Bsdf::coefficients_local(const Vec3& wo) const {
+    ScatteringCoefficients sum;
+    for (const Layer& layer : layers_) {
+        const Vec3 o = to_layer(layer, wo);
+        if (!same_side(layer, wo, o) || !layer.exists_for(wo)) continue;
+        const auto c = std::visit([&](const auto& m) { return m.coefficients_local(o); }, layer.model);
+        sum.diffuse += layer.weight * c.diffuse;
+        sum.specular += layer.weight * c.specular;
+    }
+    return sum;
+}
+
+}  // namespace gib

@@ -1,0 +1,107 @@
+#pragma once
+// What a surface is made of as a scene describes it: scattering models with textured parameters, nested in blends,
+// masks, bump maps and sides. At a point of a surface it becomes a Bsdf.
+
+#include "common/images/texture.h"
+#include "common/materials/bsdf.h"
+
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace gib {
+
+class Material;
+using NestedMaterial = std::shared_ptr<const Material>;
+
+/// A parameter of a scattering model that a texture gives.
+struct TexturedParameter {
+    Texture texture;
+    void (*set_color)(Scattering& model, const Color& color) = nullptr;  ///< one of the two
+    void (*set_value)(Scattering& model, float value) = nullptr;
+};
+struct TexturedScattering {
+    Scattering model;
+    std::vector<TexturedParameter> parameters;
+};
+/// Lets everything through (Mitsuba's `null`).
+struct Nothing {};
+/// (1 - weight) first + weight second.
+struct Blend {
+    Texture weight;
+    NestedMaterial first, second;
+};
+/// There with probability `opacity`.
+struct Mask {
+    Texture opacity;
+    NestedMaterial nested;
+};
+struct TwoSided {
+    NestedMaterial front, back;
+};
+/// What is done about normals that the geometry contradicts: see Perturbation.
+struct PerturbationOptions {
+    bool flip_invalid_normals = true, use_shadowing_function = true;
+};
+/// The normal of the surface displaced by scale * height along its shading normal, in scene units; the change of the
+/// shading normal over the surface is neglected. Source: Blinn 1978, "Simulation of Wrinkled Surfaces".
+struct BumpMap {
+    Texture height;
+    float scale;
+    NestedMaterial nested;
+    PerturbationOptions options{};
+};
+/// The normal 2 c - 1 of a colour c, in the shading frame whose first axis follows u.
+struct NormalMap {
+    Texture normal;
+    NestedMaterial nested;
+    PerturbationOptions options{};
+};
+
+/// What a material needs to know of the place where light meets it.
+struct MaterialPoint {
+    Vec2 uv;
+    Vec3 ng;
+    Vec3 dp_du, dp_dv;  ///< [scene units per unit of uv]
+    Frame shading;      ///< its first axis along dp_du
+};
+
+class Material {
+public:
+    using Node = std::variant<TexturedScattering, Nothing, Blend, Mask, TwoSided, BumpMap, NormalMap>;
+
+    /// Throws std::invalid_argument if there are more than Bsdf::max_layers models.
+    explicit Material(Node node);
+    explicit Material(Scattering model) : Material(Node(TexturedScattering{std::move(model), {}})) {}
+
+    const Node& node() const { return node_; }
+    /// The same Bsdf everywhere; null if it varies.
+    const Bsdf* constant() const { return constant_.get(); }
+    Bsdf at(const MaterialPoint& point) const { return at(point, std::nullopt); }
+    /// Both for light of one stratum of wavelengths, of a material that splits light.
+    const Bsdf* constant(int stratum) const {
+        return constant_strata_ ? &(*constant_strata_)[static_cast<std::size_t>(stratum)] : nullptr;
+    }
+    Bsdf at(const MaterialPoint& point, std::optional<int> stratum) const;
+
+    /// Of all models, whatever their textures say.
+    const LobeTraits& traits() const { return traits_; }
+    bool has_holes() const { return has_holes_; }      ///< some light may pass straight through
+    bool is_textured() const { return is_textured_; }  ///< a parameter varies
+    bool is_bumped() const { return is_bumped_; }      ///< its normals are not the shape's
+    bool two_sided() const { return two_sided_; }
+    bool is_dispersive() const { return is_dispersive_; }  ///< its index depends on the wavelength
+    /// Its shading frame must follow u: normals or anisotropic models depend on it.
+    bool follows_uv() const { return is_bumped_ || traits_.anisotropic; }
+
+private:
+    Node node_;
+    LobeTraits traits_;
+    bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false, is_dispersive_ = false;
+    std::size_t models_ = 0;  ///< layers that all nested materials can become at a point
+    std::shared_ptr<const Bsdf> constant_;
+    std::shared_ptr<const std::vector<Bsdf>> constant_strata_;
+};
+
+}  // namespace gib

@@ -1,0 +1,88 @@
+#pragma once
+// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they
+// have samples, but neither f nor density.
+
+#include "common/color/conductor_index.h"
+#include "common/core/fault.h"
+#include "common/materials/fresnel.h"
+#include "common/materials/scattering.h"
+#include "common/sampling/warp.h"
+
+namespace gib {
+
+/// Ideal diffuse reflection: f = reflectance / pi above the surface, one-sided.
+struct Diffuse {
+    Color reflectance;
+
+    LobeTraits traits() const { return {.diffuse = !is_black(reflectance)}; }
+    LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport) const {
+        LobeValues f;
+        if (wo.z() > 0.f && wi.z() > 0.f) f.diffuse = value(wi.z());
+        return f;
+    }
+    float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
+        return wo.z() > 0.f && which != Lobes::specular ? cosine_hemisphere_pdf(wi.z()) : 0.f;
+    }
+    std::optional<BsdfSample> sample_local(const Vec3& wo, float, const Vec2& u, Transport, Lobes which) const {
+        if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
+        const Vec3 wi = square_to_cosine_hemisphere(u);
+        return BsdfSample{wi, value(wi.z()), cosine_hemisphere_pdf(wi.z()), false, LobeKind::diffuse, 1.f};
+    }
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const {
+        ScatteringCoefficients c;
+        if (wo.z() > 0.f) c.diffuse = reflectance;
+        return c;
+    }
+
+private:
+    Color value(float cos_i) const {
+        const float cosine = injected(Fault::diffuse_cosine) ? 1.5f * cos_i : 1.f;
+        return reflectance * (inv_pi * cosine * with_loss(Fault::diffuse_energy));
+    }
+};
+
+/// A smooth interface between two dielectrics; `eta` = interior index / exterior index.
+struct Dielectric {
+    float eta = 1.f;
+    float cauchy_b = 0.f;  ///< [um^2], over the exterior index: how eta depends on the wavelength; see dispersion.h
+    Color specular_reflectance = Color::Ones();
+    Color specular_transmittance = Color::Ones();
+
+    LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
+    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+};
+
+/// A thin sheet of a dielectric: what is transmitted goes straight on, and light reflected between its two faces is
+/// summed up, R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R) without absorption. `eta` = index of the sheet / index
+/// around it.
+struct ThinDielectric {
+    float eta = 1.f;
+    Color specular_reflectance = Color::Ones();
+    Color specular_transmittance = Color::Ones();
+
+    LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
+    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+    /// Of the whole sheet.
+    float reflectance(float cos_theta) const;
+};
+
+/// A smooth conductor, one-sided. Without an index ("none") a perfect mirror.
+struct Conductor {
+    std::optional<ConductorIndex> index;
+    Color specular_reflectance = Color::Ones();
+
+    LobeTraits traits() const;
+    LobeValues f_local(const Vec3&, const Vec3&, Transport) const { return {}; }
+    float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
+    std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+    Color reflectance(float cos_theta) const;
+};
+
+}  // namespace gib

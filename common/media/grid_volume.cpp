@@ -1,0 +1,156 @@
+#include "common/media/grid_volume.h"
+
+#include "common/core/error.h"
+#include "common/core/files.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace gib {
+
+namespace {
+
+int wrapped(int i, int size, VolumeWrap wrap) {
+    switch (wrap) {
+        case VolumeWrap::clamp:
+            return std::clamp(i, 0, size - 1);
+        case VolumeWrap::repeat:
+            return ((i % size) + size) % size;
+        case VolumeWrap::mirror: {
+            const int j = ((i % (2 * size)) + 2 * size) % (2 * size);
+            return j < size ? j : 2 * size - 1 - j;
+        }
+    }
+    return 0;
+}
+
+/// Reads a file's values one after another.
+class BinaryCursor {
+public:
+    BinaryCursor(const std::string& bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+
+    template <typename T>
+    T next(const char* what) {
+        if (bytes_.size() - at_ < sizeof(T)) fail(fmt::format("the file ends in {}", what));
+        T value;
+        std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+        at_ += sizeof(T);
+        return value;
+    }
+    std::size_t rest() const { return bytes_.size() - at_; }
+    [[noreturn]] void fail(const std::string& message) const { throw InputError({path_}, message); }
+
+private:
+    const std::string& bytes_;
+    const std::string& path_;
+    std::size_t at_ = 0;
+};
+
+}  // namespace
+
+GridVolume::GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, VolumeWrap wrap)
+    : data_(std::move(data)),
+      linear_(to_grid.linear().cast<float>()),
+      offset_(to_grid.translation().cast<float>()),
+      filter_(filter),
+      wrap_(wrap) {
+    lowest_ = highest_ = voxel(0, 0, 0);
+    for (int k = 0; k < data_.size[2]; ++k)
+        for (int j = 0; j < data_.size[1]; ++j)
+            for (int i = 0; i < data_.size[0]; ++i) {
+                lowest_ = lowest_.min(voxel(i, j, k));
+                highest_ = highest_.max(voxel(i, j, k));
+            }
+}
+
+Color GridVolume::voxel(int i, int j, int k) const {
+    const auto at = [](int index, int size) {
+        return static_cast<std::size_t>(index) * static_cast<std::size_t>(size);
+    };
+    const std::size_t row = static_cast<std::size_t>(j) + at(k, data_.size[1]);
+    const std::size_t index = static_cast<std::size_t>(i) + row * static_cast<std::size_t>(data_.size[0]);
+    const float* v = &data_.values[index * static_cast<std::size_t>(data_.channels)];
+    return data_.channels == 3 ? Color(v[0], v[1], v[2]) : Color::Constant(v[0]);
+}
+
+bool GridVolume::clip(const Vec3& from, const Vec3& w, float& begin, float& end) const {
+    if (constant()) return begin < end;
+    const Vec3 o = linear_ * from + offset_, d = linear_ * w;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (d[axis] == 0.f) {
+            if (!(o[axis] >= 0.f && o[axis] <= 1.f)) return false;
+            continue;
+        }
+        const float a = -o[axis] / d[axis], b = (1.f - o[axis]) / d[axis];
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    return begin < end;
+}
+
+Color GridVolume::interpolated(const Vec3& p) const {
+    const Vec3 in_cube = linear_ * p + offset_;
+    std::array<int, 3> low, high;
+    Vec3 weight;  // of `high`
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const int size = data_.size[a];
+        // Beyond some periods a float has no fraction left; the bound keeps the conversion to int defined.
+        const float x = std::clamp(in_cube[axis] * static_cast<float>(size), -1e9f, 1e9f);
+        const float shifted = filter_ == VolumeFilter::nearest ? x : x - 0.5f;
+        const float floor = std::floor(shifted);
+        const int i = static_cast<int>(floor);
+        low[a] = wrapped(i, size, wrap_);
+        high[a] = wrapped(i + 1, size, wrap_);
+        weight[axis] = filter_ == VolumeFilter::nearest ? 0.f : shifted - floor;
+    }
+    if (filter_ == VolumeFilter::nearest) return voxel(low[0], low[1], low[2]);
+    const auto along_x = [&](int j, int k) {
+        const Color a = voxel(low[0], j, k);
+        return Color(a + weight.x() * (voxel(high[0], j, k) - a));
+    };
+    const auto along_y = [&](int k) {
+        const Color a = along_x(low[1], k);
+        return Color(a + weight.y() * (along_x(high[1], k) - a));
+    };
+    const Color a = along_y(low[2]);
+    return a + weight.z() * (along_y(high[2]) - a);
+}
+
+GridVolume::Data load_volume(const std::string& path) {
+    const std::string bytes = read_file(path);
+    BinaryCursor cursor(bytes, path);
+    const auto magic = cursor.next<std::array<char, 3>>("its first bytes");
+    if (std::string_view(magic.data(), magic.size()) != "VOL") cursor.fail("no volume: it does not start with VOL");
+    if (const int version = cursor.next<std::uint8_t>("its version"); version != 3)
+        cursor.fail(fmt::format("version {} is not supported; 3 is", version));
+    if (const auto encoding = cursor.next<std::int32_t>("its encoding"); encoding != 1)
+        cursor.fail(fmt::format("encoding {} is not supported; 1, float32, is", encoding));
+    GridVolume::Data data;
+    std::size_t values = 1;
+    for (int& size : data.size) {
+        size = cursor.next<std::int32_t>("its size");
+        if (size < 1 || size > 4096) cursor.fail(fmt::format("a side of {} voxels; 1 to 4096 are supported", size));
+        values *= static_cast<std::size_t>(size);
+    }
+    data.channels = cursor.next<std::int32_t>("its number of channels");
+    if (data.channels != 1 && data.channels != 3)
+        cursor.fail(fmt::format("{} channels; 1 or 3 are supported", data.channels));
+    values *= static_cast<std::size_t>(data.channels);
+    for (int corner = 0; corner < 2; ++corner)
+        for (int axis = 0; axis < 3; ++axis)
+            (corner == 0 ? data.box.min() : data.box.max())[axis] = static_cast<double>(cursor.next<float>("its box"));
+    if (cursor.rest() != values * sizeof(float))
+        cursor.fail(
+            fmt::format("{} bytes of values where its size asks for {}", cursor.rest(), values * sizeof(float)));
+    data.values.resize(values);
+    std::memcpy(data.values.data(), bytes.data() + (bytes.size() - cursor.rest()), cursor.rest());
+    if (!std::all_of(data.values.begin(), data.values.end(), [](float v) { return std::isfinite(v); }))
+        cursor.fail("a value is not finite");
+    return data;
+}
+
+}  // namespace gib

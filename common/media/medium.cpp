@@ -1,0 +1,114 @@
+#include "common/media/medium.h"
+
+#include "common/core/fault.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// exp(-sigma t) by channel, for an infinite t too.
+Color attenuation(const Color& sigma, float t) { return (sigma > 0.f).select((-sigma * t).exp(), Color::Ones()); }
+
+/// The distance to the next of events that come at this rate. Of two numbers, for 48 bits: from one of 24 bits the
+/// chance of an event within an optical depth of 1e-6 would be a multiple of 2^-24 = 6e-8.
+float free_flight(float rate, NumberStream& numbers) {
+    if (!(rate > 0.f)) return infinity;
+    const double high = numbers.next(), low = numbers.next();
+    return static_cast<float>(-std::log1p(-(high + 0x1p-24 * low))) / rate;
+}
+
+}  // namespace
+
+Medium::Medium(GridVolume extinction, float scale, GridVolume albedo, const PhaseFunction& phase)
+    : extinction_(std::move(extinction)),
+      albedo_(std::move(albedo)),
+      scale_(scale),
+      phase_(phase),
+      majorant_(scale_ * extinction_.highest().maxCoeff()),
+      scatters_(majorant_ > 0.f && albedo_.highest().maxCoeff() > 0.f) {}
+
+std::optional<float> Medium::sample_flight(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                           Color& throughput) const {
+    if (!scatters_) {
+        throughput *= transmittance(from, w, length, u);
+        return std::nullopt;
+    }
+    if (extinction_.constant()) return sample_constant(from, w, length, u, throughput);
+    float begin = 0.f, end = length;
+    if (!extinction_.clip(from, w, begin, end)) return std::nullopt;
+    return track_collisions(from, w, begin, end, u, throughput);
+}
+
+std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                             Color& throughput) const {
+    const Color sigma = extinction_at(from);
+    const float total = throughput.sum();
+    if (!(total > 0.f)) return std::nullopt;
+    const Color q = throughput / total;
+    const float choice = u.next();
+    int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
+    while (q[channel] == 0.f)  // a sum of shares that is rounded down
+        --channel;
+    const float t = free_flight(sigma[channel], u);
+    const auto mean = [&](const Color& density) {
+        return injected(Fault::flight_channel) ? density[channel] : (q * density).sum();
+    };
+    if (t < length) {
+        const Color transmitted = attenuation(sigma, t);
+        const Color scattered = with_loss(Fault::medium_energy) * albedo_.at(from + t * w) * sigma * transmitted;
+        throughput *= scattered / mean(sigma * transmitted);
+        return t;
+    }
+    const Color transmitted = attenuation(sigma, length);
+    throughput *= transmitted / mean(transmitted);
+    return std::nullopt;
+}
+
+std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
+                                              Color& throughput) const {
+    // From the grid's edge on: a flight is an ulp of the way to a dense grid far away.
+    const Vec3 edge = from + begin * w;
+    for (double way = 0;;) {  // single precision would come to a stop in a long way of short flights
+        way += free_flight(majorant_, u);
+        const auto t = static_cast<float>(way);
+        if (!(t < end - begin)) return std::nullopt;
+        const Vec3 p = edge + t * w;
+        const Color sigma = extinction_at(p);
+        const Color scattered = sigma * albedo_.at(p) / majorant_, passed = 1.f - sigma / majorant_;
+        const float real = (throughput * scattered).mean(), null = (throughput * passed).mean();
+        if (real + null == 0.f) {  // a throughput that is not finite goes on, to be counted by the film
+            throughput.setZero();  // all is absorbed here
+            return std::nullopt;
+        }
+        const float probability = real / (real + null);
+        if (u.next() < probability) {
+            throughput *= scattered / probability;
+            return begin + t;
+        }
+        if (!injected(Fault::null_collision)) throughput *= passed / (1.f - probability);
+    }
+}
+
+Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
+    if (extinction_.constant()) return attenuation(extinction_at(from), length);
+    Color transmitted = Color::Ones();
+    float begin = 0.f, end = length;
+    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return transmitted;
+    const Vec3 edge = from + begin * w;
+    // Little light is followed by roulette, which ends the way through a dense medium.
+    constexpr float little = 0.1f, survival = 0.5f;
+    for (double way = 0;;) {
+        way += free_flight(majorant_, u);
+        const auto t = static_cast<float>(way);
+        if (!(t < end - begin)) return transmitted;
+        transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
+        if (transmitted.maxCoeff() > little) continue;
+        if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
+        if (!injected(Fault::transmittance_roulette)) transmitted /= survival;
+    }
+}
+
+}  // namespace gib

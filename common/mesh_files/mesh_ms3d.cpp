@@ -1,0 +1,302 @@
+#include "common/mesh_files/mesh_ms3d.h"
+
+#include "common/core/text_cursor.h"
+#include "common/materials/phong.h"
+#include "common/sampling/sampler.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+namespace gib {
+
+namespace {
+
+constexpr std::int64_t largest_integer = 0x7fffffff;
+
+class Ms3dParser {
+public:
+    Ms3dParser(std::string_view text, const std::string& file) : cursor_(text, file), start_(cursor_.location()) {}
+
+    Ms3dModel parse() {
+        while (find_line())
+            parse_block();
+        if (!blocks_.contains("Meshes:"))
+            throw InputError(start_, "not a MilkShape 3D ASCII file: it has no 'Meshes:'");
+        if (model_.groups.empty()) throw InputError(start_, "the model is empty: it has no triangles");
+        check_references();
+        return std::move(model_);
+    }
+
+private:
+    /// An index that refers to a block further down the file.
+    struct Reference {
+        std::int64_t index = -1;
+        SourceLocation where;
+    };
+
+    void parse_block() {
+        const SourceLocation where = cursor_.location();
+        const std::string name(cursor_.word());
+        if (!blocks_.insert(name).second) throw InputError(where, fmt::format("'{}' is given twice", name));
+        if (name == "Frames:" || name == "Frame:") {
+            integer("a frame number", 0);
+            end_line();
+        } else if (name == "Meshes:") {
+            repeat([&] { parse_mesh(); });
+        } else if (name == "Materials:") {
+            repeat([&] { parse_material(); });
+        } else if (name == "Bones:") {
+            bones_ = repeat([&] { parse_bone(); });
+        } else if (name == "GroupComments:" || name == "MaterialComments:" || name == "BoneComments:") {
+            repeat([&] {
+                line();
+                integer("an index", 0);
+                end_line();
+                comment();
+            });
+        } else if (name == "ModelComment:") {
+            repeat([&] { comment(); });
+        } else {
+            throw InputError(where,
+                             fmt::format("unknown word '{}': expected Frames:, Frame:, Meshes:, Materials:, Bones:, "
+                                         "GroupComments:, MaterialComments:, BoneComments: or ModelComment:",
+                                         name));
+        }
+    }
+
+    void parse_mesh() {
+        Ms3dGroup group;
+        line();
+        group.name = quoted();
+        integer("flags", 0);
+        const Reference material = reference("a material");
+        end_line();
+        if (material.index >= 0) group.material = static_cast<std::uint32_t>(material.index);
+        remember(material, last_material_);
+
+        std::vector<Vec3d> positions;
+        std::vector<Vec2> uvs;
+        items([&] {
+            integer("flags", 0);
+            positions.push_back(vector("a vertex"));
+            const float u = number("a texture coordinate"), v = number("a texture coordinate");
+            uvs.emplace_back(u, v);
+            remember(reference("a bone"), last_bone_);
+        });
+        std::vector<Vec3> normals;
+        items([&] { normals.push_back(float_vector("a normal")); });
+
+        // A vertex of the mesh is a pair of a position and a normal.
+        struct PairHash {  // the library's own leaves a number as it is, and so puts numbers of a kind in one place
+            std::size_t operator()(std::uint64_t pair) const { return mix64(pair); }
+        };
+        std::unordered_map<std::uint64_t, std::uint32_t, PairHash> vertex_of_pair;
+        items([&] {
+            integer("flags", 0);
+            std::uint32_t position[3], normal[3];
+            for (auto& i : position)
+                i = index("vertex", positions.size());
+            for (auto& i : normal)
+                i = index("normal", normals.size());
+            integer("a smoothing group", 0);
+            auto& triangle = group.mesh.triangles.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint64_t pair = (std::uint64_t{position[k]} << 32) | normal[k];
+                const auto [it, is_new] =
+                    vertex_of_pair.emplace(pair, static_cast<std::uint32_t>(group.mesh.positions.size()));
+                triangle[k] = it->second;
+                if (!is_new) continue;
+                group.mesh.positions.push_back(positions[position[k]]);
+                group.mesh.uvs.push_back(uvs[position[k]]);
+                group.mesh.normals.push_back(normals[normal[k]]);
+            }
+        });
+        if (!group.mesh.triangles.empty()) model_.groups.push_back(std::move(group));
+    }
+
+    void parse_material() {
+        Ms3dMaterial material;
+        line();
+        material.name = quoted();
+        end_line();
+        color("the ambient colour");
+        material.diffuse = color("the diffuse colour");
+        material.specular = color("the specular colour");
+        material.emissive = color("the emissive colour");
+        material.shininess = line_number("the shininess", 0, Phong::highest_exponent);
+        material.transparency = line_number("the transparency", 0, 1);
+        line();
+        material.texture = quoted();
+        end_line();
+        line();
+        quoted();  // the alpha texture
+        end_line();
+        model_.materials.push_back(std::move(material));
+    }
+
+    void parse_bone() {
+        for (int i = 0; i < 2; ++i) {  // its name and its parent's
+            line();
+            quoted();
+            end_line();
+        }
+        line();
+        integer("flags", 0);
+        vector("a position");
+        vector("a rotation");
+        end_line();
+        for (int i = 0; i < 2; ++i)  // keys of positions and of rotations
+            items([&] {
+                number("a time");
+                vector("a key");
+            });
+    }
+
+    void check_references() const {
+        if (last_material_.index >= static_cast<std::int64_t>(model_.materials.size()))
+            throw InputError(last_material_.where, fmt::format("material {} is out of range: there are {}",
+                                                               last_material_.index, model_.materials.size()));
+        if (last_bone_.index >= bones_)
+            throw InputError(last_bone_.where,
+                             fmt::format("bone {} is out of range: there are {}", last_bone_.index, bones_));
+    }
+
+    /// To the next line that says something; false at the end of the file.
+    bool find_line() {
+        for (cursor_.skip_space(); cursor_.peek() == '/'; cursor_.skip_space())
+            cursor_.next_line();
+        return !cursor_.at_end();
+    }
+    void line() {
+        if (!find_line()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
+    }
+    void end_line() {
+        cursor_.skip_blanks();
+        if (!cursor_.at_line_end()) throw InputError(cursor_.location(), "too many words in the line");
+        cursor_.next_line();
+    }
+    /// A line of any text, which may be empty.
+    void comment() {
+        if (cursor_.at_end()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
+        cursor_.next_line();
+    }
+
+    /// A count that ends its line, and as many times what follows. Returns the count.
+    template <typename Body>
+    std::int64_t repeat(const Body& body) {
+        const std::int64_t count = integer("a count", 0);
+        end_line();
+        for (std::int64_t i = 0; i < count; ++i)
+            body();
+        return count;
+    }
+    /// A line with a count, and a line for each item.
+    template <typename Body>
+    void items(const Body& body) {
+        line();
+        repeat([&] {
+            line();
+            body();
+            end_line();
+        });
+    }
+
+    std::int64_t integer(const char* what, std::int64_t lowest) {
+        cursor_.skip_blanks();
+        cursor_.mark();
+        const std::int64_t value = cursor_.integer();
+        if (value < lowest || value > largest_integer)
+            throw InputError(cursor_.marked(), fmt::format("{} cannot be {}", what, value));
+        return value;
+    }
+    /// -1 is none.
+    Reference reference(const char* what) {
+        const std::int64_t value = integer(what, -1);
+        return {value, cursor_.marked()};
+    }
+    static void remember(const Reference& reference, Reference& largest) {
+        if (reference.index > largest.index) largest = reference;
+    }
+    std::uint32_t index(const char* what, std::size_t count) {
+        cursor_.skip_blanks();
+        cursor_.mark();
+        const std::int64_t value = cursor_.integer();
+        if (value < 0 || value >= static_cast<std::int64_t>(count))
+            throw InputError(cursor_.marked(),
+                             fmt::format("{} index {} is out of range: there are {}", what, value, count));
+        return static_cast<std::uint32_t>(value);
+    }
+    float number(const char* what) {
+        cursor_.skip_blanks();
+        cursor_.mark();
+        const double value = cursor_.number();
+        if (!std::isfinite(value)) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
+        if (!fits_float(value)) throw InputError(cursor_.marked(), fmt::format("{} is too large: {:g}", what, value));
+        return static_cast<float>(value);
+    }
+    Vec3d vector(const char* what) {
+        Vec3d v;
+        for (int i = 0; i < 3; ++i) {
+            cursor_.skip_blanks();
+            cursor_.mark();
+            v[i] = cursor_.number();
+            if (!std::isfinite(v[i])) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
+        }
+        return v;
+    }
+    Vec3 float_vector(const char* what) {
+        Vec3 v;
+        for (int i = 0; i < 3; ++i)
+            v[i] = number(what);
+        return v;
+    }
+    float ranged(const char* what, float lowest, float highest) {
+        const float value = number(what);
+        if (!(value >= lowest && value <= highest))
+            throw InputError(cursor_.marked(),
+                             fmt::format("{} must be between {} and {}, not {}", what, lowest, highest, value));
+        return value;
+    }
+    float line_number(const char* what, float lowest, float highest) {
+        line();
+        const float value = ranged(what, lowest, highest);
+        end_line();
+        return value;
+    }
+    /// A line of red, green, blue and an alpha that means nothing here.
+    Color color(const char* what) {
+        line();
+        Color c;
+        for (int i = 0; i < 3; ++i)
+            c[i] = ranged(what, 0, 1);
+        number(what);
+        end_line();
+        return c;
+    }
+    std::string quoted() {
+        cursor_.skip_blanks();
+        const SourceLocation where = cursor_.location();
+        if (cursor_.peek() != '"') throw InputError(where, "expected a name in quotes");
+        std::string text;
+        for (cursor_.advance(); !cursor_.at_line_end() && cursor_.peek() != '"'; cursor_.advance())
+            text += cursor_.peek();
+        if (cursor_.at_line_end()) throw InputError(where, "the quote is not closed");
+        cursor_.advance();
+        return text;
+    }
+
+    TextCursor cursor_;
+    SourceLocation start_;
+    std::set<std::string> blocks_;  ///< that were read
+    Reference last_material_, last_bone_;
+    std::int64_t bones_ = 0;
+    Ms3dModel model_;
+};
+
+}  // namespace
+
+Ms3dModel parse_ms3d(std::string_view text, const std::string& file) { return Ms3dParser(text, file).parse(); }
+
+}  // namespace gib

@@ -1,0 +1,36 @@
+#pragma once
+// MilkShape 3D ASCII files: meshes with their materials, as far as a still picture needs them.
+
+#include "common/mesh_files/mesh_data.h"
+
+#include <optional>
+
+namespace gib {
+
+/// As in the file: MilkShape shows them with OpenGL's fixed lighting. Colours are between 0 and 1.
+struct Ms3dMaterial {
+    std::string name;
+    Color diffuse, specular, emissive;
+    float shininess;      ///< exponent of the highlight, from 0 to Phong::highest_exponent
+    float transparency;   ///< from 0, invisible, to 1, opaque
+    std::string texture;  ///< the colour texture's file name as written; empty: none
+};
+
+struct Ms3dGroup {
+    std::string name;
+    MeshData mesh;                          ///< with normals and uv; v counts from the top of the image
+    std::optional<std::uint32_t> material;  ///< index into the model's materials
+};
+
+struct Ms3dModel {
+    std::vector<Ms3dGroup> groups;  ///< those that have triangles
+    std::vector<Ms3dMaterial> materials;
+};
+
+/// The blocks Frames, Frame, Meshes, Materials, Bones and the four of comments, each at most once; Meshes must be
+/// there. Source: the format specification in MilkShape's SDK. Lines that start with // and empty ones are passed over.
+/// Bones and their keys are read and dropped: the vertices stand in the rest pose. Throws InputError at the place in
+/// `file`.
+Ms3dModel parse_ms3d(std::string_view text, const std::string& file);
+
+}  // namespace gib

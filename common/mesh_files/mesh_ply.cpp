@@ -1,0 +1,383 @@
+#include "common/core/text_cursor.h"
+#include "common/mesh_files/mesh_data.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <optional>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t most_elements = 1000;  // each name is compared with all before it
+
+enum class Format { ascii, little_endian, big_endian };
+enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+constexpr std::size_t size_of(Type type) {
+    constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return sizes[static_cast<std::size_t>(type)];
+}
+
+bool is_float(Type type) { return type == Type::f32 || type == Type::f64; }
+
+/// What a property is good for; `other` ones are read and dropped.
+enum class Role { x, y, z, nx, ny, nz, u, v, corners, other };
+
+struct Property {
+    Type type;
+    std::optional<Type> count_type;  ///< of a list
+    Role role;
+};
+
+struct Element {
+    std::string name;
+    std::uint64_t count;
+    std::vector<Property> properties;
+
+    bool has(Role role) const {
+        return std::any_of(properties.begin(), properties.end(), [&](const auto& p) { return p.role == role; });
+    }
+    /// The fewest bytes that one of its items can take.
+    std::size_t smallest_item(Format format) const {
+        std::size_t size = 0;
+        for (const auto& p : properties)
+            size += format == Format::ascii ? 2 : size_of(p.count_type.value_or(p.type));
+        return size;
+    }
+};
+
+struct Header {
+    Format format;
+    std::vector<Element> elements;
+    SourceLocation end;  ///< of its last line
+};
+
+Role role_of(const std::string& element, std::string_view name, bool list) {
+    if (element == "face")
+        return list && (name == "vertex_index" || name == "vertex_indices") ? Role::corners : Role::other;
+    if (element != "vertex" || list) return Role::other;
+    constexpr std::pair<std::string_view, Role> roles[] = {
+        {"x", Role::x},   {"y", Role::y},   {"z", Role::z},         {"nx", Role::nx},
+        {"ny", Role::ny}, {"nz", Role::nz}, {"u", Role::u},         {"v", Role::v},
+        {"s", Role::u},   {"t", Role::v},   {"texture_u", Role::u}, {"texture_v", Role::v}};
+    for (const auto& [known, role] : roles)
+        if (name == known) return role;
+    return Role::other;
+}
+
+/// Reads the header line by line.
+class HeaderParser {
+public:
+    explicit HeaderParser(TextCursor& cursor) : cursor_(cursor) {}
+
+    Header parse() {
+        const SourceLocation start = cursor_.location();
+        if (cursor_.word() != "ply") throw InputError(start, "not a PLY file: it does not start with 'ply'");
+        end_line();
+        std::optional<Format> format;
+        for (;;) {
+            const SourceLocation where = cursor_.location();
+            if (cursor_.at_end()) throw InputError(where, "truncated PLY header: there is no 'end_header'");
+            const std::string_view keyword = cursor_.word();
+            if (keyword == "format") {
+                format = parse_format();
+            } else if (keyword == "element") {
+                parse_element();
+            } else if (keyword == "property") {
+                parse_property(where);
+            } else if (keyword == "end_header") {
+                if (!format) throw InputError(where, "the PLY header has no 'format'");
+                end_line();
+                return {*format, std::move(elements_), where};
+            } else if (keyword == "comment" || keyword == "obj_info") {
+                cursor_.next_line();
+                continue;
+            } else if (!keyword.empty()) {
+                throw InputError(where, fmt::format("unknown word '{}' in the PLY header", keyword));
+            }
+            end_line();
+        }
+    }
+
+private:
+    void end_line() {
+        cursor_.skip_blanks();
+        if (!cursor_.at_line_end()) throw InputError(cursor_.location(), "too many words in the PLY header");
+        cursor_.next_line();
+    }
+
+    Format parse_format() {
+        cursor_.skip_blanks();
+        const SourceLocation where = cursor_.location();
+        const std::string_view name = cursor_.word(), version = cursor_.word();
+        if (version != "1.0") throw InputError(where, fmt::format("unknown PLY version '{}'", version));
+        if (name == "ascii") return Format::ascii;
+        if (name == "binary_little_endian") return Format::little_endian;
+        if (name == "binary_big_endian") return Format::big_endian;
+        throw InputError(where, fmt::format("unknown PLY format '{}'", name));
+    }
+
+    void parse_element() {
+        const std::string name(cursor_.word());
+        cursor_.skip_blanks();
+        const SourceLocation where = cursor_.location();
+        const std::int64_t count = cursor_.integer();
+        if (count < 0) throw InputError(where, "a negative count in the PLY header");
+        if (elements_.size() == most_elements)
+            throw InputError(where, fmt::format("the PLY header has more than {} elements", most_elements));
+        // A second list of vertices could have other properties than the first.
+        if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; }))
+            throw InputError(where, fmt::format("the element '{}' is given twice", name));
+        elements_.push_back({name, static_cast<std::uint64_t>(count), {}});
+    }
+
+    void parse_property(const SourceLocation& where) {
+        if (elements_.empty()) throw InputError(where, "a 'property' before the first 'element'");
+        Element& element = elements_.back();
+        std::string_view word = cursor_.word();
+        std::optional<Type> count_type;
+        if (word == "list") {
+            count_type = type_named(cursor_.word());
+            if (is_float(*count_type)) throw InputError(where, "the length of a list must be an integer");
+            word = cursor_.word();
+        }
+        const Type type = type_named(word);
+        const Role role = role_of(element.name, cursor_.word(), count_type.has_value());
+        if (role == Role::corners && is_float(type)) throw InputError(where, "vertex indices must be integers");
+        if (role != Role::other && element.has(role)) throw InputError(where, "this property is given twice");
+        element.properties.push_back({type, count_type, role});
+    }
+
+    Type type_named(std::string_view name) const {
+        constexpr std::pair<std::string_view, Type> types[] = {
+            {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
+            {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
+            {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
+            {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
+        for (const auto& [known, type] : types)
+            if (name == known) return type;
+        throw InputError(cursor_.location(), fmt::format("unknown PLY type '{}'", name));
+    }
+
+    TextCursor& cursor_;
+    std::vector<Element> elements_;
+};
+
+/// Values of the body in ascii.
+class AsciiReader {
+public:
+    explicit AsciiReader(TextCursor& cursor) : cursor_(cursor) {}
+
+    double read(Type type) {
+        cursor_.skip_space();
+        if (cursor_.at_end()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
+        cursor_.mark();
+        return is_float(type) ? cursor_.number() : static_cast<double>(cursor_.integer());
+    }
+    /// Of the last value.
+    SourceLocation location() const { return cursor_.marked(); }
+    std::string place() const { return ""; }
+    void finish() {
+        cursor_.skip_space();
+        if (!cursor_.at_end()) throw InputError(cursor_.location(), "more data than the PLY header says");
+    }
+
+private:
+    TextCursor& cursor_;
+};
+
+/// Values of the body in binary.
+class BinaryReader {
+public:
+    BinaryReader(std::string_view content, std::size_t offset, const Header& header)
+        : content_(content),
+          at_(offset),
+          header_(header),
+          swap_((header.format == Format::big_endian) != (std::endian::native == std::endian::big)) {}
+
+    double read(Type type) {
+        const std::size_t size = size_of(type);
+        if (content_.size() - at_ < size)
+            throw InputError(header_.end,
+                             fmt::format("truncated: the file ends at byte {} before its data", content_.size()));
+        const char* bytes = content_.data() + at_;
+        at_ += size;
+        switch (type) {
+            case Type::i8:
+                return static_cast<std::int8_t>(*bytes);
+            case Type::u8:
+                return static_cast<std::uint8_t>(*bytes);
+            case Type::i16:
+                return static_cast<std::int16_t>(load16(bytes));
+            case Type::u16:
+                return load16(bytes);
+            case Type::i32:
+                return static_cast<std::int32_t>(load32(bytes));
+            case Type::u32:
+                return load32(bytes);
+            case Type::f32:
+                return static_cast<double>(std::bit_cast<float>(load32(bytes)));
+            case Type::f64:
+                return std::bit_cast<double>(load64(bytes));
+        }
+        return 0;
+    }
+    SourceLocation location() const { return header_.end; }
+    std::string place() const { return fmt::format(", before byte {}", at_); }
+    void finish() const {
+        if (at_ != content_.size())
+            throw InputError(header_.end, fmt::format("more data than the PLY header says, from byte {}", at_));
+    }
+
+private:
+    std::uint16_t load16(const char* bytes) const {
+        std::uint16_t value;
+        std::memcpy(&value, bytes, sizeof value);
+        return swap_ ? __builtin_bswap16(value) : value;
+    }
+    std::uint32_t load32(const char* bytes) const {
+        std::uint32_t value;
+        std::memcpy(&value, bytes, sizeof value);
+        return swap_ ? __builtin_bswap32(value) : value;
+    }
+    std::uint64_t load64(const char* bytes) const {
+        std::uint64_t value;
+        std::memcpy(&value, bytes, sizeof value);
+        return swap_ ? __builtin_bswap64(value) : value;
+    }
+
+    std::string_view content_;
+    std::size_t at_;
+    const Header& header_;
+    bool swap_;
+};
+
+template <typename Reader>
+class BodyParser {
+public:
+    BodyParser(const Header& header, Reader& reader) : header_(header), reader_(reader) {}
+
+    MeshData parse(std::size_t body_bytes) {
+        for (const auto& element : header_.elements) {
+            // A wrong count must not reserve memory that the file cannot fill.
+            const std::size_t smallest = std::max<std::size_t>(element.smallest_item(header_.format), 1);
+            const std::size_t most = std::min<std::uint64_t>(element.count, body_bytes / smallest + 1);
+            if (element.name == "vertex") {
+                read_vertices(element, most);
+            } else if (element.name == "face") {
+                read_faces(element, most);
+            } else if (!element.properties.empty()) {
+                for (std::uint64_t i = 0; i < element.count; ++i)
+                    for (const auto& property : element.properties)
+                        skip(property);
+            }
+        }
+        reader_.finish();
+        if (mesh_.triangles.empty()) throw InputError(header_.end, "the mesh is empty: it has no faces");
+        // Faces that stand before the vertices could not be checked while they were read.
+        if (largest_index_ >= mesh_.positions.size()) index_out_of_range(largest_index_);
+        return std::move(mesh_);
+    }
+
+private:
+    void skip(const Property& property) {
+        const std::uint64_t count = property.count_type ? read_count(*property.count_type) : 1;
+        for (std::uint64_t i = 0; i < count; ++i)
+            reader_.read(property.type);
+    }
+
+    std::uint64_t read_count(Type type) {
+        const double count = reader_.read(type);
+        if (count < 0) throw InputError(reader_.location(), "a list of negative length" + reader_.place());
+        return static_cast<std::uint64_t>(count);
+    }
+
+    void read_vertices(const Element& element, std::size_t expected) {
+        if (!element.has(Role::x) || !element.has(Role::y) || !element.has(Role::z))
+            throw InputError(header_.end, "the vertices of the PLY file have no x, y and z");
+        const bool normals = element.has(Role::nx) && element.has(Role::ny) && element.has(Role::nz);
+        const bool uvs = element.has(Role::u) && element.has(Role::v);
+        mesh_.positions.reserve(expected);
+        if (normals) mesh_.normals.reserve(expected);
+        if (uvs) mesh_.uvs.reserve(expected);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            double values[static_cast<std::size_t>(Role::corners)] = {};
+            for (const auto& property : element.properties) {
+                if (property.role == Role::other) {
+                    skip(property);
+                    continue;
+                }
+                const double value = reader_.read(property.type);
+                if (!std::isfinite(value))
+                    throw InputError(reader_.location(), fmt::format("vertex {} is not finite{}", i, reader_.place()));
+                // Positions stay in double.
+                if (property.role > Role::z && !fits_float(value))
+                    throw InputError(reader_.location(), fmt::format("vertex {}: a normal or texture coordinate is too "
+                                                                     "large: {:g}{}",
+                                                                     i, value, reader_.place()));
+                values[static_cast<std::size_t>(property.role)] = value;
+            }
+            mesh_.positions.emplace_back(values[0], values[1], values[2]);
+            if (normals) mesh_.normals.push_back(Vec3d(values[3], values[4], values[5]).cast<float>());
+            if (uvs) mesh_.uvs.push_back(Vec2d(values[6], values[7]).cast<float>());
+        }
+    }
+
+    void read_faces(const Element& element, std::size_t expected) {
+        if (!element.has(Role::corners))
+            throw InputError(header_.end, "the faces of the PLY file have no vertex_index or vertex_indices");
+        mesh_.triangles.reserve(expected);
+        for (std::uint64_t i = 0; i < element.count; ++i)
+            for (const auto& property : element.properties) {
+                if (property.role == Role::corners) read_face(property, i);
+                else skip(property);
+            }
+    }
+
+    void read_face(const Property& property, std::uint64_t face) {
+        const std::uint64_t count = read_count(*property.count_type);
+        if (count < 3)
+            throw InputError(reader_.location(),
+                             fmt::format("face {} has only {} vertices{}", face, count, reader_.place()));
+        std::uint32_t first = 0, previous = 0;
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const double index = reader_.read(property.type);
+            if (index < 0 || index >= 4294967295.0) index_out_of_range(index);
+            const auto vertex = static_cast<std::uint32_t>(index);
+            if (!mesh_.positions.empty() && vertex >= mesh_.positions.size()) index_out_of_range(vertex);
+            largest_index_ = std::max(largest_index_, vertex);
+            if (i == 0) first = vertex;
+            if (i >= 2) mesh_.triangles.push_back({first, previous, vertex});
+            previous = vertex;
+        }
+    }
+
+    [[noreturn]] void index_out_of_range(double index) const {
+        throw InputError(reader_.location(), fmt::format("vertex index {:.0f} is out of range: there are {} vertices",
+                                                         index, mesh_.positions.size()));
+    }
+
+    const Header& header_;
+    Reader& reader_;
+    MeshData mesh_;
+    std::uint32_t largest_index_ = 0;
+};
+
+}  // namespace
+
+MeshData parse_ply(std::string_view content, const std::string& file) {
+    TextCursor cursor(content, file);
+    const Header header = HeaderParser(cursor).parse();
+    const std::size_t body = cursor.bytes_left();
+    if (header.format == Format::ascii) {
+        AsciiReader reader(cursor);
+        return BodyParser(header, reader).parse(body);
+    }
+    BinaryReader reader(content, cursor.offset(), header);
+    return BodyParser(header, reader).parse(body);
+}
+
+}  // namespace gib

@@ -1,0 +1,419 @@
+#include "common/reader/scene_bsdf.h"
+
+#include "common/color/conductor_index.h"
+#include "common/color/dielectric_index.h"
+#include "common/color/dispersion.h"
+#include "common/xml/scene_spectrum.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+/// Of the index inside over that outside. Further out the models lose their digits: a coat of index 1e4 lets a share of
+/// 1e-8 out again, less than the rounding of 1.
+constexpr float lowest_relative_index = 0.01f, highest_relative_index = 100.f;
+/// Of eta and k, whose fourth powers are needed.
+constexpr float highest_conductor_index = 1e6f;
+constexpr float highest_roughness = 1e4f;
+constexpr double highest_bump = 1e9;
+/// The material inside of an interface, and of plastic, where none is given.
+const std::string glass = "bk7", plastic = "polypropylene";
+
+double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
+    if (!properties.is_string(name) && properties.has(name)) return properties.positive(name, 1);
+    std::string wanted = properties.string(name).value_or(fallback);
+    std::transform(wanted.begin(), wanted.end(), wanted.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    if (const auto index = dielectric_index(wanted)) return *index;
+    throw InputError(properties.where(name), fmt::format("'{}': there is no material '{}'; known are: {}", name, wanted,
+                                                         fmt::join(dielectric_names(), ", ")));
+}
+
+/// Inside over outside.
+struct Indices {
+    double inside, outside;
+};
+
+Indices parse_indices(Properties& properties, const std::string& interior) {
+    return {parse_index(properties, "int_ior", interior), parse_index(properties, "ext_ior", "air")};
+}
+
+float parse_relative_index(Properties& properties, const std::string& interior) {
+    const auto [inside, outside] = parse_indices(properties, interior);
+    const double eta = inside / outside;
+    if (!(eta >= lowest_relative_index && eta <= highest_relative_index))
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         fmt::format("'int_ior' over 'ext_ior' must be between {} and {}, not {:g}",
+                                     lowest_relative_index, highest_relative_index, eta));
+    return static_cast<float>(eta);
+}
+
+/// The same for the rough models: Mitsuba refuses an interface without a change of index.
+float parse_changing_index(Properties& properties, const std::string& interior) {
+    const float eta = parse_relative_index(properties, interior);
+    if (eta == 1.f)
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         "'int_ior' and 'ext_ior' must differ");
+    return eta;
+}
+
+/// That of a rough coat, which must be denser than what is outside: RoughCoat's nodes are too far apart for the edge of
+/// the cone through which light enters a thinner one; beyond it, light would both be reflected wholly and get in.
+float parse_coat_index(Properties& properties, const std::string& interior) {
+    const float eta = parse_changing_index(properties, interior);
+    if (eta < 1.f)
+        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
+                         "'int_ior' must be above 'ext_ior': a rough coat is denser than what is outside");
+    return eta;
+}
+
+/// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as
+/// the index is. 0 where neither is given.
+float parse_dispersion(Properties& properties, const std::string& interior) {
+    const bool has_abbe = properties.has("abbe");
+    if (has_abbe && properties.has("cauchy_b"))
+        throw InputError(properties.where("abbe"), "give either 'cauchy_b' or 'abbe'");
+    const auto [inside, outside] = parse_indices(properties, interior);
+    const double given = properties.number("cauchy_b", 0);
+    if (!(given >= 0))
+        throw InputError(properties.where("cauchy_b"), fmt::format("'cauchy_b' must not be negative: {:g}", given));
+    const double abbe = properties.positive("abbe", 1);
+    if (has_abbe && !(inside > 1))
+        throw InputError(properties.where("abbe"), fmt::format("'abbe' needs an 'int_ior' above 1, not {:g}", inside));
+    const double b = (has_abbe ? cauchy_b_of_abbe(inside, abbe) : given) / outside;
+    for (const int stratum : {0, wavelength_strata - 1}) {
+        const double wavelength = stratum_wavelength(stratum), eta = cauchy_index(inside / outside, b, wavelength);
+        if (!(eta >= static_cast<double>(lowest_relative_index) && eta <= static_cast<double>(highest_relative_index)))
+            throw InputError(properties.where(has_abbe ? "abbe" : "cauchy_b"),
+                             fmt::format("an index ratio of {:g} at {:g} nm: it must be between {} and {}", eta,
+                                         wavelength, lowest_relative_index, highest_relative_index));
+    }
+    return static_cast<float>(b);
+}
+
+/// Reads the parameters of a model: those that are constant into the model, the others as textures beside it.
+template <typename Model>
+class ModelReader {
+public:
+    ModelReader(Properties& properties, TextureFiles& files) : properties_(properties), files_(files) {}
+
+    Model* operator->() { return &model_; }
+    Properties& properties() { return properties_; }
+
+    /// `Set` is a lambda without captures that puts a colour into the model.
+    template <typename Set>
+    void color(const std::string& name, float fallback, ColorRange range, Set set, float highest = infinity) {
+        const Texture texture = parse_textured(properties_, name, fallback, range, files_);
+        check_highest(name, texture, highest);
+        set(model_, texture.maximum());
+        if (texture.constant()) return;
+        parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
+    }
+    /// The same for a number.
+    template <typename Set>
+    void number(const std::string& name, float fallback, Set set, float highest) {
+        const Texture texture = parse_textured_number(properties_, name, fallback, ColorRange::non_negative, files_);
+        check_highest(name, texture, highest);
+        set(model_, texture.constant() ? texture.value(Vec2::Zero()) : texture.maximum().maxCoeff());
+        if (texture.constant()) return;
+        parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
+    }
+    void reflectance(float fallback = 1.f) {
+        color("specular_reflectance", fallback, ColorRange::unit,
+              [](Model& m, const Color& c) { m.specular_reflectance = c; });
+    }
+    void transmittance() {
+        color("specular_transmittance", 1.f, ColorRange::unit,
+              [](Model& m, const Color& c) { m.specular_transmittance = c; });
+    }
+    void diffuse_reflectance() {
+        color("diffuse_reflectance", 0.5f, ColorRange::unit,
+              [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
+    }
+    Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
+
+private:
+    void check_highest(const std::string& name, const Texture& texture, float highest) const {
+        const float value = texture.maximum().maxCoeff();
+        if (!(value <= highest))
+            throw InputError(properties_.where(name),
+                             fmt::format("'{}' must be at most {:g}, not {:g}{}", name, highest, value,
+                                         texture.constant() ? "" : " of its texture"));
+    }
+
+    Properties& properties_;
+    TextureFiles& files_;
+    Model model_;
+    std::vector<TexturedParameter> parameters_;
+};
+
+/// Without a material and an index a perfect mirror.
+template <typename Model>
+void read_conductor_index(ModelReader<Model>& model) {
+    Properties& properties = model.properties();
+    const std::string material = properties.string("material").value_or("none");
+    for (const char* name : {"eta", "k"})
+        properties.declare(name);
+    const bool has_index = properties.has("eta") || properties.has("k");
+    if (has_index) model->index = ConductorIndex{Color::Zero(), Color::Ones()};
+    const auto set_eta = [](Model& m, const Color& c) { m.index->eta = c; };
+    const auto set_k = [](Model& m, const Color& c) { m.index->k = c; };
+    if (has_index || material == "none") {
+        if (!has_index) return;
+        if (material != "none")
+            throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
+        model.color("eta", 0.f, ColorRange::non_negative, set_eta, highest_conductor_index);
+        model.color("k", 1.f, ColorRange::non_negative, set_k, highest_conductor_index);
+        return;
+    }
+    model->index = conductor_index(material);
+    if (!model->index)
+        throw InputError(properties.where("material"), fmt::format("there is no material '{}'; known are: none, {}",
+                                                                   material, fmt::join(conductor_names(), ", ")));
+}
+
+/// distribution, and sample_visible, which changes no image.
+MicrofacetType parse_distribution_type(Properties& properties) {
+    properties.boolean("sample_visible", true);
+    const std::string type = properties.choice("distribution", "beckmann", {"beckmann", "ggx"});
+    return type == "ggx" ? MicrofacetType::ggx : MicrofacetType::beckmann;
+}
+
+/// Whether alpha_u and alpha_v are given instead of alpha.
+bool has_two_roughnesses(Properties& properties) {
+    for (const char* name : {"alpha", "alpha_u", "alpha_v"})
+        properties.declare(name);
+    const bool has_u = properties.has("alpha_u"), has_v = properties.has("alpha_v");
+    if ((has_u || has_v) && (properties.has("alpha") || !has_u || !has_v))
+        throw InputError(properties.element_where(has_u ? "alpha_u" : "alpha_v"),
+                         "give either 'alpha' or both 'alpha_u' and 'alpha_v'");
+    return has_u;
+}
+
+template <typename Model>
+void read_distribution(ModelReader<Model>& model) {
+    Properties& properties = model.properties();
+    model->distribution.type = parse_distribution_type(properties);
+    const auto set_u = [](Model& m, float alpha) { m.distribution.alpha_u = alpha; };
+    const auto set_v = [](Model& m, float alpha) { m.distribution.alpha_v = alpha; };
+    const auto set_both = [](Model& m, float alpha) { m.distribution.alpha_u = m.distribution.alpha_v = alpha; };
+    if (!has_two_roughnesses(properties)) return model.number("alpha", 0.1f, set_both, highest_roughness);
+    model.number("alpha_u", 0.1f, set_u, highest_roughness);
+    model.number("alpha_v", 0.1f, set_v, highest_roughness);
+}
+
+/// Of a roughplastic, whose tables are made once and for one roughness: numbers, and as in Mitsuba the same in both
+/// directions.
+MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
+    const MicrofacetType type = parse_distribution_type(properties);
+    const auto roughness = [&](const std::string& name) {
+        const auto alpha = static_cast<float>(properties.number(name, 0.1));
+        if (!(alpha >= 0 && alpha <= highest_roughness))
+            throw InputError(properties.where(name),
+                             fmt::format("'{}' must be between 0 and {:g}, not {:g}", name, highest_roughness, alpha));
+        return alpha;
+    };
+    if (!has_two_roughnesses(properties)) {
+        const float alpha = roughness("alpha");
+        return {type, alpha, alpha};
+    }
+    const MicrofacetDistribution distribution{type, roughness("alpha_u"), roughness("alpha_v")};
+    if (distribution.alpha_u != distribution.alpha_v)
+        throw InputError(properties.where("alpha_v"), "the 'alpha_u' and 'alpha_v' of a roughplastic must be the same");
+    return distribution;
+}
+
+Material parse_diffuse(Properties& properties, TextureFiles& files) {
+    ModelReader<Diffuse> model(properties, files);
+    model.color("reflectance", 0.5f, ColorRange::unit, [](Diffuse& m, const Color& c) { m.reflectance = c; });
+    return std::move(model).material();
+}
+
+/// dielectric and thindielectric.
+template <typename Model>
+Material parse_dielectric(Properties& properties, TextureFiles& files) {
+    ModelReader<Model> model(properties, files);
+    model->eta = parse_relative_index(properties, glass);
+    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(properties, glass);
+    model.reflectance();
+    model.transmittance();
+    return std::move(model).material();
+}
+
+Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughDielectric> model(properties, files);
+    model->eta = parse_changing_index(properties, glass);
+    model->cauchy_b = parse_dispersion(properties, glass);
+    read_distribution(model);
+    model.reflectance();
+    model.transmittance();
+    return std::move(model).material();
+}
+
+Material parse_conductor(Properties& properties, TextureFiles& files) {
+    ModelReader<Conductor> model(properties, files);
+    read_conductor_index(model);
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_roughconductor(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughConductor> model(properties, files);
+    read_conductor_index(model);
+    read_distribution(model);
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_plastic(Properties& properties, TextureFiles& files) {
+    ModelReader<Plastic> model(properties, files);
+    model->eta = parse_relative_index(properties, plastic);
+    model->nonlinear = properties.boolean("nonlinear", false);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_roughplastic(Properties& properties, TextureFiles& files) {
+    ModelReader<RoughPlastic> model(properties, files);
+    model->eta = parse_coat_index(properties, plastic);
+    model->nonlinear = properties.boolean("nonlinear", false);
+    model->distribution = parse_uniform_distribution(properties);
+    model->prepare();
+    model.diffuse_reflectance();
+    model.reflectance();
+    return std::move(model).material();
+}
+
+Material parse_phong(Properties& properties, TextureFiles& files) {
+    ModelReader<Phong> model(properties, files);
+    model.number(
+        "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
+    model.diffuse_reflectance();
+    model.reflectance(0.2f);
+    // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
+    if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
+        throw InputError(properties.element().where,
+                         "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+    return std::move(model).material();
+}
+
+NestedMaterial parse_nested(const NestedObject& object, TextureFiles& files) {
+    return std::make_shared<const Material>(parse_bsdf(object, files));
+}
+
+/// The bsdfs inside one that takes `count`. Throws InputError for another number.
+std::vector<NestedObject> nested_bsdfs(Properties& properties, std::size_t lowest, std::size_t highest) {
+    auto nested = properties.objects("bsdf");
+    if (nested.size() >= lowest && nested.size() <= highest) return nested;
+    const char* names[] = {"no", "one", "two"};
+    throw InputError(
+        properties.element().where,
+        fmt::format("{} takes {} bsdf{}, found {}", properties.element().required("type").value,
+                    lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
+                    highest == 1 ? "" : "s", nested.size()));
+}
+
+Material parse_twosided(Properties& properties, TextureFiles& files) {
+    std::vector<NestedMaterial> sides;
+    for (const auto& side : nested_bsdfs(properties, 1, 2)) {
+        if (side.element->required("type").value == "twosided")
+            throw InputError(side.where, "a bsdf inside twosided cannot be twosided");
+        sides.push_back(parse_nested(side, files));
+        if (sides.back()->traits().transmission || sides.back()->has_holes())
+            throw InputError(side.where, "a bsdf inside twosided must not transmit light");
+    }
+    return Material(TwoSided{sides.front(), sides.back()});
+}
+
+Material parse_blend(Properties& properties, TextureFiles& files) {
+    const auto nested = nested_bsdfs(properties, 2, 2);
+    return Material(Blend{parse_textured_number(properties, "weight", 0.5f, ColorRange::unit, files),
+                          parse_nested(nested[0], files), parse_nested(nested[1], files)});
+}
+
+Material parse_mask(Properties& properties, TextureFiles& files) {
+    return Material(Mask{parse_textured_number(properties, "opacity", 0.5f, ColorRange::unit, files),
+                         parse_nested(nested_bsdfs(properties, 1, 1)[0], files)});
+}
+
+PerturbationOptions parse_perturbation(Properties& properties) {
+    return {properties.boolean("flip_invalid_normals", true), properties.boolean("use_shadowing_function", true)};
+}
+
+/// The height's texture may have any name.
+Material parse_bumpmap(Properties& properties, TextureFiles& files) {
+    const double scale = properties.number("scale", 1);
+    if (!(std::abs(scale) <= highest_bump))
+        throw InputError(properties.where("scale"), fmt::format("'scale' must be between {0:g} and {1:g}, not {2:g}",
+                                                                -highest_bump, highest_bump, scale));
+    const PerturbationOptions options = parse_perturbation(properties);
+    const auto height = properties.object("texture");
+    if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
+    const NestedMaterial nested = parse_nested(nested_bsdfs(properties, 1, 1)[0], files);
+    const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
+    if (!texture.has_gradient())
+        throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
+    return Material(BumpMap{texture, static_cast<float>(scale), nested, options});
+}
+
+Material parse_normalmap(Properties& properties, TextureFiles& files) {
+    if (!properties.has("normalmap"))
+        throw InputError(properties.element().where, "a normalmap needs a texture named 'normalmap'");
+    // An image may hold anything; a value is a colour.
+    const auto image = properties.named_object("normalmap", "texture");
+    const Texture normal = image ? parse_texture(*image, ColorRange::non_negative, files)
+                                 : Texture(color_property(properties, "normalmap", 1, ColorRange::unit));
+    const PerturbationOptions options = parse_perturbation(properties);
+    return Material(NormalMap{normal, parse_nested(nested_bsdfs(properties, 1, 1)[0], files), options});
+}
+
+using Parse = Material (*)(Properties&, TextureFiles&);
+struct BsdfPlugin {
+    std::string_view name;
+    Parse parse;
+};
+constexpr BsdfPlugin plugins[] = {
+    {"diffuse", parse_diffuse},
+    {"dielectric", parse_dielectric<Dielectric>},
+    {"thindielectric", parse_dielectric<ThinDielectric>},
+    {"roughdielectric", parse_roughdielectric},
+    {"conductor", parse_conductor},
+    {"roughconductor", parse_roughconductor},
+    {"plastic", parse_plastic},
+    {"roughplastic", parse_roughplastic},
+    {"phong", parse_phong},
+    {"twosided", parse_twosided},
+    {"blendbsdf", parse_blend},
+    {"mask", parse_mask},
+    {"null", [](Properties&, TextureFiles&) { return Material(Nothing{}); }},
+    {"bumpmap", parse_bumpmap},
+    {"normalmap", parse_normalmap},
+};
+
+}  // namespace
+
+Material parse_bsdf(const NestedObject& object, TextureFiles& files) {
+    const OpenElement open(object, files);
+    Properties properties(*object.element, files.ids());
+    std::vector<std::string_view> names;
+    for (const BsdfPlugin& plugin : plugins)
+        names.push_back(plugin.name);
+    const std::string& type = properties.plugin(names);
+    const auto plugin =
+        std::find_if(std::begin(plugins), std::end(plugins), [&](const auto& p) { return p.name == type; });
+    try {
+        Material material = plugin->parse(properties, files);
+        properties.finish();
+        return material;
+    } catch (const std::invalid_argument& error) {
+        throw InputError(object.where, error.what());
+    }
+}
+
+}  // namespace gib

@@ -1,0 +1,156 @@
+#include "common/reader/scene_emitter.h"
+
+#include "common/images/linear_file.h"
+#include "common/xml/scene_spectrum.h"
+
+#include <fmt/format.h>
+
+namespace gib {
+
+namespace {
+
+constexpr double largest_coordinate = 1e18;  ///< of a light, as for cameras (scene_sensor.cpp)
+constexpr double rigid_tolerance = 1e-3;     ///< of squared lengths and of dot products, as for cameras
+
+/// Mitsuba's relative share of the samples. It changes no image but for 0, which switches light sampling off.
+void check_sampling_weight(Properties& properties) { properties.positive("sampling_weight", 1); }
+
+Vec3 recentred_position(const Properties& properties, const Vec3d& position, const Vec3d& origin) {
+    const Vec3d p = position - origin;
+    if (!(p.lpNorm<Eigen::Infinity>() <= largest_coordinate))
+        throw InputError(properties.element().where, "the emitter is too far away");
+    return p.cast<float>();
+}
+
+/// The directions of to_world's axes, which must stay at right angles and of equal length: 1, unless `may_scale`.
+Frame rigid_axes(const Properties& properties, const Mat4d& to_world, bool may_scale) {
+    const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
+    const double scale = may_scale ? std::cbrt(std::abs(linear.determinant())) : 1;
+    const Eigen::Matrix3d axes = linear / scale;
+    if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= rigid_tolerance))
+        throw InputError(properties.where("to_world"),
+                         fmt::format("the to_world of '{}' must not {}", properties.element().find("type")->value,
+                                     may_scale ? "shear or scale its axes differently" : "scale or shear"));
+    // What the tolerance lets through is straightened.
+    const Vec3d z = axes.col(2).normalized();
+    const Vec3d x = (axes.col(0) - z.dot(axes.col(0)) * z).normalized();
+    const Vec3d y = z.cross(x) * (axes.determinant() < 0 ? -1.0 : 1.0);
+    Frame frame;
+    frame.s = x.cast<float>();
+    frame.t = y.cast<float>();
+    frame.n = z.cast<float>();
+    return frame;
+}
+
+PointLight parse_point(Properties& properties, const Vec3d& origin) {
+    const auto position = properties.point("position");
+    const Mat4d to_world = properties.transform("to_world");
+    if (position && properties.has("to_world"))
+        throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
+    const Color intensity = color_property(properties, "intensity", 1, ColorRange::emission);
+    return {recentred_position(properties, position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), origin),
+            intensity};
+}
+
+/// A cone that is narrower has less than a thousand float directions across, and what it sends is wrong by that.
+constexpr double least_cutoff = 1e-3;
+
+/// [degrees], up to 180.
+double parse_cutoff(Properties& properties) {
+    const double cutoff = properties.positive("cutoff_angle", 20);
+    if (cutoff < least_cutoff)
+        throw InputError(properties.where("cutoff_angle"),
+                         fmt::format("'cutoff_angle' must be at least {} degrees, not {}", least_cutoff, cutoff));
+    if (!(cutoff <= 180))
+        throw InputError(properties.where("cutoff_angle"),
+                         fmt::format("'cutoff_angle' must be at most 180 degrees, not {}", cutoff));
+    return cutoff;
+}
+
+SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& origin) {
+    const Mat4d to_world = properties.transform("to_world");
+    const Color intensity = color_property(properties, "intensity", 1, ColorRange::emission);
+    const double cutoff = parse_cutoff(properties), beam = properties.number("beam_width", 0.75 * cutoff);
+    if (!(beam >= 0 && beam <= cutoff))
+        throw InputError(properties.where("beam_width"),
+                         fmt::format("'beam_width' must be between 0 and the cutoff_angle {}, not {}", cutoff, beam));
+    std::optional<Texture> slide;
+    const Texture texture = parse_textured(properties, "texture", 1, ColorRange::non_negative, files);
+    if (properties.has("texture")) {
+        if (texture.constant())
+            throw InputError(properties.where("texture"), "the 'texture' of a spot must vary: a <texture>");
+        if (!(cutoff < 90))
+            throw InputError(properties.where("cutoff_angle"),
+                             fmt::format("a spot with a texture needs a 'cutoff_angle' below 90, not {}", cutoff));
+        slide = texture;
+    }
+    constexpr double radians = std::numbers::pi / 180;
+    return {recentred_position(properties, to_world.topRightCorner<3, 1>(), origin),
+            rigid_axes(properties, to_world, true),
+            intensity,
+            cutoff * radians,
+            beam * radians,
+            std::move(slide)};
+}
+
+DirectionalLight parse_directional(Properties& properties) {
+    const auto direction = properties.point("direction");
+    const Mat4d to_world = properties.transform("to_world");
+    if (direction && properties.has("to_world"))
+        throw InputError(properties.where("to_world"), "give either 'direction' or 'to_world'");
+    const Vec3d z = direction.value_or(Vec3d(to_world.block<3, 1>(0, 2)));
+    if (!(z.stableNorm() > 0)) throw InputError(properties.where("direction"), "'direction' must not be zero");
+    return {z.stableNormalized().cast<float>(), color_property(properties, "irradiance", 1, ColorRange::emission), {}};
+}
+
+MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
+    const auto name = properties.string("filename");
+    if (!name) throw InputError(properties.element().where, "'envmap' needs a 'filename'");
+    const Frame axes = rigid_axes(properties, properties.transform("to_world"), false);
+    const auto scale = static_cast<float>(properties.number("scale", 1));
+    if (!(scale >= 0))
+        throw InputError(properties.where("scale"), fmt::format("'scale' must not be negative: {}", scale));
+    properties.boolean("mis_compensation", false);  // changes where Mitsuba samples, not what it finds
+    const std::string path = files.path(*name, properties.element_where("filename"));
+    LinearImage image = load_linear_image(path);
+    const auto width = static_cast<std::size_t>(image.width);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+        if (!(image.rgb[i] >= 0))
+            throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is negative: {}", i / 3 % width,
+                                                       i / 3 / width, image.rgb[i]));
+        image.rgb[i] *= scale;
+        if (!std::isfinite(image.rgb[i]))
+            throw InputError(properties.where("scale"), fmt::format("'scale' is too large for '{}': {}", *name, scale));
+    }
+    return {std::make_shared<const EnvironmentMap>(std::move(image), axes), {}};
+}
+
+}  // namespace
+
+Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files) {
+    Properties properties(*emitter.element, files.ids());
+    properties.plugin({"area"});
+    check_sampling_weight(properties);
+    Texture radiance = parse_textured(properties, "radiance", 1, ColorRange::emission, files);
+    properties.finish();
+    return radiance;
+}
+
+Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin) {
+    Properties properties(*emitter.element, files.ids());
+    const std::string& type = properties.plugin({"point", "spot", "directional", "constant", "envmap", "area"});
+    if (type == "area") throw InputError(emitter.where, "an area emitter must stand in a shape");
+    check_sampling_weight(properties);
+    const auto parse = [&]() -> Light {
+        if (type == "point") return parse_point(properties, origin);
+        if (type == "spot") return parse_spot(properties, files, origin);
+        if (type == "directional") return parse_directional(properties);
+        if (type == "envmap") return parse_envmap(properties, files);
+        return ConstantEnvironment{color_property(properties, "radiance", 1, ColorRange::emission), {}};
+    };
+    Light light = parse();
+    properties.finish();
+    return light;
+}
+
+}  // namespace gib

@@ -1,0 +1,319 @@
+#include "common/reader/scene_file.h"
+
+#include "common/core/float_traps.h"
+#include "common/reader/scene_bsdf.h"
+#include "common/reader/scene_emitter.h"
+#include "common/reader/scene_medium.h"
+#include "common/reader/scene_ms3d.h"
+#include "common/reader/scene_sensor.h"
+#include "common/reader/scene_shape.h"
+#include "common/scene/coincident_shapes.h"
+#include "common/xml/scene_spectrum.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <climits>
+#include <filesystem>
+#include <set>
+
+namespace gib {
+
+namespace {
+
+/// Collects the objects of a <scene>.
+class SceneBuilder {
+public:
+    SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
+        : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
+
+    void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
+    void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
+    void add_medium(const NestedObject& medium) { medium_index(medium); }
+    void set_camera_medium(const std::optional<NestedObject>& medium) {
+        camera_medium_ = medium ? medium_index(*medium) : no_medium;
+    }
+
+    void add_shape(const NestedObject& object) {
+        if (is_shape(object, "shapegroup")) {
+            group_index(*object.element);
+        } else if (is_shape(object, "instance")) {
+            add_instance(object);
+        } else {
+            bounds_.extend(add_shapes(object, pending_));
+        }
+    }
+
+    void add_emitter(const NestedObject& emitter) { emitters_.push_back(emitter); }
+
+    /// Moves the scene's centre to the origin: float holds positions near it best.
+    SceneParts finish(const XmlElement& root, Sensor sensor) {
+        if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
+        SceneParts parts;
+        parts.origin = center(root);
+        parts.objects = recentred_objects(pending_, parts.origin);
+        lift_lamps_off_surfaces(parts.objects, materials_);
+        refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
+        place_instances(parts);
+        parts.lights = parse_emitters(parts.origin);
+        parts.materials = std::move(materials_);
+        for (const auto& medium : media_)
+            parts.media.push_back(parse_medium(medium, textures_, parts.origin));
+        parts.camera_medium = camera_medium_;
+        parts.sensor = std::move(sensor);
+        return parts;
+    }
+
+    const XmlIds& ids() const { return ids_; }
+
+private:
+    struct Pending {
+        SourceLocation where;
+        ParsedShape shape;
+        SourceLocation emitter_where;
+        std::uint32_t material;
+        std::optional<Texture> radiance;
+        MediumSides media{};
+    };
+    /// A shapegroup. Its own origin is the centre of its bounds.
+    struct PendingGroup {
+        std::vector<Pending> members;
+        BoundsD bounds;
+        std::optional<std::uint32_t> index;  ///< in the scene, once an instance has shown it
+    };
+    struct PendingInstance {
+        SourceLocation where;
+        std::uint32_t group;
+        Mat4d to_world;
+    };
+
+    static bool is_shape(const NestedObject& object, std::string_view plugin) {
+        const XmlAttribute* type = object.element->find("type");
+        return type && type->value == plugin;
+    }
+
+    /// The shapes of an element that has a surface, appended to `to`. Returns their bounds.
+    BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
+        Properties properties(*object.element, ids_);
+        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
+        MediumSides media;
+        for (const auto& [name, side] :
+             {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
+            if (const auto medium = properties.named_object(name, "medium")) {
+                *side = medium_index(*medium);
+                media.boundary = true;
+            }
+        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
+        ParsedShapes shapes = parse_shapes(properties, files_, hash_);
+        properties.finish();
+        std::optional<Texture> radiance;
+        if (emitter) {
+            radiance = parse_area_emitter(*emitter, textures_);
+            area_emitters_.insert(emitter->element);
+        }
+        std::map<std::uint32_t, std::uint32_t> index_of_material;
+        BoundsD bounds;
+        for (auto& part : shapes.parts) {
+            bounds.extend(bounds_of(part.shape));
+            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance,
+                            media};
+            if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
+                pending.radiance = Texture(shapes.materials[*part.material].emissive);
+            if (bsdf) {
+                pending.material = material_index(*bsdf);
+            } else if (part.material) {
+                const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
+                if (is_new)
+                    materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
+                pending.material = it->second;
+            } else {
+                pending.material = default_material(emitter.has_value());
+            }
+            to.push_back(std::move(pending));
+        }
+        return bounds;
+    }
+
+    /// The group of a <shape type="shapegroup">, which is read at its first mention.
+    std::uint32_t group_index(const XmlElement& element) {
+        if (const auto it = group_of_element_.find(&element); it != group_of_element_.end()) return it->second;
+        Properties properties(element, ids_);
+        const auto members = properties.objects("shape");
+        properties.finish();
+        PendingGroup group;
+        for (const auto& member : members) {
+            for (const std::string_view plugin : {"shapegroup", "instance"})
+                if (is_shape(member, plugin))
+                    throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
+            const std::size_t first = group.members.size();
+            group.bounds.extend(add_shapes(member, group.members));
+            for (std::size_t i = first; i < group.members.size(); ++i)
+                if (group.members[i].radiance)
+                    throw InputError(group.members[i].emitter_where, "an emitter cannot stand in a shapegroup");
+        }
+        groups_.push_back(std::move(group));
+        return group_of_element_[&element] = static_cast<std::uint32_t>(groups_.size() - 1);
+    }
+
+    void add_instance(const NestedObject& object) {
+        Properties properties(*object.element, ids_);
+        const Mat4d to_world = properties.transform("to_world");
+        const auto group = properties.object("shape");
+        properties.number("silhouette_sampling_weight");
+        properties.finish();
+        if (!group) throw InputError(object.where, "an instance needs a shapegroup");
+        if (!is_shape(*group, "shapegroup")) throw InputError(group->where, "an instance takes a shapegroup only");
+        const std::uint32_t index = group_index(*group->element);
+        bounds_.extend(transformed(to_world, groups_[index].bounds));
+        instances_.push_back({object.where, index, to_world});
+    }
+
+    Vec3d center(const XmlElement& root) const {
+        const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
+        const Vec3d center = bounds_.center();
+        if (!center.array().isFinite().all()) throw InputError(root.where, "the scene is too large");
+        return center;
+    }
+
+    static std::vector<SourceLocation> places_of(const std::vector<Pending>& pending) {
+        std::vector<SourceLocation> places;
+        for (const Pending& p : pending)
+            places.push_back(p.where);
+        return places;
+    }
+
+    static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
+        std::vector<SceneParts::Object> objects;
+        for (auto& p : pending) {
+            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance, p.media};
+            const double area = p.radiance ? area_of(object.shape) : 1;
+            if (!(area > 0)) throw InputError(p.emitter_where, "an area emitter on a shape without area");
+            // Densities are inverse areas in float.
+            if (!(area >= 1e-37 && area <= 1e37))
+                throw InputError(p.emitter_where, fmt::format("an area emitter on a shape of area {:g}: it must be "
+                                                              "between 1e-37 and 1e+37",
+                                                              area));
+            objects.push_back(std::move(object));
+        }
+        return objects;
+    }
+
+    /// Groups that no instance shows, and instances of an empty group, are not in the scene.
+    void place_instances(SceneParts& parts) {
+        for (const auto& instance : instances_) {
+            PendingGroup& group = groups_[instance.group];
+            if (group.bounds.isEmpty()) continue;
+            const Vec3d center = group.bounds.center();
+            if (!group.index) {
+                group.index = static_cast<std::uint32_t>(parts.groups.size());
+                parts.groups.push_back(recentred_objects(group.members, center));
+                refuse_coincident_shapes(parts.groups.back(), materials_, places_of(group.members));
+            }
+            Mat4d to_scene = instance.to_world;
+            to_scene.topRightCorner<3, 1>() += to_scene.topLeftCorner<3, 3>() * center - parts.origin;
+            check_range(transformed(to_scene, BoundsD(group.bounds.min() - center, group.bounds.max() - center)),
+                        instance.where);
+            const auto placed = make_instance(*group.index, to_scene);
+            if (!placed) throw InputError(instance.where, "the to_world of the instance scales by more than 1e12");
+            parts.instances.push_back(*placed);
+        }
+    }
+
+    std::vector<Light> parse_emitters(const Vec3d& origin) {
+        std::vector<Light> lights;
+        for (const auto& emitter : emitters_) {
+            if (area_emitters_.count(emitter.element)) continue;  // stands in the shape that refers to it
+            lights.push_back(parse_emitter(emitter, textures_, origin));
+            if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
+                throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
+        }
+        return lights;
+    }
+
+    /// A bsdf that several shapes refer to is one material.
+    std::uint32_t material_index(const NestedObject& bsdf) {
+        const auto [it, is_new] =
+            material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
+        if (is_new) materials_.push_back(parse_bsdf(bsdf, textures_));
+        return it->second;
+    }
+
+    /// A medium that several shapes refer to is one. It is read once the scene's origin is known.
+    std::uint32_t medium_index(const NestedObject& medium) {
+        const auto [it, is_new] = medium_of_element_.emplace(medium.element, static_cast<std::uint32_t>(media_.size()));
+        if (is_new) media_.push_back(medium);
+        return it->second;
+    }
+
+    /// Mitsuba's: a grey diffuse surface, and a black one on a light.
+    std::uint32_t default_material(bool emitter) {
+        auto& index = default_materials_[emitter];
+        if (!index) {
+            index = static_cast<std::uint32_t>(materials_.size());
+            materials_.emplace_back(Scattering(Diffuse{Color::Constant(emitter ? 0.f : 0.5f)}));
+        }
+        return *index;
+    }
+
+    XmlIds ids_;
+    const FileFinder& files_;
+    ContentHash& hash_;
+    TextureFiles textures_;
+    std::vector<Pending> pending_;
+    std::vector<PendingGroup> groups_;
+    std::map<const XmlElement*, std::uint32_t> group_of_element_;
+    std::vector<PendingInstance> instances_;
+    std::vector<NestedObject> emitters_;
+    std::set<const XmlElement*> area_emitters_;  ///< of the shapes
+    std::vector<Material> materials_;
+    std::map<const XmlElement*, std::uint32_t> material_of_element_;
+    std::optional<std::uint32_t> default_materials_[2];
+    std::vector<NestedObject> media_;
+    std::map<const XmlElement*, std::uint32_t> medium_of_element_;
+    std::uint32_t camera_medium_ = no_medium;
+    BoundsD bounds_;
+};
+
+}  // namespace
+
+LoadedScene parse_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options) {
+    ContentHash hash;
+    if (options.resolution)
+        hash.add(fmt::format("resolution {} x {}", options.resolution->first, options.resolution->second));
+    const ExpandedXml expanded = expand_xml(xml, path, options.parameters, hash);
+    SceneBuilder builder(expanded, hash);
+    Properties scene(expanded.root, builder.ids());
+    const auto integrator = scene.object("integrator");
+    const auto sensors = scene.objects("sensor");
+    const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
+               media = scene.objects("medium"), spectra = scene.objects("spectrum"),
+               textures = scene.objects("texture");
+    for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
+        scene.objects(part_of_sensor);  // a sensor may refer to them
+    scene.finish();
+    if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
+    const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
+    ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
+    // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
+    for (const auto& spectrum : spectra)
+        parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
+    for (const auto& texture : textures)
+        builder.check_texture(texture);
+    for (const auto& medium : media)
+        builder.add_medium(medium);
+    builder.set_camera_medium(parsed.medium);
+    for (const auto& bsdf : bsdfs)
+        builder.add_bsdf(bsdf);
+    for (const auto& shape : shapes)
+        builder.add_shape(shape);
+    for (const auto& emitter : emitters)
+        builder.add_emitter(emitter);
+    SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
+    return {std::filesystem::path(path).stem().string(), std::make_shared<const Scene>(std::move(parts)),
+            parsed.sample_count, max_edges, hash.hex()};
+}
+
+LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options) {
+    return parse_scene(read_file(path), path, options);
+}
+
+}  // namespace gib

@@ -1,0 +1,240 @@
+#include "common/reader/scene_sensor.h"
+
+#include "common/core/float_traps.h"
+
+#include <fmt/format.h>
+#include <charconv>
+#include <climits>
+
+namespace gib {
+
+namespace {
+
+constexpr double most_samples = 1e9;
+constexpr double largest_coordinate = 1e18;  ///< of the camera, as for shapes (scene_shape.cpp)
+constexpr int deepest_integrator = 8;        ///< an integrator that refers to itself must not recurse for ever
+
+ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
+    Properties properties(*filter.element, ids);
+    const std::string& type = properties.plugin({"box", "tent", "gaussian"});
+    const auto parse = [&] {
+        const auto length = [&](const char* name, double fallback) {
+            return static_cast<float>(properties.positive(name, fallback));
+        };
+        if (type == "box") return ReconstructionFilter::box(length("radius", 0.5));
+        if (type == "tent") return ReconstructionFilter::tent(length("radius", 1));
+        return ReconstructionFilter::gaussian(length("stddev", 0.5));
+    };
+    const ReconstructionFilter result = parse();
+    properties.finish();
+    return result;
+}
+
+/// The image is the window of the film that crop_offset_x, crop_offset_y, crop_width and crop_height name, by default
+/// all of it. Mitsuba's rule: what is given must lie on the film.
+void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
+    const int film_width = sensor.width, film_height = sensor.height;
+    const int x = properties.integer("crop_offset_x", 0).value_or(0),
+              y = properties.integer("crop_offset_y", 0).value_or(0);
+    sensor.width = properties.integer("crop_width", 1).value_or(film_width);
+    sensor.height = properties.integer("crop_height", 1).value_or(film_height);
+    const auto check = [&](int offset, int size, int film, const char* offset_name, const char* size_name) {
+        if (offset <= film - size) return;
+        const char* name = properties.has(offset_name) ? offset_name : size_name;
+        throw InputError(properties.where(name),
+                         fmt::format("the crop window from {} to {} is not within the film's {} pixels", offset,
+                                     static_cast<std::int64_t>(offset) + size, film));
+    };
+    check(x, sensor.width, film_width, "crop_offset_x", "crop_width");
+    check(y, sensor.height, film_height, "crop_offset_y", "crop_height");
+    if (sensor.width != film_width || sensor.height != film_height)
+        sensor.crop = Sensor::Crop{Vec2d(film_width, film_height), Vec2d(x, y)};
+}
+
+/// Another number of pixels for the same picture.
+void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resolution) {
+    const auto [width, height] = resolution;
+    if (width < 1 || height < 1) throw InputError(fmt::format("a resolution of {} x {} has no pixels", width, height));
+    if (sensor.crop) {
+        const Vec2d scale(1.0 * width / sensor.width, 1.0 * height / sensor.height);
+        sensor.crop = Sensor::Crop{sensor.crop->film.cwiseProduct(scale), sensor.crop->offset.cwiseProduct(scale)};
+    }
+    sensor.width = width;
+    sensor.height = height;
+}
+
+void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters& sensor) {
+    Properties properties(*film.element, ids);
+    properties.plugin({"hdrfilm"});
+    sensor.width = properties.integer("width", 1).value_or(sensor.width);
+    sensor.height = properties.integer("height", 1).value_or(sensor.height);
+    // What Mitsuba writes is not what gibench writes: these are checked, and mean nothing here.
+    properties.choice("pixel_format", "rgb", {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"});
+    properties.choice("component_format", "float16", {"float16", "float32", "uint32"});
+    properties.choice("file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"});
+    properties.boolean("sample_border", false);
+    properties.boolean("compensate", false);
+    properties.boolean("banner", false);
+    parse_crop(properties, sensor);
+    if (const auto filter = properties.object("rfilter")) sensor.filter = parse_filter(*filter, ids);
+    properties.finish();
+}
+
+std::optional<int> parse_sampler(const NestedObject& sampler, const XmlIds& ids) {
+    Properties properties(*sampler.element, ids);
+    const std::string& type =
+        properties.plugin({"independent", "stratified", "multijitter", "orthogonal", "ldsampler"});
+    const auto sample_count = properties.integer("sample_count", 1);
+    properties.integer("seed", INT_MIN);
+    if (type == "stratified" || type == "multijitter" || type == "orthogonal") properties.boolean("jitter", true);
+    if (type == "orthogonal") properties.integer("strength", 1);
+    properties.finish();
+    return sample_count;
+}
+
+/// Millimetres on a film of 36 x 24, as in "50mm".
+double parse_focal_length(const std::string& text, const SourceLocation& where) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string unit(end, text.data() + text.size());
+    if (error != std::errc() || (!unit.empty() && unit != "mm") || !std::isfinite(value) || value <= 0)
+        throw InputError(where, fmt::format("bad number '{}': expected a focal length such as 50mm", text));
+    return value;
+}
+
+void parse_field_of_view(Properties& properties, Sensor::Parameters& sensor) {
+    const auto fov = properties.number("fov");
+    const auto focal_length = properties.string("focal_length");
+    if (fov && focal_length) throw InputError(properties.where("focal_length"), "give either 'fov' or 'focal_length'");
+    if (!fov) {
+        // Mitsuba's default: the diagonal of a 35 mm film behind a lens of 50 mm.
+        const double f = parse_focal_length(focal_length.value_or("50mm"), properties.where("focal_length"));
+        sensor.fov = 2 * std::atan(std::hypot(36.0, 24.0) / (2 * f)) * 180 / std::numbers::pi;
+        sensor.fov_axis = Sensor::FovAxis::diagonal;
+        return;
+    }
+    if (!(*fov > 0 && *fov < 180))
+        throw InputError(properties.where("fov"), fmt::format("'fov' must be between 0 and 180 degrees, not {}", *fov));
+    sensor.fov = *fov;
+    using Axis = Sensor::FovAxis;
+    const std::map<std::string, Axis> axes{{"x", Axis::x},
+                                           {"y", Axis::y},
+                                           {"diagonal", Axis::diagonal},
+                                           {"smaller", Axis::smaller},
+                                           {"larger", Axis::larger}};
+    sensor.fov_axis = axes.at(properties.choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"}));
+}
+
+/// The lens of a thinlens; a perspective may name a distance of focus too, which means nothing without a lens.
+void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& sensor) {
+    // Mitsuba's default: its default far clip distance.
+    const double far_clip = std::isfinite(sensor.far_clip) ? static_cast<double>(sensor.far_clip) : 1e4;
+    const double focus_distance = properties.number("focus_distance", far_clip);
+    if (!thinlens) return;
+    const auto radius = properties.number("aperture_radius");
+    if (!radius) throw InputError(properties.element().where, "a thinlens needs an 'aperture_radius'");
+    if (!(*radius >= 0))
+        throw InputError(properties.where("aperture_radius"),
+                         fmt::format("'aperture_radius' must not be negative: {}", *radius));
+    const float per_distance = focus_distance > 0 ? static_cast<float>(1 / focus_distance) : 0.f;
+    if (!(per_distance > 0 && std::isfinite(per_distance)))
+        throw InputError(properties.where("focus_distance"),
+                         fmt::format("'focus_distance' must be above 0, not {}", focus_distance));
+    if (!(*radius <= largest_coordinate))
+        throw InputError(properties.where("aperture_radius"), "the lens is too large");
+    if (!(*radius <= largest_coordinate * focus_distance))
+        throw InputError(properties.where("focus_distance"), "'focus_distance' is too small for the lens");
+    sensor.aperture_radius = *radius;
+    sensor.focus_distance = focus_distance;
+}
+
+/// Mitsuba's test and tolerance: the camera-to-world transform keeps lengths.
+void refuse_scale(const Properties& properties, const Mat4d& to_world) {
+    for (int i = 0; i < 3; ++i)
+        if (std::abs(to_world.block<3, 1>(0, i).squaredNorm() - 1) > 1e-3)
+            throw InputError(properties.where("to_world"), "the to_world of a perspective sensor must not scale");
+}
+
+void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
+    // The values for files without them are those that cut nothing off, not Mitsuba's.
+    const double near_clip = properties.positive("near_clip", 1), far_clip = properties.positive("far_clip", 1);
+    if (properties.has("near_clip")) sensor.near_clip = static_cast<float>(near_clip);
+    if (properties.has("far_clip")) sensor.far_clip = static_cast<float>(far_clip);
+    if (!(sensor.near_clip < sensor.far_clip))
+        throw InputError(properties.where("near_clip"), "'near_clip' must be below 'far_clip'");
+}
+
+/// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next
+/// to 180 degrees, an offset or a filter can be so large that float cannot hold their lengths' squares.
+bool has_sound_rays(const Sensor& sensor) {
+    const FloatTrapsPaused paused;  // whether there are such is the question
+    for (const int x : {0, sensor.width() - 1})
+        for (const int y : {0, sensor.height() - 1})
+            for (const float u : {0.f, 1.f})
+                for (const float v : {0.f, 1.f}) {
+                    const Ray ray = sensor.generate_ray(x, y, {u, v});
+                    if (!ray.o.array().isFinite().all() || !(std::abs(ray.d.norm() - 1.f) < 1e-3f)) return false;
+                }
+    return true;
+}
+
+int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
+    if (depth == deepest_integrator) throw InputError(integrator.where, "integrators are nested too deeply");
+    Properties properties(*integrator.element, ids);
+    const std::string& type =
+        properties.plugin({"path", "direct", "volpath", "volpathmis", "ptracer", "prb", "prb_basic", "prbvolpath",
+                           "direct_projective", "prb_projective", "aov", "moment", "stokes", "depth"});
+    if (properties.boolean("hide_emitters", false))
+        throw InputError(properties.where("hide_emitters"), "'hide_emitters' is not supported yet");
+    if (type == "direct" || type == "direct_projective") return 2;
+    const auto max_depth = properties.integer("max_depth", -1);
+    if (max_depth) return *max_depth < 0 ? INT_MAX : *max_depth;
+    const auto nested = properties.objects("integrator");
+    return nested.empty() ? INT_MAX : max_edges_of(nested[0], ids, depth + 1);
+}
+
+}  // namespace
+
+ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
+                          const std::optional<std::pair<int, int>>& resolution) {
+    Properties properties(*sensor.element, ids);
+    Sensor::Parameters parameters;
+    parameters.to_world = properties.transform("to_world");
+    for (const double x : parameters.to_world.reshaped())
+        if (!(std::abs(x) <= largest_coordinate))
+            throw InputError(properties.where("to_world"), "the sensor is too far away");
+    const std::string& type = properties.plugin({"perspective", "thinlens", "orthographic"});
+    if (type == "orthographic") {
+        parameters.projection = Sensor::Projection::orthographic;
+    } else {
+        parse_field_of_view(properties, parameters);
+        refuse_scale(properties, parameters.to_world);
+    }
+    if (type == "perspective")
+        parameters.principal_point_offset = {properties.number("principal_point_offset_x", 0),
+                                             properties.number("principal_point_offset_y", 0)};
+    parse_clip_distances(properties, parameters);
+    parse_lens(properties, type == "thinlens", parameters);
+    // Nothing moves here.
+    for (const char* name : {"shutter_open", "shutter_close"})
+        properties.number(name);
+    const auto medium = properties.object("medium");
+    const auto film = properties.object("film"), sampler = properties.object("sampler");
+    if (film) parse_film(*film, ids, parameters);
+    if (resolution) set_resolution(parameters, *resolution);
+    const auto sample_count = sampler ? parse_sampler(*sampler, ids) : std::nullopt;
+    properties.finish();
+    const double samples = 1.0 * parameters.width * parameters.height * sample_count.value_or(1);
+    if (samples > most_samples)
+        throw InputError(film ? film->where : sensor.where,
+                         fmt::format("an image of {} x {} pixels with {} samples each is above {:g} samples",
+                                     parameters.width, parameters.height, sample_count.value_or(1), most_samples));
+    const Sensor result(parameters);
+    if (!has_sound_rays(result))
+        throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");
+    return {result, sample_count, medium};
+}
+
+int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }
+
+}  // namespace gib

@@ -1,0 +1,114 @@
+#include "common/reader/scene_texture.h"
+#include "common/xml/scene_spectrum.h"
+
+#include <fmt/format.h>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t deepest_part = 64, most_parts = 1000;  ///< of a material or texture
+
+}  // namespace
+
+OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
+    if (files.open_.contains(element_))
+        throw InputError(object.where, fmt::format("the {} holds itself", element_->tag));
+    if (files.open_.size() == deepest_part)
+        throw InputError(object.where,
+                         fmt::format("materials and textures are nested deeper than {} levels", deepest_part));
+    files.parts_ = files.open_.empty() ? 1 : files.parts_ + 1;
+    if (files.parts_ > most_parts)
+        throw InputError(object.where, fmt::format("a material or texture of more than {} parts", most_parts));
+    files.open_.insert(element_);
+}
+
+OpenElement::~OpenElement() { files_.open_.erase(element_); }
+
+namespace {
+
+UvTransform parse_to_uv(Properties& properties) {
+    const Mat4d m = properties.transform("to_uv");
+    // Mitsuba leaves out the third row and column; what it would ignore in silence is refused.
+    if (m(0, 2) != 0 || m(1, 2) != 0 || m(2, 0) != 0 || m(2, 1) != 0)
+        throw InputError(properties.where("to_uv"),
+                         "'to_uv' must map u and v alone (a <matrix> of 9 numbers cannot "
+                         "move them: give a <translate>)");
+    return {m.topLeftCorner<2, 2>().cast<float>(), m.topRightCorner<2, 1>().cast<float>()};
+}
+
+Texture parse_bitmap(Properties& properties, TextureFiles& files) {
+    const auto name = properties.string("filename");
+    if (!name) throw InputError(properties.element().where, "'bitmap' needs a 'filename'");
+    BitmapTexture texture;
+    const std::string filter = properties.choice("filter_type", "bilinear", {"nearest", "bilinear"});
+    const std::string wrap = properties.choice("wrap_mode", "repeat", {"repeat", "mirror", "clamp"});
+    texture.filter = filter == "nearest" ? TextureFilter::nearest : TextureFilter::bilinear;
+    texture.wrap = wrap == "repeat" ? TextureWrap::repeat : wrap == "mirror" ? TextureWrap::mirror : TextureWrap::clamp;
+    texture.to_uv = parse_to_uv(properties);
+    const bool raw = properties.boolean("raw", false);
+    // Mitsuba's, for its memory and its graphics processors: texels are 32-bit floats here.
+    properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
+    properties.boolean("accel", true);
+    texture.bitmap = files.bitmap(*name, properties.element_where("filename"), raw);
+    return Texture(std::move(texture));
+}
+
+Texture parse_checkerboard(Properties& properties, ColorRange range, TextureFiles& files) {
+    CheckerboardTexture texture;
+    texture.color0 = parse_textured(properties, "color0", 0.4f, range, files);
+    texture.color1 = parse_textured(properties, "color1", 0.2f, range, files);
+    texture.to_uv = parse_to_uv(properties);
+    return Texture(std::move(texture));
+}
+
+Texture parse_within(const NestedObject& object, const std::string& name, ColorRange range, TextureFiles& files) {
+    Texture texture = parse_texture(object, range, files);
+    const float lowest = texture.minimum().minCoeff(), highest = texture.maximum().maxCoeff();
+    if (range == ColorRange::unit && !(lowest >= 0 && highest <= 1))
+        throw InputError(object.where, fmt::format("'{}' must be between 0 and 1, but its texture has {}", name,
+                                                   lowest >= 0 ? highest : lowest));
+    if (!(lowest >= 0))
+        throw InputError(object.where, fmt::format("'{}' must not be negative, but its texture has {}", name, lowest));
+    return texture;
+}
+
+}  // namespace
+
+std::string TextureFiles::path(const std::string& name, const SourceLocation& where) {
+    std::string path = finder_.find(name, where);
+    if (hashed_.insert(path).second) hash_.add(read_file(path));
+    return path;
+}
+
+std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, const SourceLocation& where, bool raw) {
+    const std::string file = path(name, where);
+    auto& bitmap = bitmaps_[{file, raw}];
+    if (!cache_) cache_ = std::make_shared<TextureCache>();
+    if (!bitmap) bitmap = std::make_shared<const Bitmap>(cache_, file, raw);
+    return bitmap;
+}
+
+Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files) {
+    const OpenElement open(object, files);
+    Properties properties(*object.element, files.ids());
+    const bool is_bitmap = properties.plugin({"bitmap", "checkerboard"}) == "bitmap";
+    const Texture texture = is_bitmap ? parse_bitmap(properties, files) : parse_checkerboard(properties, range, files);
+    properties.finish();
+    return texture;
+}
+
+Texture parse_textured(Properties& properties, const std::string& name, float fallback, ColorRange range,
+                       TextureFiles& files) {
+    if (const auto object = properties.named_object(name, "texture")) return parse_within(*object, name, range, files);
+    return Texture(color_property(properties, name, fallback, range));
+}
+
+Texture parse_textured_number(Properties& properties, const std::string& name, float fallback, ColorRange range,
+                              TextureFiles& files) {
+    if (const auto object = properties.named_object(name, "texture")) return parse_within(*object, name, range, files);
+    const Texture color(color_property(properties, name, fallback, range));
+    return Texture(Color::Constant(color.value(Vec2::Zero())));
+}
+
+}  // namespace gib

@@ -1,0 +1,184 @@
+#include "common/scene/scene.h"
+
+#include "common/core/error.h"
+#include "common/lights/light_choice.h"
+
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+Sensor required_sensor(std::optional<Sensor>& sensor) {
+    if (!sensor) throw InputError("the scene has no sensor");
+    return *std::move(sensor);
+}
+
+}  // namespace
+
+Scene::Scene(SceneParts parts)
+    : materials_(std::move(parts.materials)),
+      media_(std::move(parts.media)),
+      camera_medium_(parts.camera_medium),
+      has_media_(camera_medium_ != no_medium),
+      sensor_(required_sensor(parts.sensor)) {
+    sensor_.translate(-parts.origin);
+    for (auto& object : parts.objects) {
+        bounds_.add(bounds_of(object.shape));
+        add(std::move(object));
+    }
+    std::vector<Bounds> group_bounds;
+    for (auto& group : parts.groups) {
+        groups_.begin.push_back(static_cast<std::uint32_t>(shapes_.size()));
+        Bounds& bounds = group_bounds.emplace_back();
+        for (auto& object : group) {
+            bounds.add(bounds_of(object.shape));
+            add(std::move(object));
+        }
+    }
+    if (!parts.groups.empty()) groups_.begin.push_back(static_cast<std::uint32_t>(shapes_.size()));
+    groups_.instances = std::move(parts.instances);
+    for (const auto& instance : groups_.instances)
+        bounds_.add(transformed(instance, group_bounds[instance.group]));
+    const BoundingSphere sphere(bounds_);
+    for (auto& light : parts.lights)
+        add_light(std::move(light), sphere);
+
+    light_choice_ = light_choice(lights_);
+    accelerator_ = std::make_unique<Accelerator>(shapes_, groups_);
+}
+
+void Scene::add(SceneParts::Object&& object) {
+    const auto shape = static_cast<std::uint32_t>(shapes_.size());
+    shapes_.push_back(std::move(object.shape));
+    if (auto* mesh = std::get_if<Mesh>(&shapes_.back())) mesh->prepare();
+    std::uint32_t light = no_light;
+    if (object.radiance && !is_black(object.radiance->maximum())) {
+        light = static_cast<std::uint32_t>(lights_.size());
+        lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
+    }
+    surfaces_.push_back({object.material, light});
+    media_sides_.push_back(object.media);
+    has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
+    has_holes_ |= materials_[object.material].has_holes();
+    has_dispersion_ |= materials_[object.material].is_dispersive();
+}
+
+bool Scene::has_unbounded_medium() const {
+    if (camera_medium_ != no_medium) return true;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        const MediumSides& sides = media_sides_[i];
+        const bool encloses = std::visit(
+            [](const auto& shape) {
+                if constexpr (requires { shape.flip_normals; }) return !shape.flip_normals;
+                else return false;
+            },
+            shapes_[i]);
+        if (sides.exterior != no_medium || (sides.interior != no_medium && !encloses)) return true;
+    }
+    return false;
+}
+
+SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
+    const Instance& instance = groups_.instances[i.instance];
+    const Ray r = carried_to_group(instance, ray);
+    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d));
+}
+
+void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
+    if (auto* directional = std::get_if<DirectionalLight>(&light)) directional->scene = sphere;
+    if (auto* constant = std::get_if<ConstantEnvironment>(&light)) constant->scene = sphere;
+    if (auto* mapped = std::get_if<MappedEnvironment>(&light)) mapped->scene = sphere;
+    if (is_environment(light) && power_of(light).maxCoeff() > 0)
+        environment_ = static_cast<std::uint32_t>(lights_.size());
+    lights_.push_back(std::move(light));
+}
+
+std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional<Intersection>& i) const {
+    std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
+    if (!i) return hit;
+    const Surface& surface = surfaces_[i->shape];
+    const Material& material = materials_[surface.material];
+    hit.emplace(i->instance == no_instance
+                    ? surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d)
+                    : geometry_on_instance(*i, ray));
+    if (!hit->normals_agree_about(ray.d)) {
+        hit->delta_only = true;
+        hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
+    }
+    hit->bsdf = material.constant();
+    hit->light = surface.light;
+    hit->shape = i->shape;
+    hit->primitive = i->primitive;
+    hit->instance = i->instance;
+    if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
+    hit->shading = Frame(hit->ns);
+    if (!hit->bsdf || material.follows_uv()) resolve_material(material, *hit);
+    return hit;
+}
+
+MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {
+    MaterialPoint point{hit.uv, hit.ng, Vec3::Zero(), Vec3::Zero(), hit.shading};
+    if (!material.follows_uv()) return point;
+    const SurfaceDerivatives derivatives = derivatives_at(hit);
+    point.dp_du = derivatives.dp_du;
+    point.dp_dv = derivatives.dp_dv;
+    point.shading = frame_along(hit.ns, derivatives.dp_du);
+    return point;
+}
+
+void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
+    const MaterialPoint point = material_point(material, hit);
+    hit.shading = point.shading;
+    if (!hit.bsdf) hit.take(material.at(point));
+}
+
+void Scene::disperse(SurfaceHit& hit, int stratum) const {
+    const Material& material = material_of_shape(hit.shape);
+    hit.bsdf = material.constant(stratum);
+    if (!hit.bsdf) hit.take(material.at(material_point(material, hit), stratum));
+}
+
+SurfaceDerivatives Scene::derivatives_at(const SurfaceHit& hit) const {
+    const Shape& shape = shapes_[hit.shape];
+    return hit.instance == no_instance
+               ? gib::derivatives_at(shape, hit.primitive, hit)
+               : gib::derivatives_at(groups_.instances[hit.instance], shape, hit.primitive, hit);
+}
+
+bool Scene::has_scattering_media() const {
+    return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
+}
+
+std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {
+    if (!has_light()) return std::nullopt;
+    const auto choice = light_choice_.sample(u_choice);
+    auto sample = gib::sample_light(lights_[choice.index], shapes_, p, u);
+    if (sample && !injected(Fault::light_choice)) sample->pdf_w *= choice.probability;
+    return sample;
+}
+
+float Scene::light_pdf_w(const Vec3& p, const SurfaceHit& hit) const {
+    return light_choice_.probability(hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
+}
+
+float Scene::environment_pdf_w(const Vec3&, const Vec3& w) const {
+    if (!environment_) return 0.f;
+    return light_choice_.probability(*environment_) * gib::environment_pdf_w(lights_[*environment_], w);
+}
+
+EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {
+    const auto choice = light_choice_.sample(u_choice);
+    EmissionSample sample = gib::sample_emission(lights_[choice.index], shapes_, u_position, u_direction);
+    sample.power /= double{choice.probability};
+    return sample;
+}
+
+Colord Scene::emitted_power() const {
+    Colord power = Colord::Zero();
+    for (const auto& light : lights_)
+        power += power_of(light);
+    return power;
+}
+
+}  // namespace gib

@@ -1,0 +1,176 @@
+#pragma once
+// The scene: geometry, materials, lights and the camera, immutable once built. It holds no film, sampler or setting.
+
+#include "common/lights/light.h"
+#include "common/materials/material.h"
+#include "common/media/medium.h"
+#include "common/scene/sensor.h"
+#include "common/shapes/accelerator.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// Where a ray met a surface.
+struct SurfaceHit : SurfaceGeometry {
+    explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry) {}
+
+    const Bsdf* bsdf = nullptr;
+    const AreaLight* emitter = nullptr;        ///< null: not a light
+    std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
+    Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
+    std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
+    /// The file's shading normal disagrees with the geometric one about where the ray comes from. `ns` is the latter
+    /// then, mirrors and smooth interfaces scatter about that, and nothing else does.
+    bool delta_only = false;
+    std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
+
+    void take(Bsdf&& bsdf_here) {
+        own_bsdf = std::make_shared<const Bsdf>(std::move(bsdf_here));
+        bsdf = own_bsdf.get();
+    }
+
+    /// [W/(sr m^2)] emitted towards wo.
+    Color Le(const Vec3& wo) const {
+        return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
+    }
+    /// Whether w is on the same side for the shading normal and the geometric one. That the two point to opposite
+    /// sides, as in meshes whose triangles are wound the other way, is no disagreement.
+    bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) * ns.dot(ng) >= 0.f; }
+    Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
+};
+
+inline constexpr std::uint32_t no_medium = ~0u;
+
+/// What lies on either side of a shape's surface.
+struct MediumSides {
+    bool boundary = false;  ///< false: the same as on the other side, whatever that is
+    std::uint32_t interior = no_medium, exterior = no_medium;  ///< behind the geometric normal, and in front of it
+};
+
+/// What a scene is built from, in the file's own coordinates.
+struct SceneParts {
+    struct Object {
+        Shape shape;
+        std::uint32_t material;           ///< index into materials
+        std::optional<Texture> radiance;  ///< of an area light
+        MediumSides media{};
+    };
+    std::vector<Object> objects;
+    std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
+    std::vector<Instance> instances;
+    std::vector<Material> materials;
+    std::vector<Medium> media;
+    std::uint32_t camera_medium = no_medium;
+    std::vector<Light> lights;     ///< all but the area lights; at most one environment
+    std::optional<Sensor> sensor;  ///< required
+    Vec3d origin = Vec3d::Zero();  ///< the file's coordinates of the scene's own origin: shapes and lights are given
+                                   ///< relative to it, the sensor in the file's coordinates
+};
+
+class Scene {
+public:
+    /// Builds the tree and the light distribution.
+    explicit Scene(SceneParts parts);
+
+    const Sensor& sensor() const { return sensor_; }
+    /// Those of groups too, once each.
+    const std::vector<Shape>& shapes() const { return shapes_; }
+    const std::vector<Instance>& instances() const { return groups_.instances; }
+    const InstancedGroups& groups() const { return groups_; }
+    const std::vector<Light>& lights() const { return lights_; }
+    const std::vector<Material>& materials() const { return materials_; }
+    const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
+    /// Some surface lets light pass straight through (masks).
+    bool has_holes() const { return has_holes_; }
+    /// Some surface splits light by its wavelength.
+    bool has_dispersion() const { return has_dispersion_; }
+    /// Makes a hit on a material that does so what it is to light of one stratum of wavelengths.
+    void disperse(SurfaceHit& hit, int stratum) const;
+    /// Some space between surfaces absorbs or scatters light.
+    bool has_media() const { return has_media_; }
+    bool has_scattering_media() const;
+    /// Some medium may have no surface around it: one that the camera stands in, or one that lies outside a shape.
+    bool has_unbounded_medium() const;
+    /// What the camera stands in; null: nothing.
+    const Medium* camera_medium() const { return medium(camera_medium_); }
+    /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.
+    const Medium* medium_beyond(const SurfaceHit& hit, const Vec3& w, const Medium* before) const {
+        const MediumSides& sides = media_sides_[hit.shape];
+        if (!sides.boundary) return before;
+        return medium(w.dot(hit.ng) > 0.f ? sides.exterior : sides.interior);
+    }
+    bool bounds_medium(const SurfaceHit& hit) const { return media_sides_[hit.shape].boundary; }
+    const Bounds& bounds() const { return bounds_; }
+    /// Of the box around all surfaces [scene units]; lengths given as fractions refer to it.
+    float diagonal() const { return bounds_.diagonal(); }
+    const Accelerator& accelerator() const { return *accelerator_; }
+
+    std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
+    /// The surface where the accelerator found `intersection` on the ray.
+    std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
+    /// Starts to fetch what surface_hit() will read, for callers that have something else to do before.
+    void prefetch(const std::optional<Intersection>& intersection) const {
+        if (!intersection) return;
+        const auto* mesh = std::get_if<Mesh>(&shapes_[intersection->shape]);
+        if (mesh) __builtin_prefetch(&mesh->facets[intersection->primitive]);
+    }
+    /// At what intersect() returned.
+    SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
+    bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
+
+    /// Whether any light emits anything.
+    bool has_light() const { return light_choice_.total() > 0; }
+    /// A light, chosen by its power (mean of the channels), and a point on it.
+    std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
+    /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
+    float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;
+    /// What rays that leave the scene see; null: nothing.
+    const Light* environment() const { return environment_ ? &lights_[*environment_] : nullptr; }
+    /// [W/(sr m^2)] seen along the unit vector w by a ray that hits nothing.
+    Color environment_radiance(const Vec3& w) const {
+        return environment_ ? gib::environment_radiance(lights_[*environment_], w) : Color(Color::Zero());
+    }
+    /// Density [1/sr] with which sample_light from `p` finds the direction w; 0 without an environment.
+    float environment_pdf_w(const Vec3& p, const Vec3& w) const;
+    /// The start of a light path; power is divided by the probability of choosing its light.
+    EmissionSample sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const;
+    /// [W] of all lights together, per channel.
+    Colord emitted_power() const;
+
+private:
+    void add_light(Light&& light, const BoundingSphere& sphere);
+
+    static constexpr std::uint32_t no_light = ~0u;
+    struct Surface {
+        std::uint32_t material;
+        std::uint32_t light;
+    };
+    const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
+    void resolve_material(const Material& material, SurfaceHit& hit) const;
+    MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
+
+    void add(SceneParts::Object&& object);
+    SurfaceGeometry geometry_on_instance(const Intersection& i, const Ray& ray) const;
+
+    std::vector<Shape> shapes_;
+    std::vector<Surface> surfaces_;  ///< parallel to shapes_
+    InstancedGroups groups_;
+    std::vector<Material> materials_;
+    bool has_holes_ = false, has_dispersion_ = false;
+    std::vector<Medium> media_;
+    std::vector<MediumSides> media_sides_;  ///< parallel to shapes_
+    std::uint32_t camera_medium_ = no_medium;
+    bool has_media_ = false;
+    std::vector<Light> lights_;
+    std::optional<std::uint32_t> environment_;  ///< index among the lights
+    DiscreteDistribution light_choice_;
+    Sensor sensor_;
+    Bounds bounds_;
+    std::unique_ptr<Accelerator> accelerator_;
+};
+
+}  // namespace gib

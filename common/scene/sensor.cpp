@@ -1,0 +1,129 @@
+#include "common/scene/sensor.h"
+
+#include "common/sampling/warp.h"
+
+#include <algorithm>
+
+namespace gib {
+
+ReconstructionFilter ReconstructionFilter::box(float radius) {
+    ReconstructionFilter f;
+    f.radius_ = radius;
+    return f;
+}
+
+ReconstructionFilter ReconstructionFilter::tent(float radius) {
+    ReconstructionFilter f;
+    f.shape_ = Shape::tent;
+    f.radius_ = radius;
+    return f;
+}
+
+ReconstructionFilter ReconstructionFilter::gaussian(float stddev) {
+    ReconstructionFilter f;
+    f.shape_ = Shape::table;
+    f.radius_ = 4.f * stddev;
+    constexpr int cells = 512;
+    const double r = f.radius_, a = 1 / (2.0 * stddev * stddev);
+    // The integral of the filter from -r to x, in closed form at the cell boundaries.
+    const auto integral = [&](double x) {
+        return std::sqrt(std::numbers::pi / a) / 2 * (std::erf(std::sqrt(a) * x) + std::erf(std::sqrt(a) * r)) -
+               std::exp(-a * r * r) * (x + r);
+    };
+    for (int i = 0; i <= cells; ++i)
+        f.cumulative_.push_back(static_cast<float>(integral(-r + 2 * r * i / cells) / integral(r)));
+    f.cumulative_.front() = 0.f;
+    f.cumulative_.back() = 1.f;
+    return f;
+}
+
+float ReconstructionFilter::sample(float u) const {
+    if (shape_ == Shape::table) return sample_table(u);
+    if (shape_ == Shape::box) return (2.f * u - 1.f) * radius_;
+    return (u < 0.5f ? std::sqrt(2.f * u) - 1.f : 1.f - std::sqrt(2.f - 2.f * u)) * radius_;
+}
+
+float ReconstructionFilter::sample_table(float u) const {
+    const auto it = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
+    const auto cell = static_cast<float>(it - cumulative_.begin() - 1);
+    const float lower = *(it - 1), width = *it - lower;
+    const float t = width > 0.f ? (u - lower) / width : 0.5f;
+    return ((cell + t) / static_cast<float>(cumulative_.size() - 1) * 2.f - 1.f) * radius_;
+}
+
+namespace {
+
+/// Half the width of the image at distance 1.
+double tan_half_width(const Sensor::Parameters& p, double aspect) {
+    const double tan_half = std::tan(p.fov * std::numbers::pi / 360);
+    switch (p.fov_axis) {
+        case Sensor::FovAxis::x:
+            return tan_half;
+        case Sensor::FovAxis::y:
+            return tan_half * aspect;
+        case Sensor::FovAxis::diagonal:
+            return tan_half / std::sqrt(1 + 1 / (aspect * aspect));
+        case Sensor::FovAxis::smaller:
+            return aspect > 1 ? tan_half * aspect : tan_half;
+        case Sensor::FovAxis::larger:
+            return aspect > 1 ? tan_half : tan_half * aspect;
+    }
+    return tan_half;
+}
+
+}  // namespace
+
+Sensor::Sensor(const Parameters& p)
+    : projection_(p.projection),
+      width_(p.width),
+      height_(p.height),
+      filter_(p.filter),
+      near_clip_(p.near_clip),
+      far_clip_(p.far_clip),
+      position_(p.to_world.block<3, 1>(0, 3)),
+      has_lens_(p.aperture_radius > 0),
+      aperture_radius_(static_cast<float>(p.aperture_radius)),
+      inv_focus_distance_(static_cast<float>(1 / p.focus_distance)) {
+    origin_ = position_.cast<float>();
+    left_ = p.to_world.block<3, 1>(0, 0).cast<float>();
+    up_ = p.to_world.block<3, 1>(0, 1).cast<float>();
+    forward_ = p.to_world.block<3, 1>(0, 2).cast<float>();
+    const Crop crop = p.crop.value_or(Crop{Vec2d(p.width, p.height), Vec2d::Zero()});
+    const double width = crop.film.x(), height = crop.film.y();
+    const double half_width = p.projection == Projection::perspective ? tan_half_width(p, width / height) : 1.0;
+    const double half_height = half_width * height / width;
+    crop_offset_ = crop.offset.cast<float>();
+    scale_ = Vec2d(-2 * half_width / width, -2 * half_height / height).cast<float>();
+    offset_ =
+        Vec2d(half_width * (1 - 2 * p.principal_point_offset.x()), half_height * (1 - 2 * p.principal_point_offset.y()))
+            .cast<float>();
+}
+
+void Sensor::translate(const Vec3d& by) {
+    position_ += by;
+    origin_ = position_.cast<float>();
+}
+
+Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) const {
+    const Vec2 pixel = Vec2(static_cast<float>(x), static_cast<float>(y)) + crop_offset_;
+    const Vec2 film = pixel + Vec2::Constant(0.5f) + filter_.sample(u_film);
+    const Vec2 c = film.cwiseProduct(scale_) + offset_;
+    if (projection_ == Projection::orthographic) {
+        const float length = forward_.norm();
+        return {origin_ + c.x() * left_ + c.y() * up_, forward_ / length, near_clip_ * length, far_clip_ * length};
+    }
+    Vec3 o = origin_, d = c.x() * left_ + c.y() * up_ + forward_;
+    if (has_lens_) {
+        // All rays of a film position meet in the plane of focus: o + focus_distance * d is the same for all.
+        const Vec2 on_disk = square_to_disk(u_lens);
+        const Vec2 lens = aperture_radius_ * (injected(Fault::thin_lens_area) ? on_disk.norm() : 1.f) * on_disk;
+        const Vec3 shift = lens.x() * left_ + lens.y() * up_;
+        o += shift;
+        d -= inv_focus_distance_ * shift;
+    }
+    const float length = d.norm();
+    // Clip distances count along the axis: t = z / cos.
+    return {o, d * (1.f / length), near_clip_ * length, far_clip_ * length};
+}
+
+}  // namespace gib

@@ -1,0 +1,94 @@
+#pragma once
+// Cameras: where the ray of a film position starts and goes. Film coordinates are pixels, (0, 0) the top left corner of
+// the image.
+
+#include "common/core/math.h"
+#include "common/sampling/sampler.h"
+
+#include <optional>
+#include <vector>
+
+namespace gib {
+
+/// How a pixel weighs the film around its centre. Filters are importance-sampled: each pixel keeps its own samples.
+class ReconstructionFilter {
+public:
+    static ReconstructionFilter box(float radius);
+    /// 1 - |x| / radius.
+    static ReconstructionFilter tent(float radius);
+    /// exp(-x^2 / (2 stddev^2)) - exp(-r^2 / (2 stddev^2)), cut off at r = 4 stddev: Mitsuba's.
+    static ReconstructionFilter gaussian(float stddev);
+
+    /// An offset from the pixel's centre in pixels, distributed like the filter.
+    Vec2 sample(const Vec2& u) const { return {sample(u.x()), sample(u.y())}; }
+
+private:
+    enum class Shape { box, tent, table };
+    float sample(float u) const;
+    float sample_table(float u) const;
+
+    Shape shape_ = Shape::box;
+    float radius_ = 0.5f;
+    std::vector<float> cumulative_;  ///< of a tabulated filter over [-radius, radius]
+};
+
+class Sensor {
+public:
+    enum class Projection { perspective, orthographic };
+    /// Which extent of the image `fov` spans.
+    enum class FovAxis { x, y, diagonal, smaller, larger };
+
+    /// The film that the image is a part of, in the image's pixels.
+    struct Crop {
+        Vec2d film;    ///< width and height
+        Vec2d offset;  ///< of the image's top left corner from the film's
+    };
+
+    struct Parameters {
+        Projection projection = Projection::perspective;
+        double fov = 40;  ///< [degrees], of perspective
+        FovAxis fov_axis = FovAxis::x;
+        float near_clip = 0;  ///< [scene units] along the view direction
+        float far_clip = infinity;
+        Mat4d to_world = Mat4d::Identity();            ///< camera looks along +z, +y up, +x left
+        Vec2d principal_point_offset = Vec2d::Zero();  ///< added to film positions, in
+                                                       ///< fractions of the film's extents
+        double aperture_radius = 0;                    ///< [scene units], of a perspective's thin lens; 0: a pinhole
+        double focus_distance = 1e4;  ///< [scene units] from the lens to the plane of sharp points, along the view
+                                      ///< direction
+        int width = 768, height = 576;
+        std::optional<Crop> crop;  ///< none: the image is the whole film
+        ReconstructionFilter filter = ReconstructionFilter::gaussian(0.5f);
+    };
+
+    explicit Sensor(const Parameters& parameters);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    /// Whether rays differ in their point on the lens: without one, `u_lens` means nothing.
+    bool has_lens() const { return has_lens_; }
+    /// The ray of a sample in pixel (x, y); d has unit length. The middle of `u_lens` is the middle of the lens.
+    Ray generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens = Vec2(0.5f, 0.5f)) const;
+    /// The ray of a sampler's path; the sampler's index need not be the pixel.
+    Ray sample_ray(int x, int y, const Sampler& sampler) const {
+        return has_lens_ ? generate_ray(x, y, sampler.get_2d(dimension::film), sampler.get_2d(dimension::lens))
+                         : generate_ray(x, y, sampler.get_2d(dimension::film));
+    }
+    /// Moves the camera, for a scene that is recentred.
+    void translate(const Vec3d& by);
+
+private:
+    Projection projection_;
+    int width_, height_;
+    ReconstructionFilter filter_;
+    float near_clip_, far_clip_;
+    Vec3d position_;  ///< kept in double, so that recentring a distant scene loses nothing
+    Vec3 origin_;
+    Vec3 left_, up_, forward_;  ///< columns of to_world's linear part
+    bool has_lens_;
+    float aperture_radius_, inv_focus_distance_;
+    Vec2 crop_offset_;
+    Vec2 scale_, offset_;  ///< film position -> camera-space (x, y) at z = 1 (perspective) or at any z (orthographic)
+};
+
+}  // namespace gib

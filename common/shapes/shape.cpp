@@ -1,0 +1,316 @@
+#include "common/shapes/shape.h"
+
+#include "common/core/memory_limit.h"
+#include "common/core/parallel.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace gib {
+
+namespace {
+
+/// Bound of n rounded operations in a row (Higham 2002, lemma 3.1).
+constexpr float gamma(int n) {
+    return static_cast<float>(n) * unit_roundoff / (1.f - static_cast<float>(n) * unit_roundoff);
+}
+
+/// A coordinate plane through the origin has no rounding errors, but a ray that starts on it would find it at distance
+/// 0: this fraction of the shape's size takes it off.
+constexpr float off_the_plane = 0x1p-33f;
+
+float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
+
+struct Triangle {
+    Vec3 v0, e1, e2;  ///< a vertex and the edges from it to the second and third
+};
+
+Triangle triangle_of(const Mesh& mesh, std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3 v0 = mesh.vertex(t[0]);
+    return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
+}
+
+/// e1 x e2, exact edges. In double: those of a needle are nearly parallel, so that their products cancel, and the
+/// products of a small triangle's are less than a float holds.
+Vec3d product_of_edges(const Mesh& mesh, std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3d v0 = mesh.vertex(t[0]).cast<double>();
+    return (mesh.vertex(t[1]).cast<double>() - v0).cross(mesh.vertex(t[2]).cast<double>() - v0);
+}
+
+double area_of_triangle(const Mesh& mesh, std::size_t i) { return 0.5 * mesh.normal_of(i).norm(); }
+
+SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
+    SurfacePoint s;
+    s.p = sphere.center + sphere.radius * direction;
+    s.ng = sphere.flip_normals ? Vec3(-direction) : direction;
+    // Rounding of the centre's sum and of a unit vector's length, in each of three coordinates.
+    s.offset = 8.f * unit_roundoff * (sum_abs(sphere.center) + 3.f * sphere.radius);
+    return s;
+}
+
+SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
+    SurfacePoint s;
+    s.p = disk.center + a * disk.du + b * disk.dv;
+    s.ng = disk.normal;
+    const Vec3 extent = disk.du.cwiseAbs() + disk.dv.cwiseAbs();
+    s.offset = gamma(8) * s.ng.cwiseAbs().dot(disk.center.cwiseAbs() + extent) + off_the_plane * extent.sum();
+    return s;
+}
+
+/// Around the axis `normal` is the only direction that p's rounding counts in; it is that of the sums and of a unit
+/// vector's length.
+SurfacePoint point_on_cylinder(const Cylinder& cylinder, const Vec3& normal, float v) {
+    SurfacePoint s;
+    s.p = cylinder.base + v * cylinder.axis + cylinder.radius * normal;
+    s.ng = cylinder.flip_normals ? Vec3(-normal) : normal;
+    const Vec3 along = cylinder.base.cwiseAbs() + cylinder.axis.cwiseAbs();
+    s.offset = gamma(8) * normal.cwiseAbs().dot(along) + gamma(16) * cylinder.radius;
+    return s;
+}
+
+/// The angle of (x, y) in full turns, from 0 to 1.
+float turns(float x, float y) {
+    const float phi = std::atan2(y, x);
+    return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
+}
+
+/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits
+/// near a pole.
+Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
+    const Vec3 d = sphere.axes.transpose() * direction;
+    return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
+}
+
+/// Projects `p_ray` in double: the axis may be many times longer than the radius.
+SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray) {
+    const Vec3d axis = cylinder.axis.cast<double>(), d = p_ray.cast<double>() - cylinder.base.cast<double>();
+    const double v = d.dot(axis) / axis.squaredNorm();
+    const Vec3d across = d - v * axis;
+    const double length = across.norm();
+    const Vec3 n = length > 0 ? Vec3((across / length).cast<float>()) : cylinder.s;
+    const SurfacePoint s = point_on_cylinder(cylinder, n, std::clamp(static_cast<float>(v), 0.f, 1.f));
+    return {s, s.ng, Vec2(turns(n.dot(cylinder.s), n.dot(cylinder.t)), std::clamp(static_cast<float>(v), 0.f, 1.f))};
+}
+
+struct Roots {
+    double near, far;
+};
+
+/// Where |f + t d|^2 = r2, in the form of Haines et al. that does not cancel. Empty for d = 0 too.
+std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
+    const double a = d.squaredNorm(), b = -f.dot(d);
+    if (a == 0) return std::nullopt;
+    const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
+    if (!(discriminant >= 0)) return std::nullopt;
+    const double q = b + std::copysign(std::sqrt(a * discriminant), b);
+    // The product of the roots over the one that does not cancel. A line that touches in its origin meets there twice.
+    const double first = q == 0 ? 0 : (f.squaredNorm() - r2) / q, second = q / a;
+    return first > second ? Roots{second, first} : Roots{first, second};
+}
+
+bool within(const Ray& ray, double t) {
+    return t > static_cast<double>(ray.t_min) && t < static_cast<double>(ray.t_max);
+}
+
+}  // namespace
+
+void Mesh::prepare() {
+    require_memory(static_cast<double>(triangles.size()) * sizeof(Facet),
+                   fmt::format("a mesh of {} triangles", triangles.size()));
+    facets.resize(triangles.size());
+    parallel_blocks(triangles.size(), 1 << 14, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            facets[i] = facet_of(i);
+    });
+}
+
+/// A point's offset is the sum of two bounds of distances along the normal, component by component,
+/// so that a floor of any size that lies in a coordinate plane needs next to none. The first is of the rounding of p,
+/// which is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 -
+/// p) . n, in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are
+/// sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
+Mesh::Facet Mesh::facet_of(std::size_t i) const {
+    const Triangle t = triangle_of(*this, i);
+    Vec3d n = product_of_edges(*this, i);
+    // Rays meet the triangle of the rounded edges, which may have an area where the vertices have none.
+    if (n.isZero(0)) n = t.e1.cast<double>().cross(t.e2.cast<double>());
+    const double length = n.norm();
+    // A triangle without an area has no normal, and no ray finds it.
+    const double scale = length > 0 ? 1 / length : std::numeric_limits<double>::quiet_NaN();
+    const Vec3 ng = (scale * n).cast<float>();
+    const Vec3d a1 = t.e1.cwiseAbs().cast<double>(), a2 = t.e2.cwiseAbs().cast<double>();
+    const Vec3d m(a1.y() * a2.z() + a1.z() * a2.y(), a1.z() * a2.x() + a1.x() * a2.z(),
+                  a1.x() * a2.y() + a1.y() * a2.x());
+    const Vec3 furthest = t.v0.cwiseAbs().cwiseMax((t.v0 + t.e1).cwiseAbs()).cwiseMax((t.v0 + t.e2).cwiseAbs());
+    const float of_point = gamma(8) * ng.cwiseAbs().dot(furthest);
+    const float of_query =
+        gamma(16) * static_cast<float>(scale * (a1 + a2).dot(m)) + off_the_plane * static_cast<float>((a1 + a2).sum());
+    // The least distance from an edge is a bound of the rounding of p in any direction; the weight of a vertex is that
+    // over its height. But no point moves by more than some eight times as far: off the long edges of a needle, it
+    // would move along them.
+    // In double: floats have no squares of lengths below 1e-23.
+    const Vec3 e3 = t.e2 - t.e1;
+    const auto length_of = [](const Vec3& v) { return v.cast<double>().norm(); };
+    const double off_edges = static_cast<double>(gamma(4)) * length_of(furthest);
+    const double longest = std::max({length_of(t.e1), length_of(t.e2), length_of(e3)});
+    const double most = length > 0 ? std::min(0.25, 8 * off_edges / longest) : 0.;
+    const auto least = [&](const Vec3& edge) {
+        return most > 0 ? static_cast<float>(std::min(most, off_edges / length * length_of(edge))) : 0.f;
+    };
+    Facet facet;
+    facet.v0 << t.v0, of_point + of_query;
+    facet.e1 << t.e1, least(t.e2);
+    facet.e2 << t.e2, least(t.e1);
+    facet.ng << (flip_normals ? Vec3(-ng) : ng), least(e3);
+    return facet;
+}
+
+void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
+    const float least1 = facet.e1.w(), least2 = facet.e2.w(), room = 1.f - least1 - least2 - facet.ng.w();
+    float more1 = std::max(0.f, b1 - least1), more2 = std::max(0.f, b2 - least2);
+    const float more = more1 + more2;
+    if (more > room) {
+        more1 *= room / more;
+        more2 *= room / more;
+    }
+    b1 = least1 + more1;
+    b2 = least2 + more2;
+}
+
+/// Normals that cancel out leave no direction: then the face's.
+Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const {
+    const auto& t = triangles[i];
+    const Vec3 ns = (1.f - b1 - b2) * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
+    const float length = ns.norm();
+    return length > 0.f ? Vec3(ns * ((flip_normals ? -1.f : 1.f) / length)) : ng;
+}
+
+Vec3d Mesh::normal_of(std::size_t i) const {
+    const Vec3d n = product_of_edges(*this, i);
+    return flip_normals ? Vec3d(-n) : n;
+}
+
+Bounds bounds_of(const Shape& shape) {
+    Bounds b;
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        for (const auto& t : mesh->triangles)
+            for (std::uint32_t i : t)
+                b.add(mesh->vertex(i));
+    } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        b.add(sphere->center - Vec3::Constant(sphere->radius));
+        b.add(sphere->center + Vec3::Constant(sphere->radius));
+    } else if (const auto* disk = std::get_if<Disk>(&shape)) {
+        const Vec3 extent = (disk->du.cwiseAbs2() + disk->dv.cwiseAbs2()).cwiseSqrt();
+        b.add(disk->center - extent);
+        b.add(disk->center + extent);
+    } else {
+        const auto& cylinder = std::get<Cylinder>(shape);
+        const Vec3 extent = cylinder.radius * (cylinder.s.cwiseAbs2() + cylinder.t.cwiseAbs2()).cwiseSqrt();
+        for (const Vec3& end : {cylinder.base, Vec3(cylinder.base + cylinder.axis)}) {
+            b.add(end - extent);
+            b.add(end + extent);
+        }
+    }
+    return b;
+}
+
+double area_of(const Shape& shape) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        double area = 0;
+        for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
+            area += area_of_triangle(*mesh, i);
+        return area;
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
+        return 4.0 * std::numbers::pi * sqr(static_cast<double>(sphere->radius));
+    if (const auto* disk = std::get_if<Disk>(&shape))
+        return std::numbers::pi * disk->du.cast<double>().norm() * disk->dv.cast<double>().norm();
+    const auto& cylinder = std::get<Cylinder>(shape);
+    return 2.0 * std::numbers::pi * static_cast<double>(cylinder.radius) * cylinder.axis.cast<double>().norm();
+}
+
+bool has_smooth_normals(const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    return mesh && !mesh->normals.empty();
+}
+
+SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        const Vec3 from_center = p_ray - sphere->center;
+        // Of a sphere that is smaller than an ulp of its place, any direction.
+        const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
+        const SurfacePoint s = point_on_sphere(*sphere, direction);
+        return {s, s.ng, sphere_uv(*sphere, direction)};
+    }
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray);
+    const auto& disk = std::get<Disk>(shape);
+    const Vec3 d = p_ray - disk.center;
+    const float a = d.dot(disk.du) / disk.du.squaredNorm(), b = d.dot(disk.dv) / disk.dv.squaredNorm();
+    const SurfacePoint s = point_on_disk(disk, a, b);
+    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), turns(a, b))};
+}
+
+std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
+    const auto roots = meet(ray.o.cast<double>() - sphere.center.cast<double>(), ray.d.cast<double>(),
+                            sqr(static_cast<double>(sphere.radius)));
+    if (!roots) return std::nullopt;
+    const double t = roots->near > static_cast<double>(ray.t_min) ? roots->near : roots->far;
+    if (!within(ray, t)) return std::nullopt;
+    return static_cast<float>(t);
+}
+
+std::optional<float> intersect(const Disk& disk, const Ray& ray) {
+    const Vec3d n = disk.du.cast<double>().cross(disk.dv.cast<double>());
+    const Vec3d d = ray.d.cast<double>(), f = disk.center.cast<double>() - ray.o.cast<double>();
+    const double denominator = n.dot(d);
+    if (denominator == 0) return std::nullopt;
+    const double t = n.dot(f) / denominator;
+    if (!within(ray, t)) return std::nullopt;
+    const Vec3d p = t * d - f;
+    const double a = p.dot(disk.du.cast<double>()) / disk.du.cast<double>().squaredNorm();
+    const double b = p.dot(disk.dv.cast<double>()) / disk.dv.cast<double>().squaredNorm();
+    if (a * a + b * b > 1) return std::nullopt;
+    return static_cast<float>(t);
+}
+
+std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray) {
+    const Vec3d axis = cylinder.axis.cast<double>(), d = ray.d.cast<double>();
+    const Vec3d f = ray.o.cast<double>() - cylinder.base.cast<double>();
+    const double dv = d.dot(axis) / axis.squaredNorm(), v = f.dot(axis) / axis.squaredNorm();
+    const auto roots = meet(f - v * axis, d - dv * axis, sqr(static_cast<double>(cylinder.radius)));
+    if (!roots) return std::nullopt;
+    for (const double t : {roots->near, roots->far})
+        if (within(ray, t) && v + t * dv >= 0 && v + t * dv <= 1) return static_cast<float>(t);
+    return std::nullopt;
+}
+
+AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(shape))) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        std::vector<double> areas;
+        for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
+            areas.push_back(area_of_triangle(*mesh, i));
+        triangles_ = DiscreteDistribution(areas);
+    }
+}
+
+SurfacePoint AreaSampler::sample_analytic(const Shape& shape, const Vec2& u) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+        const float phi = 2.f * pi * u.y();
+        return point_on_cylinder(*cylinder, std::cos(phi) * cylinder->s + std::sin(phi) * cylinder->t, u.x());
+    }
+    const Vec2 d = square_to_disk(u);
+    return point_on_disk(std::get<Disk>(shape), d.x(), d.y());
+}
+
+SurfaceGeometry AreaSampler::sample_geometry(const Shape& shape, const Vec2& u) const {
+    const auto* mesh = std::get_if<Mesh>(&shape);
+    if (!mesh) return surface_at(shape, 0, 0, 0, sample(shape, u).p);
+    const MeshSample at = sample_mesh(u);
+    return mesh->surface_at(at.triangle, at.b.x(), at.b.y());
+}
+
+}  // namespace gib

@@ -1,0 +1,74 @@
+// How a surface moves with its texture coordinates, for bump maps and texture frames. Computed on demand: most hits do
+// not need it.
+
+#include "common/shapes/shape.h"
+
+namespace gib {
+
+namespace {
+
+/// What a vanishing radius is replaced by, so that a direction is left: far below any derivative that matters.
+constexpr float least_radius = 1e-6f;
+
+struct Circle {
+    float radius, cos_phi, sin_phi;
+};
+
+/// (x, y) in polar coordinates; the angle in the centre is 0, as that of atan2(0, 0).
+Circle circle_through(float x, float y) {
+    const float r = std::sqrt(x * x + y * y);
+    return r > 0.f ? Circle{r, x / r, y / r} : Circle{0.f, 1.f, 0.f};
+}
+
+/// Mitsuba's coordinate system does not turn with flip_normals.
+SurfaceDerivatives tangent_basis(const Vec3& normal) {
+    const Frame frame(normal);
+    return {frame.s, frame.t};
+}
+
+/// The two edges are linear functions of the two differences of uv; their matrix is inverted, in double, as uv may be
+/// any numbers.
+SurfaceDerivatives derivatives_of(const Mesh& mesh, std::uint32_t triangle, const SurfaceGeometry& at) {
+    const auto fallback = [&] { return tangent_basis(mesh.flip_normals ? Vec3(-at.ng) : at.ng); };
+    if (mesh.uvs.empty()) return fallback();
+    const auto& t = mesh.triangles[triangle];
+    const Vec2d uv0 = mesh.uvs[t[0]].cast<double>();
+    const Vec2d a = mesh.uvs[t[1]].cast<double>() - uv0, b = mesh.uvs[t[2]].cast<double>() - uv0;
+    const double determinant = a.x() * b.y() - a.y() * b.x();
+    if (determinant == 0) return fallback();
+    const Vec3d v0 = mesh.vertex(t[0]).cast<double>();
+    const Vec3d e1 = mesh.vertex(t[1]).cast<double>() - v0, e2 = mesh.vertex(t[2]).cast<double>() - v0;
+    const SurfaceDerivatives d{((b.y() * e1 - a.y() * e2) / determinant).cast<float>(),
+                               ((a.x() * e2 - b.x() * e1) / determinant).cast<float>()};
+    return d.dp_du.array().isFinite().all() && d.dp_dv.array().isFinite().all() ? d : fallback();
+}
+
+SurfaceDerivatives derivatives_of(const Sphere& sphere, std::uint32_t, const SurfaceGeometry& at) {
+    const Vec3 d = sphere.axes.transpose() * (sphere.flip_normals ? Vec3(-at.ng) : at.ng);
+    const Circle parallel = circle_through(d.x(), d.y());
+    const Vec3 east(-parallel.sin_phi, parallel.cos_phi, 0.f);
+    const Vec3 south(d.z() * parallel.cos_phi, d.z() * parallel.sin_phi, -parallel.radius);
+    return {2.f * pi * sphere.radius * std::max(parallel.radius, least_radius) * (sphere.axes * east),
+            pi * sphere.radius * (sphere.axes * south)};
+}
+
+/// u is the distance from the centre in units of the disk's radius, v the angle in turns.
+SurfaceDerivatives derivatives_of(const Disk& disk, std::uint32_t, const SurfaceGeometry& at) {
+    const float phi = 2.f * pi * at.uv.y(), c = std::cos(phi), s = std::sin(phi);
+    return {c * disk.du + s * disk.dv, 2.f * pi * std::max(at.uv.x(), least_radius) * (c * disk.dv - s * disk.du)};
+}
+
+/// u is the angle in turns.
+SurfaceDerivatives derivatives_of(const Cylinder& cylinder, std::uint32_t, const SurfaceGeometry& at) {
+    const Vec3 normal = cylinder.flip_normals ? Vec3(-at.ng) : at.ng;
+    const Vec3 around = normal.dot(cylinder.s) * cylinder.t - normal.dot(cylinder.t) * cylinder.s;
+    return {2.f * pi * cylinder.radius * around, cylinder.axis};
+}
+
+}  // namespace
+
+SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at) {
+    return std::visit([&](const auto& s) { return derivatives_of(s, primitive, at); }, shape);
+}
+
+}  // namespace gib

@@ -1,0 +1,237 @@
+#include "common/xml/scene_spectrum.h"
+
+#include "common/color/cie.h"
+#include "common/core/files.h"
+#include "common/core/text_cursor.h"
+
+#include <fmt/format.h>
+
+namespace gib {
+
+namespace {
+
+/// What a colour is for.
+struct Purpose {
+    const std::string& property;
+    ColorRange range;
+};
+
+/// Throws InputError for a channel out of range.
+Color checked(const Colord& rgb, const Purpose& purpose, const SourceLocation& where) {
+    for (const double channel : rgb)
+        check_color_value(channel, purpose.range, purpose.property, where);
+    return rgb.cast<float>();
+}
+
+Color color_of(const Spectrum& spectrum, const Purpose& purpose, const SourceLocation& where) {
+    const bool emission = purpose.range == ColorRange::emission;
+    Colord rgb = rgb_of_spectrum(spectrum, emission ? Illuminant::none : Illuminant::d65).max(0.0);
+    if (purpose.range == ColorRange::unit) rgb = rgb.min(1.0);
+    return checked(rgb, purpose, where);
+}
+
+class SampleList {
+public:
+    explicit SampleList(const Purpose& purpose) : purpose_(purpose) {}
+
+    void add(double wavelength, double value, const SourceLocation& where) {
+        auto& wavelengths = samples_.wavelengths;
+        for (const double x : {wavelength, value})
+            if (!std::isfinite(x)) throw InputError(where, fmt::format("bad number '{}'", x));
+        if (!wavelengths.empty() && wavelength <= wavelengths.back())
+            throw InputError(
+                where, fmt::format("the wavelengths must increase: {} follows {}", wavelength, wavelengths.back()));
+        check_color_value(value, purpose_.range, purpose_.property, where);
+        wavelengths.push_back(wavelength);
+        samples_.values.push_back(value);
+    }
+
+    Color color(const SourceLocation& where) const {
+        if (samples_.values.size() < 2)
+            throw InputError(where,
+                             fmt::format("a spectrum needs two wavelengths or more, found {}", samples_.values.size()));
+        return color_of(samples_, purpose_, where);
+    }
+
+private:
+    const Purpose& purpose_;
+    SampledSpectrum samples_;
+};
+
+/// A part of an attribute's value.
+XmlAttribute part(const XmlAttribute& attribute, std::string text) {
+    return {attribute.name, std::move(text), attribute.where};
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+    constexpr std::string_view separators = " \t\r\n,";
+    std::vector<std::string> words;
+    for (std::size_t begin = text.find_first_not_of(separators); begin != text.npos;) {
+        const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+        words.push_back(text.substr(begin, end - begin));
+        begin = text.find_first_not_of(separators, end);
+    }
+    return words;
+}
+
+Color parse_list(const XmlAttribute& attribute, const Purpose& purpose) {
+    SampleList list(purpose);
+    for (const std::string& pair : words_of(attribute.value)) {
+        const std::size_t colon = pair.find(':');
+        if (colon == pair.npos)
+            throw InputError(attribute.where,
+                             fmt::format("bad spectrum '{}': expected wavelength:value, as in 400:0.1", pair));
+        list.add(parse_number(part(attribute, pair.substr(0, colon))),
+                 parse_number(part(attribute, pair.substr(colon + 1))), attribute.where);
+    }
+    return list.color(attribute.where);
+}
+
+Color parse_file(const std::string& path, const Purpose& purpose) {
+    const std::string text = read_file(path);
+    TextCursor cursor(text, path);
+    SampleList list(purpose);
+    for (cursor.skip_space(); !cursor.at_end(); cursor.skip_space()) {
+        if (cursor.peek() != '#') {
+            const SourceLocation where = cursor.location();
+            const double wavelength = cursor.number(), value = cursor.number();
+            list.add(wavelength, value, where);
+            cursor.skip_blanks();
+            if (!cursor.at_line_end() && cursor.peek() != '#')
+                throw InputError(cursor.location(), "a line has two numbers: a wavelength and a value");
+        }
+        cursor.next_line();
+    }
+    return list.color({path, 0, 0});
+}
+
+/// The same at all wavelengths.
+Color parse_constant(const XmlAttribute& attribute, const Purpose& purpose) {
+    const double value = parse_number(attribute);
+    check_color_value(value, purpose.range, purpose.property, attribute.where);
+    const Colord xyz = Colord::Constant(value);
+    return checked(purpose.range == ColorRange::emission ? rgb_of_xyz(xyz) : xyz, purpose, attribute.where);
+}
+
+void require(const Properties& properties, const std::string& name) {
+    if (!properties.has(name))
+        throw InputError(properties.element().where, fmt::format("the spectrum '{}' needs '{}'",
+                                                                 properties.element().required("type").value, name));
+}
+
+double required_number(Properties& properties, const std::string& name) {
+    require(properties, name);
+    return *properties.number(name);
+}
+
+/// The numbers of a <string>, as an attribute that knows where they stand.
+XmlAttribute required_list(Properties& properties, const std::string& name) {
+    require(properties, name);
+    return {"value", *properties.string(name), properties.where(name)};
+}
+
+Color parse_regular(Properties& properties, const Purpose& purpose) {
+    const double first = required_number(properties, "wavelength_min"),
+                 last = required_number(properties, "wavelength_max");
+    const XmlAttribute attribute = required_list(properties, "values");
+    const std::vector<double> values = parse_numbers(attribute);
+    SampleList list(purpose);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double t = values.size() < 2 ? 0.0 : static_cast<double>(i) / static_cast<double>(values.size() - 1);
+        list.add((1 - t) * first + t * last, values[i], attribute.where);
+    }
+    return list.color(attribute.where);
+}
+
+Color parse_irregular(Properties& properties, const Purpose& purpose) {
+    const XmlAttribute attribute = required_list(properties, "values");
+    const std::vector<double> wavelengths = parse_numbers(required_list(properties, "wavelengths")),
+                              values = parse_numbers(attribute);
+    if (wavelengths.size() != values.size())
+        throw InputError(attribute.where,
+                         fmt::format("found {} values at {} wavelengths", values.size(), wavelengths.size()));
+    SampleList list(purpose);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        list.add(wavelengths[i], values[i], attribute.where);
+    return list.color(attribute.where);
+}
+
+/// Planck's law with the constants of the SI (2019): radiance [W/(m^2 sr nm)] at a wavelength [nm].
+double planck(double wavelength, double temperature) {
+    constexpr double c = 299792458, h = 6.62607015e-34, k = 1.380649e-23;
+    const double metres = wavelength * 1e-9;
+    return 1e-9 * 2 * h * c * c / (std::pow(metres, 5) * std::expm1(h * c / (metres * k * temperature)));
+}
+
+Color parse_blackbody(Properties& properties, const Purpose& purpose) {
+    const SourceLocation& where = properties.element().where;
+    if (purpose.range != ColorRange::emission)
+        throw InputError(where, fmt::format("'{}' cannot be a blackbody: only an emission can", purpose.property));
+    require(properties, "temperature");
+    const double temperature = properties.positive("temperature", 0);
+    const double first = properties.number("wavelength_min", shortest_wavelength),
+                 last = properties.number("wavelength_max", longest_wavelength);
+    const auto spectrum = [&](double wavelength) {
+        return wavelength >= first && wavelength <= last ? planck(wavelength, temperature) : 0.0;
+    };
+    return color_of(spectrum, purpose, where);
+}
+
+/// A colour under D65, the white of RGB.
+Color parse_d65(Properties& properties, const Purpose& purpose) {
+    const double scale = properties.number("scale", 1);
+    const Color color = properties.rgb("color", 1, ColorRange::non_negative);
+    return checked(color.cast<double>() * scale, purpose, properties.where("scale"));
+}
+
+Color parse_srgb(Properties& properties, const Purpose& purpose) {
+    require(properties, "color");
+    return properties.rgb("color", 1, purpose.range);
+}
+
+/// Grey: in RGB its wavelengths mean nothing.
+Color parse_uniform(Properties& properties, const Purpose& purpose) {
+    properties.number("wavelength_min");
+    properties.number("wavelength_max");
+    const double value = required_number(properties, "value");
+    return checked(Colord::Constant(value), purpose, properties.where("value"));
+}
+
+Color parse_plugin(const XmlElement& element, const XmlIds& ids, const Purpose& purpose) {
+    Properties properties(element, ids);
+    const std::string& type = properties.plugin({"uniform", "regular", "irregular", "srgb", "d65", "blackbody"});
+    const auto parse = [&]() -> Color {
+        if (type == "regular") return parse_regular(properties, purpose);
+        if (type == "irregular") return parse_irregular(properties, purpose);
+        if (type == "blackbody") return parse_blackbody(properties, purpose);
+        if (type == "d65") return parse_d65(properties, purpose);
+        if (type == "srgb") return parse_srgb(properties, purpose);
+        return parse_uniform(properties, purpose);
+    };
+    const Color color = parse();
+    properties.finish();
+    return color;
+}
+
+}  // namespace
+
+Color parse_spectrum(const XmlElement& element, const XmlIds& ids, const std::string& name, ColorRange range) {
+    const Purpose purpose{name, range};
+    if (element.find("type")) return parse_plugin(element, ids, purpose);
+    element.check_attributes({"name", "value", "filename"});
+    const XmlAttribute* file = element.find("filename");
+    if (file && element.find("value")) throw InputError(file->where, "give either 'value' or 'filename'");
+    if (file) return parse_file(file->value, purpose);
+    const XmlAttribute& value = element.required("value");
+    const auto words = words_of(value.value);
+    const bool constant = words.size() == 1 && words[0].find(':') == std::string::npos;
+    return constant ? parse_constant(part(value, words[0]), purpose) : parse_list(value, purpose);
+}
+
+Color color_property(Properties& properties, const std::string& name, float fallback, ColorRange range) {
+    if (const XmlElement* spectrum = properties.spectrum(name))
+        return parse_spectrum(*spectrum, properties.ids(), name, range);
+    return properties.rgb(name, fallback, range);
+}
+
+}  // namespace gib

@@ -1,0 +1,109 @@
+#include "common/xml/xml_document.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <pugixml.hpp>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t most_attributes = 64;  ///< none takes more than a few, and each is compared with all before it
+constexpr int deepest_element = 64;  ///< deeper files are mistakes, and recursion over them must stay on the stack
+
+class Converter {
+public:
+    Converter(const std::string& text, std::string file) : text_(text), file_(std::move(file)) {
+        for (std::size_t i = 0; i < text.size(); ++i)
+            if (text[i] == '\n') line_starts_.push_back(i + 1);
+    }
+
+    SourceLocation location(std::size_t offset) const {
+        offset = std::min(offset, text_.size());
+        const auto next = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
+        return {file_, static_cast<int>(next - line_starts_.begin()), static_cast<int>(offset - *(next - 1)) + 1};
+    }
+
+    XmlElement convert(const pugi::xml_node& node, int depth) const {
+        // pugixml's offset is that of the name, one after the `<`.
+        const auto name_offset = static_cast<std::size_t>(node.offset_debug());
+        XmlElement element{node.name(), location(name_offset - 1), {}, {}};
+        if (depth > deepest_element)
+            throw InputError(element.where, fmt::format("elements are nested deeper than {} levels", deepest_element));
+        convert_attributes(node, name_offset + element.tag.size(), element);
+        for (const auto& child : node.children()) {
+            if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
+                throw InputError(location(static_cast<std::size_t>(child.offset_debug())),
+                                 fmt::format("unexpected text in <{}>", element.tag));
+            element.children.push_back(convert(child, depth + 1));
+        }
+        return element;
+    }
+
+private:
+    /// Attributes have no offset in pugixml: their places are found again in the text, which is known to be
+    /// well-formed.
+    void convert_attributes(const pugi::xml_node& node, std::size_t at, XmlElement& element) const {
+        for (const auto& attribute : node.attributes()) {
+            at = text_.find_first_not_of(" \t\r\n", at);
+            XmlAttribute converted{attribute.name(), attribute.value(), location(at)};
+            if (element.attributes.size() == most_attributes)
+                throw InputError(converted.where,
+                                 fmt::format("<{}> has more than {} attributes", element.tag, most_attributes));
+            if (element.find(converted.name))
+                throw InputError(converted.where, fmt::format("attribute '{}' is given twice", converted.name));
+            element.attributes.push_back(std::move(converted));
+            const std::size_t quote = text_.find_first_of("\"'", at);
+            at = text_.find(text_[quote], quote + 1) + 1;
+        }
+    }
+
+    const std::string& text_;
+    std::string file_;
+    std::vector<std::size_t> line_starts_{0};
+};
+
+}  // namespace
+
+const XmlAttribute* XmlElement::find(std::string_view name) const {
+    const auto it = std::find_if(attributes.begin(), attributes.end(), [&](const auto& a) { return a.name == name; });
+    return it == attributes.end() ? nullptr : &*it;
+}
+
+const XmlAttribute& XmlElement::required(std::string_view name) const {
+    const XmlAttribute* attribute = find(name);
+    if (!attribute) throw InputError(where, fmt::format("<{}> needs the attribute '{}'", tag, name));
+    return *attribute;
+}
+
+void XmlElement::check_attributes(std::initializer_list<std::string_view> allowed) const {
+    for (const auto& attribute : attributes)
+        if (std::find(allowed.begin(), allowed.end(), attribute.name) == allowed.end())
+            throw InputError(attribute.where, fmt::format("unknown attribute '{}' of <{}>; it takes: {}",
+                                                          attribute.name, tag, fmt::join(allowed, ", ")));
+}
+
+void XmlElement::check_no_children() const {
+    if (!children.empty())
+        throw InputError(children[0].where, fmt::format("<{}> cannot hold <{}>", tag, children[0].tag));
+}
+
+XmlElement parse_xml(const std::string& text, const std::string& file) {
+    const Converter converter(text, file);
+    // For pugixml the text ends there, whatever follows.
+    if (const std::size_t zero = text.find('\0'); zero != text.npos)
+        throw InputError(converter.location(zero), "malformed XML: a byte of value zero");
+    pugi::xml_document document;
+    const auto result = document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+    if (!result)
+        throw InputError(converter.location(static_cast<std::size_t>(result.offset)),
+                         fmt::format("malformed XML: {}", result.description()));
+    const pugi::xml_node root = document.document_element();
+    if (const pugi::xml_node second = root.next_sibling())
+        throw InputError(converter.location(static_cast<std::size_t>(second.offset_debug()) - 1),
+                         "malformed XML: something follows the root element");
+    return converter.convert(root, 0);
+}
+
+}  // namespace gib

@@ -1,0 +1,37 @@
+#pragma once
+// An XML file as a tree in which every element and every attribute knows where it stands.
+
+#include "common/core/error.h"
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gib {
+
+struct XmlAttribute {
+    std::string name, value;
+    SourceLocation where;  ///< of the first letter of its name
+};
+
+struct XmlElement {
+    std::string tag;
+    SourceLocation where;  ///< of its `<`
+    std::vector<XmlAttribute> attributes;
+    std::vector<XmlElement> children;
+
+    /// Null: there is none.
+    const XmlAttribute* find(std::string_view name) const;
+    /// Throws InputError if there is none.
+    const XmlAttribute& required(std::string_view name) const;
+    /// Throws InputError at the first attribute that is not among `allowed`.
+    void check_attributes(std::initializer_list<std::string_view> allowed) const;
+    void check_no_children() const;
+};
+
+/// The root element of a document in UTF-8; `file` names it in messages. Throws InputError for malformed XML, for text
+/// between elements and for an attribute that is given twice.
+XmlElement parse_xml(const std::string& text, const std::string& file);
+
+}  // namespace gib

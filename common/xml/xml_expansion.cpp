@@ -1,0 +1,277 @@
+#include "common/xml/xml_expansion.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+namespace gib {
+
+namespace {
+
+constexpr int deepest_include = 15;
+/// Files that include each other several times, and parameters made of parameters, grow without bound from a few lines.
+constexpr int most_includes = 1000;
+constexpr std::size_t most_substituted = 1 << 24;
+
+bool is_name_character(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/// The values of $parameters, and which of them the file knows.
+class Parameters {
+public:
+    explicit Parameters(const std::map<std::string, std::string>& given) : given_(given), values_(given) {}
+
+    /// The value given from outside holds; of several defaults the first.
+    void declare(const std::string& name, const std::string& value) {
+        values_.emplace(name, value);
+        known_.insert(name);
+    }
+
+    void substitute(XmlAttribute& attribute) {
+        std::string result;
+        const std::string& text = attribute.value;
+        for (std::size_t i = 0; i < text.size();) {
+            if (text.compare(i, 2, "\\$") == 0) {
+                result += '$';
+                i += 2;
+            } else if (text[i] == '$') {
+                const std::string& name = name_at(attribute, i + 1);
+                known_.insert(name);
+                const std::string& value = values_.at(name);
+                substituted_ += value.size();
+                if (substituted_ > most_substituted)
+                    throw InputError(attribute.where,
+                                     fmt::format("parameters of more than {} characters in all", most_substituted));
+                result += value;
+                i += 1 + name.size();
+            } else {
+                result += text[i++];
+            }
+        }
+        attribute.value = std::move(result);
+    }
+
+    void check_all_known(const std::string& file) const {
+        for (const auto& [name, value] : given_)
+            if (!known_.count(name))
+                throw InputError({file, 0, 0},
+                                 fmt::format("there is no parameter '{}'; the file has: {}", name,
+                                             known_.empty() ? "none" : fmt::format("{}", fmt::join(known_, ", "))));
+    }
+
+private:
+    /// The longest name that has a value and stands at `at`: "$ab" is "$a" followed by "b" where only a is known.
+    const std::string& name_at(const XmlAttribute& attribute, std::size_t at) const {
+        const std::string* longest = nullptr;
+        for (const auto& [name, value] : values_)
+            if (!name.empty() && attribute.value.compare(at, name.size(), name) == 0 &&
+                (!longest || name.size() > longest->size()))
+                longest = &name;
+        if (longest) return *longest;
+        std::size_t end = at;
+        while (end < attribute.value.size() && is_name_character(attribute.value[end]))
+            ++end;
+        throw InputError(attribute.where,
+                         fmt::format("the parameter '${}' has no value", attribute.value.substr(at, end - at)));
+    }
+
+    const std::map<std::string, std::string>& given_;
+    std::map<std::string, std::string> values_;
+    std::set<std::string> known_;
+    std::size_t substituted_ = 0;  ///< characters that took the place of parameters
+};
+
+void check_version(const XmlElement& root) {
+    const XmlAttribute& version = root.required("version");
+    const std::string major = version.value.substr(0, version.value.find('.'));
+    if (major != "2" && major != "3")
+        throw InputError(version.where, fmt::format("version '{}' is not supported: only 2.x and 3.x", version.value));
+}
+
+/// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
+/// either tag. Here the tag tells those that are the same everywhere from those that vary.
+void unify_texture_tag(XmlElement& element) {
+    if (element.tag != "texture" && element.tag != "spectrum") return;
+    const XmlAttribute* type = element.find("type");
+    if (!type) return;
+    for (const std::string_view plugin : {"uniform", "regular", "irregular", "srgb", "d65", "blackbody"})
+        if (type->value == plugin) element.tag = "spectrum";
+    for (const std::string_view plugin : {"bitmap", "checkerboard"})
+        if (type->value == plugin) element.tag = "texture";
+}
+
+class Expander {
+public:
+    Expander(FileFinder& files, Parameters& parameters, ContentHash& hash)
+        : files_(files), parameters_(parameters), hash_(hash) {}
+
+    XmlElement expand_main(const std::string& text, const std::string& path) {
+        hash_.add(text);
+        XmlElement root = parse_xml(text, path);
+        if (root.tag != "scene")
+            throw InputError(root.where, fmt::format("the root element must be <scene>, not <{}>", root.tag));
+        check_version(root);
+        root.check_attributes({"version", "id"});
+        expand_children(root, 0);
+        return root;
+    }
+
+private:
+    void expand_children(XmlElement& element, int depth) {
+        std::vector<XmlElement> expanded;
+        for (auto& child : element.children)
+            expand_into(expanded, child, depth);
+        element.children = std::move(expanded);
+    }
+
+    /// Appends what `element` stands for.
+    void expand_into(std::vector<XmlElement>& target, XmlElement& element, int depth) {
+        for (auto& attribute : element.attributes)
+            parameters_.substitute(attribute);
+        unify_texture_tag(element);
+        if (element.tag == "default") {
+            declare(element);
+        } else if (element.tag == "path") {
+            add_path(element);
+        } else if (element.tag == "include") {
+            include(target, element, depth);
+        } else {
+            if (element.tag == "spectrum") find_spectrum_file(element);
+            expand_children(element, depth);
+            target.push_back(std::move(element));
+        }
+    }
+
+    /// Replaces the name of a spectrum's file by its path: who reads the value knows neither folders nor the hash.
+    void find_spectrum_file(XmlElement& element) {
+        for (auto& attribute : element.attributes) {
+            if (attribute.name != "filename") continue;
+            attribute.value = files_.find(attribute.value, attribute.where, folders_);
+            hash_.add(read_file(attribute.value));
+        }
+    }
+
+    void declare(const XmlElement& element) {
+        element.check_attributes({"name", "value"});
+        element.check_no_children();
+        const XmlAttribute& name = element.required("name");
+        if (name.value.empty()) throw InputError(name.where, "a parameter needs a name");
+        parameters_.declare(name.value, element.required("value").value);
+    }
+
+    void add_path(const XmlElement& element) {
+        element.check_attributes({"value"});
+        element.check_no_children();
+        const std::string folder = files_.find(element.required("value").value, element.where, folders_);
+        if (std::error_code error; !std::filesystem::is_directory(folder, error))
+            throw InputError(element.where, fmt::format("'{}' is not a folder", folder));
+        files_.add_path(folder);
+    }
+
+    void include(std::vector<XmlElement>& target, const XmlElement& element, int depth) {
+        element.check_attributes({"filename", "name"});
+        element.check_no_children();
+        if (depth == deepest_include)
+            throw InputError(element.where,
+                             fmt::format("includes are nested deeper than {} files: circular?", deepest_include));
+        if (++includes_ > most_includes)
+            throw InputError(element.where, fmt::format("a scene of more than {} includes", most_includes));
+        const std::string path = files_.find(element.required("filename").value, element.where, folders_);
+        const std::string text = read_file(path);
+        hash_.add(text);
+        XmlElement root = parse_xml(text, path);
+        if (root.find("version")) check_version(root);
+        folders_.insert(folders_.begin(), std::filesystem::path(path).parent_path().string());
+        if (root.tag == "scene") include_children(target, root, element, depth);
+        else include_object(target, root, element, depth);
+        folders_.erase(folders_.begin());
+    }
+
+    void include_children(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
+        if (const XmlAttribute* name = include.find("name"))
+            throw InputError(name->where, "an include of a <scene> cannot have a name: it is not one object");
+        for (auto& child : root.children)
+            expand_into(target, child, depth + 1);
+    }
+
+    /// The root is one more child of what holds the <include>, under the name that this gives it.
+    void include_object(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
+        std::erase_if(root.attributes, [](const XmlAttribute& a) { return a.name == "version"; });
+        if (const XmlAttribute* name = include.find("name")) {
+            std::erase_if(root.attributes, [](const XmlAttribute& a) { return a.name == "name"; });
+            root.attributes.push_back(*name);
+        }
+        expand_into(target, root, depth + 1);
+    }
+
+    FileFinder& files_;
+    Parameters& parameters_;
+    ContentHash& hash_;
+    int includes_ = 0;                  ///< so far
+    std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
+};
+
+}  // namespace
+
+std::string FileFinder::find(const std::string& name, const SourceLocation& where,
+                             const std::vector<std::string>& first) const {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    if (fs::path(name).is_absolute()) {
+        if (fs::exists(name, error)) return name;
+        throw InputError(where, fmt::format("there is no file '{}'", name));
+    }
+    std::vector<std::string> searched = first;
+    searched.push_back(main_folder_);
+    searched.insert(searched.end(), paths_.begin(), paths_.end());
+    for (auto& folder : searched) {
+        const fs::path path = fs::path(folder) / name;
+        if (!name.empty() && fs::exists(path, error)) return path.string();
+        if (folder.empty()) folder = ".";
+    }
+    throw InputError(where, fmt::format("there is no file '{}'; searched: {}", name, fmt::join(searched, ", ")));
+}
+
+void XmlIds::collect(const XmlElement& element) {
+    for (const auto& child : element.children) {
+        if (child.tag == "alias") {
+            child.check_attributes({"id", "as"});
+            child.check_no_children();
+            insert(child.required("as").value, resolve(child), child.required("as").where);
+        } else if (child.tag != "ref") {
+            collect(child);
+            if (const XmlAttribute* id = child.find("id")) insert(id->value, child, id->where);
+        }
+    }
+}
+
+void XmlIds::insert(const std::string& id, const XmlElement& object, const SourceLocation& where) {
+    const auto [it, is_new] = objects_.emplace(id, &object);
+    if (is_new) return;
+    const SourceLocation& first = it->second->where;
+    throw InputError(
+        where, fmt::format("the id '{}' is given twice, first at {}:{}:{}", id, first.file, first.line, first.column));
+}
+
+const XmlElement& XmlIds::resolve(const XmlElement& ref) const {
+    const XmlAttribute& id = ref.required("id");
+    const auto it = objects_.find(id.value);
+    if (it == objects_.end()) throw InputError(id.where, fmt::format("there is no object with the id '{}'", id.value));
+    return *it->second;
+}
+
+ExpandedXml expand_xml(const std::string& text, const std::string& path,
+                       const std::map<std::string, std::string>& parameters, ContentHash& hash) {
+    for (const auto& [name, value] : parameters)
+        hash.add(fmt::format("parameter {}={}", name, value));
+    FileFinder files(std::filesystem::path(path).parent_path().string());
+    Parameters values(parameters);
+    XmlElement root = Expander(files, values, hash).expand_main(text, path);
+    values.check_all_known(path);
+    return {std::move(root), std::move(files)};
+}
+
+}  // namespace gib

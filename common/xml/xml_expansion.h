@@ -1,0 +1,53 @@
+#pragma once
+// What Mitsuba's scene language adds to XML: $parameters with <default>, <include>, <path>, id with <ref> and <alias>.
+
+#include "common/core/files.h"
+#include "common/xml/xml_document.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// Finds files in the main scene's folder, then in the <path> entries, the latest first (Mitsuba's order).
+class FileFinder {
+public:
+    explicit FileFinder(std::string main_folder) : main_folder_(std::move(main_folder)) {}
+    void add_path(std::string folder) { paths_.insert(paths_.begin(), std::move(folder)); }
+    /// Looks into the folders `first` before all others. Throws InputError at `where`, with the folders searched.
+    std::string find(const std::string& name, const SourceLocation& where,
+                     const std::vector<std::string>& first = {}) const;
+
+private:
+    std::string main_folder_;
+    std::vector<std::string> paths_;
+};
+
+/// The objects of a scene by their id.
+class XmlIds {
+public:
+    /// Throws InputError for an id that is given twice and for an alias of an unknown one.
+    explicit XmlIds(const XmlElement& root) { collect(root); }
+    /// The object that a <ref> means. Throws InputError at the reference if there is none.
+    const XmlElement& resolve(const XmlElement& ref) const;
+
+private:
+    void collect(const XmlElement& element);
+    void insert(const std::string& id, const XmlElement& object, const SourceLocation& where);
+
+    std::map<std::string, const XmlElement*> objects_;
+};
+
+struct ExpandedXml {
+    XmlElement root;  ///< a <scene> without <default>, <include> and <path>, all parameters substituted, a spectrum's
+                      ///< `filename` replaced by the path where it was found
+    FileFinder files;
+};
+
+/// Expands the scene in `text`. `parameters` replace the defaults; what is read is added to `hash`. Throws InputError
+/// for a parameter without a value, one of `parameters` that the file does not know, and a missing or circular include.
+ExpandedXml expand_xml(const std::string& text, const std::string& path,
+                       const std::map<std::string, std::string>& parameters, ContentHash& hash);
+
+}  // namespace gib

@@ -1,0 +1,254 @@
+#include "common/xml/xml_properties.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+template <std::size_t N>
+bool among(const std::string& text, const std::string_view (&list)[N]) {
+    return std::find(std::begin(list), std::end(list), text) != std::end(list);
+}
+
+constexpr std::string_view value_tags[] = {"float",    "integer", "boolean", "string",   "rgb",
+                                           "spectrum", "point",   "vector",  "transform"};
+constexpr std::string_view object_tags[] = {"integrator", "sensor",  "film",   "sampler", "rfilter", "shape",
+                                            "bsdf",       "emitter", "medium", "texture", "phase",   "volume"};
+
+bool is_object(const XmlElement& element) {
+    return among(element.tag, object_tags) || (element.tag == "spectrum" && element.find("type"));
+}
+
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    return text;
+}
+
+/// Of a <float> or an <integer>.
+double parse_number_of(const XmlElement& element) {
+    const XmlAttribute& value = element.required("value");
+    return element.tag == "integer" ? static_cast<double>(parse_integer(value)) : parse_number(value);
+}
+
+void check_value_element(const XmlElement& element) {
+    if (element.tag == "transform") return element.check_attributes({"name"});
+    element.check_no_children();
+    if (element.tag == "point" || element.tag == "vector") element.check_attributes({"name", "value", "x", "y", "z"});
+    else if (element.tag == "spectrum") element.check_attributes({"name", "value", "filename"});
+    else element.check_attributes({"name", "value"});
+}
+
+}  // namespace
+
+void check_color_value(double value, ColorRange range, const std::string& name, const SourceLocation& where) {
+    if (range == ColorRange::unit && !(value >= 0 && value <= 1))
+        throw InputError(where, fmt::format("'{}' must be between 0 and 1, not {}", name, value));
+    if (!(value >= 0)) throw InputError(where, fmt::format("'{}' must not be negative: {}", name, value));
+    if (!std::isfinite(static_cast<float>(value)))
+        throw InputError(where, fmt::format("bad number '{}': too large", value));
+}
+
+Properties::Properties(const XmlElement& element, const XmlIds& ids) : element_(element), ids_(ids) {
+    if (element.tag != "scene") element.check_attributes({"type", "id", "name"});
+    for (const auto& child : element.children)
+        add_child(child);
+}
+
+void Properties::add_child(const XmlElement& child) {
+    const SourceLocation& where = child.where;
+    std::string name = child.find("name") ? child.find("name")->value : "";
+    if (child.tag == "alias") return;
+    if (child.tag == "ref") {
+        child.check_attributes({"id", "name"});
+        child.check_no_children();
+        properties_.push_back({name, &ids_.resolve(child), where, true});
+    } else if (is_object(child)) {
+        properties_.push_back({name, &child, where, true});
+    } else if (among(child.tag, value_tags)) {
+        name = child.required("name").value;
+        check_value_element(child);
+        properties_.push_back({name, &child, where, false});
+    } else {
+        throw InputError(where, fmt::format("<{}> cannot hold <{}>", element_.tag, child.tag));
+    }
+    if (name.empty()) return;
+    const auto [first, is_new] = line_of_name_.emplace(std::move(name), where.line);
+    if (!is_new)
+        throw InputError(where, fmt::format("'{}' is given twice, first at line {}", first->first, first->second));
+}
+
+const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {
+    const XmlAttribute& type = element_.required("type");
+    if (std::find(supported.begin(), supported.end(), type.value) == supported.end())
+        throw InputError(type.where, fmt::format("the {} '{}' is not supported; supported are: {}", element_.tag,
+                                                 type.value, fmt::join(supported, ", ")));
+    return type.value;
+}
+
+SourceLocation Properties::where(const std::string& name) const {
+    const Property* property = find(name);
+    if (!property) return element_.where;
+    const XmlAttribute* value = property->element->find("value");
+    return value && !property->is_object ? value->where : property->where;
+}
+
+const Properties::Property* Properties::find(const std::string& name) const {
+    const auto it = std::find_if(properties_.begin(), properties_.end(), [&](const auto& p) { return p.name == name; });
+    return it == properties_.end() ? nullptr : &*it;
+}
+
+void Properties::declare(const std::string& name) {
+    if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
+}
+
+const Properties::Property* Properties::mark(const std::string& name) {
+    declare(name);
+    const Property* property = find(name);
+    if (property) properties_[static_cast<std::size_t>(property - properties_.data())].read = true;
+    return property;
+}
+
+const XmlElement* Properties::read(const std::string& name, std::initializer_list<std::string_view> kinds) {
+    const Property* property = mark(name);
+    if (!property) return nullptr;
+    const std::string& tag = property->element->tag;
+    if (!property->is_object && std::find(kinds.begin(), kinds.end(), tag) != kinds.end()) return property->element;
+    std::vector<std::string_view> all(kinds);
+    for (const auto& [parameter, kind] : other_kinds_)
+        if (parameter == name) all.push_back(kind);
+    throw InputError(property->where,
+                     fmt::format("'{}' cannot be a <{}>; it takes: <{}>", name, tag, fmt::join(all, ">, <")));
+}
+
+std::optional<double> Properties::number(const std::string& name) {
+    const XmlElement* element = read(name, {"float", "integer"});
+    if (!element) return std::nullopt;
+    const double value = parse_number_of(*element);
+    if (!std::isfinite(static_cast<float>(value)))
+        throw InputError(where(name), fmt::format("bad number '{}': too large", value));
+    return value;
+}
+
+double Properties::positive(const std::string& name, double fallback) {
+    const double value = number(name, fallback);
+    if (!(static_cast<float>(value) > 0))
+        throw InputError(where(name), fmt::format("'{}' must be above 0, not {}", name, value));
+    return value;
+}
+
+std::optional<int> Properties::integer(const std::string& name, int lowest, int highest) {
+    const XmlElement* element = read(name, {"integer"});
+    if (!element) return std::nullopt;
+    const auto value = parse_integer(element->required("value"));
+    if (value < lowest || value > highest)
+        throw InputError(where(name),
+                         fmt::format("'{}' must be between {} and {}, not {}", name, lowest, highest, value));
+    return static_cast<int>(value);
+}
+
+bool Properties::boolean(const std::string& name, bool fallback) {
+    const XmlElement* element = read(name, {"boolean"});
+    return element ? parse_boolean(element->required("value")) : fallback;
+}
+
+std::optional<std::string> Properties::string(const std::string& name) {
+    const XmlElement* element = read(name, {"string"});
+    if (!element) return std::nullopt;
+    return element->required("value").value;
+}
+
+std::string Properties::choice(const std::string& name, const std::string& fallback,
+                               std::initializer_list<std::string_view> choices) {
+    const std::string value = lower_case(string(name).value_or(fallback));
+    if (std::find(choices.begin(), choices.end(), value) == choices.end())
+        throw InputError(where(name),
+                         fmt::format("'{}' cannot be '{}'; it takes: {}", name, value, fmt::join(choices, ", ")));
+    return value;
+}
+
+std::optional<Vec3d> Properties::point(const std::string& name) {
+    const XmlElement* element = read(name, {"point", "vector"});
+    if (!element) return std::nullopt;
+    return parse_vector(*element);
+}
+
+Mat4d Properties::transform(const std::string& name) {
+    const XmlElement* element = read(name, {"transform"});
+    return element ? parse_transform(*element) : Mat4d(Mat4d::Identity());
+}
+
+const XmlElement* Properties::spectrum(const std::string& name) {
+    const Property* property = mark(name);
+    other_kinds_.emplace(other_kinds_.begin(), name, "spectrum");
+    return property && property->element->tag == "spectrum" ? property->element : nullptr;
+}
+
+Color Properties::rgb(const std::string& name, float fallback, ColorRange range) {
+    const XmlElement* element = read(name, {"rgb", "float", "integer"});
+    if (!element) return Color::Constant(fallback);
+    const XmlAttribute& value = element->required("value");
+    const bool is_rgb = element->tag == "rgb";
+    const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number_of(*element)};
+    if (numbers.size() != 1 && numbers.size() != 3)
+        throw InputError(value.where, fmt::format("'{}' takes one or three numbers, found {}", name, numbers.size()));
+    Color color;
+    for (int i = 0; i < 3; ++i) {
+        const double x = numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+        check_color_value(x, range, name, value.where);
+        color[i] = static_cast<float>(x);
+    }
+    return color;
+}
+
+bool Properties::is_string(const std::string& name) {
+    other_kinds_.emplace_back(name, "string");
+    const Property* property = find(name);
+    return property && property->element->tag == "string";
+}
+
+std::vector<NestedObject> Properties::objects(const std::string& tag) {
+    known_.push_back(fmt::format("<{}>", tag));
+    std::vector<NestedObject> found;
+    for (auto& property : properties_) {
+        if (!property.is_object || property.element->tag != tag) continue;
+        property.read = true;
+        found.push_back({property.element, property.where});
+    }
+    return found;
+}
+
+std::optional<NestedObject> Properties::object(const std::string& tag) {
+    const auto found = objects(tag);
+    if (found.size() > 1)
+        throw InputError(found[1].where, fmt::format("<{}> can hold only one <{}>", element_.tag, tag));
+    return found.empty() ? std::nullopt : std::optional(found[0]);
+}
+
+std::optional<NestedObject> Properties::named_object(const std::string& name, const std::string& tag) {
+    declare(name);
+    other_kinds_.emplace_back(name, tag);
+    for (auto& property : properties_) {
+        if (property.name != name || !property.is_object || property.element->tag != tag) continue;
+        property.read = true;
+        return NestedObject{property.element, property.where};
+    }
+    return std::nullopt;
+}
+
+void Properties::finish() const {
+    for (const auto& property : properties_) {
+        if (property.read) continue;
+        const XmlAttribute* type = element_.find("type");
+        const std::string plugin = type ? fmt::format("{} '{}'", element_.tag, type->value) : element_.tag;
+        const std::string what = property.is_object ? fmt::format("a <{}>", property.element->tag)
+                                                    : fmt::format("a parameter '{}'", property.name);
+        throw InputError(property.where,
+                         fmt::format("{} does not take {}; it takes: {}", plugin, what,
+                                     known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", "))));
+    }
+}
+
+}  // namespace gib

@@ -1,0 +1,103 @@
+#pragma once
+// The parameters of a plugin element such as <shape type="sphere">. What a plugin asks for is what it takes: anything
+// else in its element is an error at its place, so that no setting is ignored in silence.
+
+#include "common/xml/xml_expansion.h"
+#include "common/xml/xml_values.h"
+
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+namespace gib {
+
+/// An object inside another one, or a reference to one.
+struct NestedObject {
+    const XmlElement* element;
+    SourceLocation where;  ///< of the element or of the <ref>
+};
+
+/// Which values a colour may have, in each channel, and what a spectrum is to become RGB as (scene_spectrum.h).
+enum class ColorRange {
+    unit,          ///< 0 to 1: a reflectance
+    non_negative,  ///< an index of refraction
+    emission       ///< not negative; radiance, intensity, irradiance
+};
+
+/// Throws InputError for a number that a colour of this range cannot have, before or after it is rounded to float.
+void check_color_value(double value, ColorRange range, const std::string& name, const SourceLocation& where);
+
+class Properties {
+public:
+    /// Both must outlive this. Throws InputError for a child that is no property or object at all, for a name that is
+    /// given twice and for a reference to nothing.
+    Properties(const XmlElement& element, const XmlIds& ids);
+
+    const XmlElement& element() const { return element_; }
+    /// The plugin's name. Throws InputError if there is none, or none of the supported ones.
+    const std::string& plugin(const std::vector<std::string_view>& supported) const;
+    const XmlIds& ids() const { return ids_; }
+    bool has(const std::string& name) const { return find(name) != nullptr; }
+    /// Where a value stands: its attribute, or the plugin's element if the property is not given.
+    SourceLocation where(const std::string& name) const;
+    /// Where its element stands; the property must be given.
+    const SourceLocation& element_where(const std::string& name) const { return find(name)->where; }
+
+    /// `name` is a parameter that the plugin takes, though perhaps not beside those that are given.
+    void declare(const std::string& name);
+    // Reading a property declares that the plugin takes it. All of them throw InputError for a value of another kind.
+    std::optional<double> number(const std::string& name);
+    double number(const std::string& name, double fallback) { return number(name).value_or(fallback); }
+    /// Throws InputError at a value that is not above 0.
+    double positive(const std::string& name, double fallback);
+    std::optional<int> integer(const std::string& name, int lowest, int highest = std::numeric_limits<int>::max());
+    bool boolean(const std::string& name, bool fallback);
+    std::optional<std::string> string(const std::string& name);
+    /// One of `choices`, in lower case.
+    std::string choice(const std::string& name, const std::string& fallback,
+                       std::initializer_list<std::string_view> choices);
+    std::optional<Vec3d> point(const std::string& name);
+    Mat4d transform(const std::string& name);
+    /// The element of a property that is given as a <spectrum>, which it may be; null if it is not. color_property()
+    /// reads its value.
+    const XmlElement* spectrum(const std::string& name);
+    /// An <rgb>, or a <float> for a grey. Linear, sRGB's primaries.
+    Color rgb(const std::string& name, float fallback, ColorRange range);
+    /// Whether the property is given as a <string>, which it may be.
+    bool is_string(const std::string& name);
+
+    /// The nested objects of a kind ("bsdf"), in the file's order.
+    std::vector<NestedObject> objects(const std::string& tag);
+    /// The object `name` if it is of that kind; nothing if it is of another kind, a value or not given.
+    std::optional<NestedObject> named_object(const std::string& name, const std::string& tag);
+    /// Throws InputError at the second one.
+    std::optional<NestedObject> object(const std::string& tag);
+
+    /// Throws InputError for the first property or object that was not asked for, and lists what was.
+    void finish() const;
+
+private:
+    struct Property {
+        std::string name;  ///< of an object too, if it has one
+        const XmlElement* element;
+        SourceLocation where;
+        bool is_object;
+        bool read = false;
+    };
+    const Property* find(const std::string& name) const;
+    /// Marks the property as read; null if it is not given.
+    const Property* mark(const std::string& name);
+    /// Marks the property as read; null if it is not given. `kinds` are the elements that hold such a value.
+    const XmlElement* read(const std::string& name, std::initializer_list<std::string_view> kinds);
+    void add_child(const XmlElement& child);
+
+    const XmlElement& element_;
+    const XmlIds& ids_;
+    std::vector<Property> properties_;
+    std::unordered_map<std::string, int> line_of_name_;  ///< a scene may hold 1e5 named shapes
+    std::vector<std::string> known_;
+    /// A parameter's name and a kind that was asked for before the one that read() is to find, for its message.
+    std::vector<std::pair<std::string, std::string>> other_kinds_;
+};
+
+}  // namespace gib

@@ -1,0 +1,197 @@
+#include "common/xml/xml_values.h"
+
+#include "common/core/float_traps.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+namespace gib {
+
+namespace {
+
+constexpr std::string_view blanks = " \t\r\n";
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(blanks);
+    if (first == text.npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+template <typename T>
+std::optional<T> from_text(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
+    return value;
+}
+
+double finite_number(std::string_view text, const XmlAttribute& attribute) {
+    const auto value = from_text<double>(text);
+    if (!value || !std::isfinite(*value)) throw InputError(attribute.where, fmt::format("bad number '{}'", text));
+    return *value;
+}
+
+Vec3d vector_from(const XmlElement& element, std::optional<double> fallback) {
+    const XmlAttribute* axes[] = {element.find("x"), element.find("y"), element.find("z")};
+    if (const XmlAttribute* value = element.find("value")) {
+        for (const auto* axis : axes)
+            if (axis) throw InputError(axis->where, "give either 'value' or 'x', 'y' and 'z'");
+        const auto numbers = parse_numbers(*value);
+        if (numbers.size() == 1) return Vec3d::Constant(numbers[0]);
+        if (numbers.size() != 3)
+            throw InputError(value->where, fmt::format("expected one or three numbers, found {}", numbers.size()));
+        return {numbers[0], numbers[1], numbers[2]};
+    }
+    Vec3d v;
+    constexpr std::string_view names[] = {"x", "y", "z"};
+    for (int i = 0; i < 3; ++i)
+        v[i] = axes[i] || !fallback ? parse_number(axes[i] ? *axes[i] : element.required(names[i])) : *fallback;
+    return v;
+}
+
+Vec3d three_numbers(const XmlAttribute& attribute) {
+    const auto numbers = parse_numbers(attribute);
+    if (numbers.size() != 3)
+        throw InputError(attribute.where, fmt::format("expected three numbers, found {}", numbers.size()));
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+/// Without overflow or underflow on the way.
+double length_of(const Vec3d& v) { return std::hypot(v.x(), v.y(), v.z()); }
+
+Mat4d with_linear_part(const Eigen::Matrix3d& linear) {
+    Mat4d m = Mat4d::Identity();
+    m.topLeftCorner<3, 3>() = linear;
+    return m;
+}
+
+Mat4d parse_translate(const XmlElement& element) {
+    element.check_attributes({"x", "y", "z", "value"});
+    Mat4d m = Mat4d::Identity();
+    m.topRightCorner<3, 1>() = parse_vector(element, 0);
+    return m;
+}
+
+Mat4d parse_scale(const XmlElement& element) {
+    element.check_attributes({"x", "y", "z", "value"});
+    return with_linear_part(parse_vector(element, 1).asDiagonal());
+}
+
+Mat4d parse_rotate(const XmlElement& element) {
+    element.check_attributes({"x", "y", "z", "value", "angle"});
+    const Vec3d axis = parse_vector(element, 0);
+    const double angle = parse_number(element.required("angle")) * std::numbers::pi / 180;
+    const double length = length_of(axis);
+    if (length == 0) throw InputError(element.where, "the rotation's axis is zero");
+    return with_linear_part(Eigen::AngleAxisd(angle, axis / length).toRotationMatrix());
+}
+
+/// Mitsuba's camera space: x left, y up, z forward. Without `up`, any direction across the view.
+Mat4d parse_lookat(const XmlElement& element) {
+    element.check_attributes({"origin", "target", "up"});
+    const Vec3d origin = three_numbers(element.required("origin"));
+    const Vec3d forward = three_numbers(element.required("target")) - origin;
+    if (length_of(forward) == 0) throw InputError(element.where, "lookat: origin and target are the same point");
+    const Vec3d dir = forward / length_of(forward);
+    Vec3d up = element.find("up") ? three_numbers(*element.find("up")) : Vec3d(0, 0, 0);
+    if (up.isZero(0)) {
+        // The first axis of the basis of Duff et al. 2017 (see math.h), which is what Mitsuba takes.
+        const double sign = std::copysign(1.0, dir.z()), a = -1 / (sign + dir.z());
+        up = Vec3d(1 + sign * sqr(dir.x()) * a, sign * dir.x() * dir.y() * a, -sign * dir.x());
+    }
+    const Vec3d left = (up / length_of(up)).cross(dir);
+    if (left.norm() < 1e-12) throw InputError(element.where, "lookat: 'up' is parallel to the view direction");
+    Mat4d m = Mat4d::Identity();
+    m.block<3, 1>(0, 0) = left.normalized();
+    m.block<3, 1>(0, 1) = dir.cross(left.normalized());
+    m.block<3, 1>(0, 2) = dir;
+    m.block<3, 1>(0, 3) = origin;
+    return m;
+}
+
+Mat4d parse_matrix(const XmlElement& element) {
+    element.check_attributes({"value"});
+    const XmlAttribute& value = element.required("value");
+    const auto numbers = parse_numbers(value);
+    if (numbers.size() != 9 && numbers.size() != 16)
+        throw InputError(value.where, fmt::format("a matrix has 9 or 16 numbers, found {}", numbers.size()));
+    if (numbers.size() == 9)
+        return with_linear_part(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data()));
+    const Mat4d m = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+    if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw InputError(value.where, "the last row of a transform must be 0 0 0 1");
+    return m;
+}
+
+Mat4d parse_operation(const XmlElement& element) {
+    element.check_no_children();
+    if (element.tag == "translate") return parse_translate(element);
+    if (element.tag == "rotate") return parse_rotate(element);
+    if (element.tag == "scale") return parse_scale(element);
+    if (element.tag == "lookat") return parse_lookat(element);
+    if (element.tag == "matrix") return parse_matrix(element);
+    throw InputError(element.where, fmt::format("<transform> cannot hold <{}>; it takes: translate, rotate, scale, "
+                                                "lookat, matrix",
+                                                element.tag));
+}
+
+/// Whether the columns span less than space. Relative to their lengths: a small uniform scale is not singular.
+bool singular(const Mat4d& m) {
+    if (!std::all_of(m.data(), m.data() + m.size(), [](double x) { return std::isfinite(x); })) return true;
+    Eigen::Matrix3d linear = m.topLeftCorner<3, 3>();
+    for (int i = 0; i < 3; ++i) {
+        const double length = length_of(linear.col(i));
+        if (length == 0 || !std::isfinite(length)) return true;
+        linear.col(i) /= length;
+    }
+    return std::abs(linear.determinant()) < 1e-12;
+}
+
+}  // namespace
+
+double parse_number(const XmlAttribute& attribute) { return finite_number(trimmed(attribute.value), attribute); }
+
+std::vector<double> parse_numbers(const XmlAttribute& attribute) {
+    constexpr std::string_view separators = " \t\r\n,";
+    std::vector<double> numbers;
+    std::string_view rest = attribute.value;
+    for (;;) {
+        const auto first = rest.find_first_not_of(separators);
+        if (first == rest.npos) return numbers;
+        rest.remove_prefix(first);
+        const std::string_view token = rest.substr(0, rest.find_first_of(separators));
+        numbers.push_back(finite_number(token, attribute));
+        rest.remove_prefix(token.size());
+    }
+}
+
+std::int64_t parse_integer(const XmlAttribute& attribute) {
+    const auto value = from_text<std::int64_t>(trimmed(attribute.value));
+    if (!value) throw InputError(attribute.where, fmt::format("bad number '{}': expected an integer", attribute.value));
+    return *value;
+}
+
+bool parse_boolean(const XmlAttribute& attribute) {
+    std::string text = attribute.value;
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    if (text != "true" && text != "false")
+        throw InputError(attribute.where, fmt::format("'{}' is neither true nor false", attribute.value));
+    return text == "true";
+}
+
+Vec3d parse_vector(const XmlElement& element) { return vector_from(element, std::nullopt); }
+Vec3d parse_vector(const XmlElement& element, double fallback) { return vector_from(element, fallback); }
+
+Mat4d parse_transform(const XmlElement& element) {
+    const FloatTrapsPaused paused;  // what leaves double's range is refused below, or once the whole scene is known
+    Mat4d transform = Mat4d::Identity();
+    for (const auto& operation : element.children)
+        transform = parse_operation(operation) * transform;
+    if (singular(transform)) throw InputError(element.where, "the transform is singular");
+    return transform;
+}
+
+}  // namespace gib

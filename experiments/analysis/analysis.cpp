@@ -1,0 +1,204 @@
+#include "experiments/analysis/analysis.h"
+
+#include "common/core/error.h"
+#include "common/images/image_file.h"
+#include "experiments/analysis/price.h"
+#include "experiments/results/flip_record.h"
+#include "experiments/results/judgement.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+/// The replicates of one method on one scene.
+struct Replicates {
+    std::vector<const Cell*> cells;
+    std::vector<std::string> folders;  ///< names
+    std::vector<ComponentImages> images;
+};
+
+/// The reference's own variance is subtracted; an error of 0 is below what it resolves. NaN stays NaN.
+std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
+    std::vector<std::vector<CurvePoint>> curves;
+    for (const Cell* cell : replicates.cells) {
+        curves.emplace_back();
+        for (const auto& c : cell->checkpoints)
+            if (const auto error = c.errors.find(component); error != c.errors.end())
+                curves.back().push_back(
+                    {c.checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
+    }
+    return curves;
+}
+
+/// What a row says without any comparison.
+TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const std::string& component) {
+    const Cell& first = *replicates.cells.front();
+    TableRow row;
+    row.scene = first.scene;
+    row.method = first.method;
+    row.component = component;
+    row.seeds = static_cast<int>(replicates.cells.size());
+    for (const Cell* cell : replicates.cells) {
+        row.seconds += cell->last().seconds / row.seeds;
+        row.prepare_seconds += cell->prepare_seconds / row.seeds;
+        row.nonfinite += cell->last().counts.non_finite.count;
+        row.peak_rss_mib = std::max(row.peak_rss_mib, cell->last().peak_rss_mib);
+    }
+    if (const auto missing = index.effects_missing.find({row.scene, row.method});
+        missing != index.effects_missing.end())
+        row.effects_missing = missing->second;
+    return row;
+}
+
+TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
+                    const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
+                    double resolved) {
+    TableRow row = plain_row(replicates, index, component);
+    row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
+    row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
+    row.noise = noise_spectrum(images, r_total);
+    row.bias = bias_spectrum(images, reference);
+    const auto curves = curves_of(replicates, component);
+    for (std::size_t t = 0; t < target_errors.size(); ++t)
+        if (sqr(target_errors[t]) > resolved) row.times[t] = time_to_error(curves, target_errors[t]);
+    row.footing = equal_footing(images, reference, r_total);
+    row.law = price_law_of(replicates.cells, component, resolved);
+    row.last_halving = last_halving(replicates.cells, component, resolved);
+    return row;
+}
+
+/// Empty if one of them has none.
+std::optional<double> mean_flip(const Replicates& replicates, const std::vector<Image>& totals, const Image& r_total,
+                                const ResultFolder& folder) {
+    double sum = 0;
+    for (std::size_t i = 0; i < totals.size(); ++i) {
+        const auto flip = cell_flip(folder, replicates.folders[i], totals[i], r_total);
+        if (!flip) return std::nullopt;
+        sum += *flip;
+    }
+    return sum / static_cast<double>(totals.size());
+}
+
+std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement,
+                              const ReferenceQuality& quality, const ResultFolder& folder) {
+    std::vector<TableRow> rows;
+    const Image& r_total = judgement.total().mean;
+    std::vector<Image> totals;
+    for (const auto& image : replicates.images)
+        totals.push_back(judgement.total_of(image));
+    rows.push_back(
+        judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality.resolved.at(total_name)));
+    rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+    for (Component c : all_components) {
+        std::vector<Image> images;
+        for (const auto& image : replicates.images)
+            if (image[c]) images.push_back(*image[c]);
+        if (images.size() != replicates.images.size()) continue;
+        const std::string name(name_of(c));
+        if (const auto* layer = judgement.component(c))
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.resolved.at(name)));
+        else if (!judgement.resolved(c)) rows.push_back(plain_row(replicates, index, name));
+    }
+    return rows;
+}
+
+ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
+                            double epsilon) {
+    ReferenceQuality quality{scene.name,
+                             scene.reference_method,
+                             relative_standard_error(judgement.total(), epsilon),
+                             scene.target,
+                             0,
+                             scene.notes,
+                             {}};
+    const auto passes = reference.metadata.find("passes");
+    if (passes != reference.metadata.end()) {
+        const std::string& text = passes->second;
+        std::from_chars(text.data(), text.data() + text.size(), quality.samples);
+        quality.samples *= static_cast<std::uint64_t>(reference_groups);
+    }
+    const Image& r_total = judgement.total().mean;
+    quality.resolved[total_name] = resolved_error2(judgement.total(), r_total, epsilon);
+    for (Component c : all_components)
+        if (const auto* layer = judgement.component(c))
+            quality.resolved[std::string(name_of(c))] = resolved_error2(*layer, r_total, epsilon);
+    return quality;
+}
+
+/// Empty if the scene has none yet, or if its file is missing or damaged: `damage` then says so.
+std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolder& folder,
+                                      std::vector<std::string>& damage) {
+    if (scene.reference.empty()) return std::nullopt;
+    const std::string path = folder.reference_image(scene.name);
+    const auto damaged = [&](const std::string& what) {
+        damage.push_back(what + "; the scene is left out");
+        return std::nullopt;
+    };
+    if (!std::filesystem::exists(path)) return damaged(path + ": the file is missing");
+    try {
+        return read_reference(path);
+    } catch (const InputError& error) {
+        return damaged(error.what());
+    }
+}
+
+/// The complete cells of a scene are appended to the analysis; returns their folders' names.
+std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& analysis) {
+    const ResultIndex& index = analysis.index;
+    std::vector<std::string> names;
+    for (const auto& method : index.methods)
+        for (int seed = 1; seed <= index.seeds; ++seed) {
+            const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
+            const auto key = index.cell_keys.find(name);
+            std::string damage;
+            auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second, &damage);
+            if (!damage.empty()) analysis.damage.push_back(damage + "; the cell is left out");
+            if (cell) {
+                names.push_back(name);
+                analysis.cells.push_back(*std::move(cell));
+            } else {
+                ++analysis.missing_cells;
+            }
+        }
+    return names;
+}
+
+void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
+    const std::size_t first = analysis.cells.size();
+    const auto names = add_cells(scene, folder, analysis);
+    const Judgement judgement(reference);
+    analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    for (const auto& method : analysis.index.methods) {
+        Replicates replicates;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            const Cell& cell = analysis.cells[first + i];
+            if (cell.method != method) continue;
+            replicates.cells.push_back(&cell);
+            replicates.folders.push_back(names[i]);
+            replicates.images.push_back(components_in(read_image(folder.cell_image(names[i]))));
+        }
+        if (replicates.cells.empty()) continue;
+        for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
+            analysis.rows.push_back(std::move(row));
+    }
+}
+
+}  // namespace
+
+Analysis analyse(const ResultFolder& folder) {
+    Analysis analysis;
+    analysis.index = folder.read_index();
+    for (const auto& scene : analysis.index.scenes) {
+        const auto reference = reference_of(scene, folder, analysis.damage);
+        if (reference) add_scene(scene, *reference, folder, analysis);
+        else analysis.missing_cells += analysis.index.methods.size() * static_cast<std::size_t>(analysis.index.seeds);
+    }
+    return analysis;
+}
+
+}  // namespace gib

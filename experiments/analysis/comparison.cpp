@@ -1,0 +1,212 @@
+#include "experiments/analysis/comparison.h"
+
+#include "experiments/analysis/curves.h"
+#include "experiments/text/markdown.h"
+#include "experiments/text/numbers.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace gib {
+
+namespace {
+
+std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
+                                           const std::string& component, double seconds, double resolved) {
+    EqualTimeRow row{scene, component, seconds, {}};
+    for (const auto& [method, cells] : methods)
+        if (const auto error = relative_rmse_after(cells, component, seconds, resolved))
+            row.entries.push_back({method, *error});
+    if (row.entries.size() < 2) return std::nullopt;
+    std::stable_sort(row.entries.begin(), row.entries.end(),
+                     [](const auto& a, const auto& b) { return a.relative_rmse < b.relative_rmse; });
+    return row;
+}
+
+/// Of one method, its checkpoints that all seeds have.
+void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
+                double resolved, std::vector<FrontierPoint>& points) {
+    const std::size_t count = common_checkpoints(cells);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
+        double seconds = 0, error = 0;
+        for (const Cell* cell : cells) {
+            const auto& [checkpoint, errors] = cell->checkpoints[i];
+            const auto total = errors.find("total");
+            if (total == errors.end()) return;
+            seconds += checkpoint.seconds;
+            error += total->second.rel_mse_corrected;
+        }
+        const auto n = static_cast<double>(cells.size());
+        points.push_back({scene, method, passes, seconds / n, error / n > resolved ? std::sqrt(error / n) : 0.0});
+    }
+}
+
+std::optional<double> number_of(const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value > 0)) return std::nullopt;
+    return value;
+}
+
+struct BiasPoint {
+    double x, bias2, deviation;  ///< deviation: standard error of log bias2
+};
+
+/// Log bias^2 against log x, weighted by the points' deviations; where the points scatter more than these say, the
+/// interval widens.
+Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
+    double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
+    for (const auto& p : points) {
+        const double weight = 1 / (p.deviation * p.deviation), x = std::log(p.x), y = std::log(p.bias2);
+        w += weight;
+        wx += weight * x;
+        wy += weight * y;
+        wxx += weight * x * x;
+        wxy += weight * x * y;
+    }
+    const double determinant = w * wxx - wx * wx;
+    const double slope = (w * wxy - wx * wy) / determinant, offset = (wy - slope * wx) / w;
+    double chi2 = 0;
+    for (const auto& p : points) {
+        const double residual = (std::log(p.bias2) - offset - slope * std::log(p.x)) / p.deviation;
+        chi2 += residual * residual;
+    }
+    const double scatter = std::max(1.0, chi2 / static_cast<double>(points.size() - 2));
+    const double half = 1.96 * std::sqrt(w / determinant * scatter);
+    return {-slope, Interval{-slope - half, -slope + half}};
+}
+
+/// The rows whose labels differ in one parameter's value only: (label without it, name) -> (value, row).
+std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> sweeps(const Analysis& analysis,
+                                                                                        const std::string& scene,
+                                                                                        const std::string& component) {
+    std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> found;
+    for (const TableRow& row : analysis.rows) {
+        if (row.scene != scene || row.component != component) continue;
+        const MethodLabel label = MethodLabel::parse(row.method);
+        for (std::size_t i = 0; i < label.values.size(); ++i) {
+            const auto value = number_of(label.values[i].second);
+            if (!value) continue;
+            MethodLabel rest = label;
+            rest.values.erase(rest.values.begin() + static_cast<std::ptrdiff_t>(i));
+            found[{rest.text(), label.values[i].first}][*value] = &row;
+        }
+    }
+    return found;
+}
+
+}  // namespace
+
+std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
+    std::vector<EqualTimeRow> rows;
+    for (const auto& scene : scenes_of(analysis)) {
+        const CellsByMethod methods = cells_by_method(analysis, scene);
+        double shortest = std::numeric_limits<double>::infinity();
+        for (const auto& [method, cells] : methods) {
+            double sum = 0;
+            for (const Cell* cell : cells)
+                sum += cell->last().seconds;
+            shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
+        }
+        for (const auto& component : components_of(analysis, scene))
+            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.resolved(scene, component)))
+                rows.push_back(std::move(*row));
+    }
+    return rows;
+}
+
+std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
+    std::vector<FrontierPoint> frontier;
+    for (const auto& scene : scenes_of(analysis)) {
+        const CellsByMethod methods = cells_by_method(analysis, scene);
+        if (methods.size() < 2) continue;
+        std::vector<FrontierPoint> points;
+        for (const auto& [method, cells] : methods)
+            add_points(scene, method, cells, analysis.resolved(scene, total_name), points);
+        std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+            return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
+        });
+        double best = std::numeric_limits<double>::infinity();
+        for (const auto& point : points) {
+            if (!(point.relative_rmse < best)) continue;
+            best = point.relative_rmse;
+            frontier.push_back(point);
+        }
+    }
+    return frontier;
+}
+
+std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
+    std::vector<BiasLaw> laws;
+    for (const auto& scene : scenes_of(analysis))
+        for (const auto& component : components_of(analysis, scene))
+            for (const auto& [key, rows] : sweeps(analysis, scene, component)) {
+                if (rows.size() < 3) continue;
+                BiasLaw law{scene, component, key.first, key.second, {}, {0, {}}, 0};
+                std::vector<BiasPoint> points;
+                for (const auto& [x, row] : rows) {
+                    law.values.push_back(x);
+                    if (!row->statistics || !row->statistics->bias2) continue;
+                    const Estimate& bias2 = *row->statistics->bias2;
+                    if (!bias2.interval || !(bias2.interval->lo > 0)) continue;
+                    const double width = std::log(bias2.interval->hi / bias2.interval->lo);
+                    points.push_back({x, bias2.value, std::max(width, 1e-6) / (2 * 1.96)});
+                }
+                law.resolved = points.size();
+                if (points.size() < 3) continue;
+                law.exponent = fitted_exponent(points);
+                laws.push_back(std::move(law));
+            }
+    return laws;
+}
+
+std::string comparison_text(const Analysis& analysis) {
+    std::string text;
+    const auto rows = equal_time_rows(analysis);
+    if (!rows.empty())
+        text +=
+            "\n## At equal time\n\nAfter the whole time of the fastest method; the reference's own error is "
+            "subtracted.\n\n"
+            "| scene | component | seconds | best | relative RMSE % | times as much |\n|---|---|---:|---|---:|---|\n";
+    for (const auto& row : rows) {
+        std::vector<std::string> others;
+        for (std::size_t i = 1; i < row.entries.size(); ++i)
+            others.push_back(fmt::format("{}: {}", markdown_text(row.entries[i].method),
+                                         short_number(row.entries[i].relative_rmse / row.entries[0].relative_rmse)));
+        text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", markdown_text(row.scene), row.component,
+                            short_number(row.seconds), markdown_text(row.entries[0].method),
+                            percent_text(row.entries[0].relative_rmse), fmt::join(others, "; "));
+    }
+    const auto frontier = pareto_frontier(analysis);
+    if (!frontier.empty())
+        text +=
+            "\n## Pareto frontier\n\nThe checkpoints that no other beats in both time and error; the reference's own "
+            "error is subtracted.\n\n"
+            "| scene | seconds | relative RMSE % | passes | method |\n|---|---:|---:|---:|---|\n";
+    for (const auto& point : frontier)
+        text += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_text(point.scene), short_number(point.seconds),
+                            point.relative_rmse > 0 ? percent_text(point.relative_rmse) : "below the reference's",
+                            point.passes, markdown_text(point.method));
+    const auto laws = bias_laws(analysis);
+    if (!laws.empty())
+        text +=
+            "\n## How bias falls\n\nbias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose "
+            "bias is below what "
+            "the reference resolves are left out.\n\n"
+            "| scene | component | method | parameter | values fitted | p |\n|---|---|---|---|---:|---|\n";
+    for (const auto& law : laws)
+        text += fmt::format("| {} | {} | {} | {} | {} of {} | {} ({} to {}) |\n", markdown_text(law.scene),
+                            law.component, markdown_text(law.method), law.parameter, law.resolved, law.values.size(),
+                            short_number(law.exponent.value), short_number(law.exponent.interval->lo),
+                            short_number(law.exponent.interval->hi));
+    return text;
+}
+
+}  // namespace gib

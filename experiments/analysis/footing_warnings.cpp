@@ -1,0 +1,117 @@
+#include "experiments/analysis/footing_warnings.h"
+
+#include "experiments/text/markdown.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+namespace gib {
+
+namespace {
+
+/// "`caustic` -0.40 % (-3.10 to +2.30)".
+std::string component_text(const TableRow& row) {
+    const Estimate& excess = row.footing->excess;
+    if (!std::isfinite(excess.value)) return fmt::format("`{}` is not finite", row.component);
+    return fmt::format("`{}` {:+.2f} %{}", row.component, 100 * excess.value,
+                       excess.interval
+                           ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * excess.interval->lo, 100 * excess.interval->hi)
+                           : "");
+}
+
+/// Of the rows of one component that the reference cannot judge, the two that differ most surely from each other.
+struct Disagreement {
+    const TableRow *more = nullptr, *less = nullptr;
+    Estimate difference;  ///< with an interval
+    double sureness = 0;  ///< difference / half the width of its interval
+};
+
+void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>& surest) {
+    const Footing pair = a.footing->against(*b.footing);
+    if (pair.verdict != FootingVerdict::differs || !pair.excess.interval) return;
+    if (pair.excess.value < 0) return consider(b, a, surest);
+    const double half = pair.excess.interval->hi - pair.excess.value;
+    const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
+    if (!surest || sureness > surest->sureness) surest = Disagreement{&a, &b, pair.excess, sureness};
+}
+
+/// By scene and component.
+using UnresolvedRows = std::map<std::pair<std::string, std::string>, std::vector<const TableRow*>>;
+
+std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
+    std::vector<FootingWarning> warnings;
+    for (const auto& [key, rows] : groups) {
+        std::optional<Disagreement> surest;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                consider(*rows[i], *rows[j], surest);
+        if (!surest) continue;
+        const auto [lo, hi] = *surest->difference.interval;
+        warnings.push_back({key.first, surest->more->method, key.second, true,
+                            fmt::format("{}: `{}` differs between methods where the reference cannot judge: {} has "
+                                        "{:+.2f} % ({:+.2f} to {:+.2f}) of mean energy over {}",
+                                        key.first, key.second, surest->more->method, 100 * surest->difference.value,
+                                        100 * lo, 100 * hi, surest->less->method)});
+    }
+    return warnings;
+}
+
+bool has(const TableRow& row, FootingVerdict verdict) { return row.footing && row.footing->verdict == verdict; }
+
+}  // namespace
+
+std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
+    std::vector<FootingWarning> differing, unresolved;
+    UnresolvedRows groups;
+    const auto add = [](std::vector<FootingWarning>& warnings, const TableRow& row, const std::string& what) {
+        if (!warnings.empty() && warnings.back().scene == row.scene && warnings.back().method == row.method) {
+            warnings.back().component += ";" + row.component;
+            warnings.back().text += ", " + component_text(row);
+            return;
+        }
+        const bool differs = has(row, FootingVerdict::differs);
+        const std::string missing =
+            differs && !row.effects_missing.empty() ? ", which leaves out " + row.effects_missing + "," : "";
+        warnings.push_back({row.scene, row.method, row.component, differs,
+                            fmt::format("{}: {}{} {}: {}", row.scene, row.method, missing, what, component_text(row))});
+    };
+    for (const TableRow& row : analysis.rows) {
+        if (has(row, FootingVerdict::differs)) add(differing, row, "differs from the reference in mean energy");
+        if (!has(row, FootingVerdict::unresolved)) continue;
+        groups[{row.scene, row.component}].push_back(&row);
+        add(unresolved, row, fmt::format("cannot be told within {:.0f} %", 100 * footing_tolerance));
+    }
+    for (auto& warning : disagreements(groups))
+        differing.push_back(std::move(warning));
+    differing.insert(differing.end(), unresolved.begin(), unresolved.end());
+    return differing;
+}
+
+std::string footing_text(const Analysis& analysis) {
+    std::size_t checked = 0;
+    for (const TableRow& row : analysis.rows)
+        checked += row.footing.has_value();
+    if (checked == 0) return "";
+    const auto count = [&](FootingVerdict verdict) {
+        return std::count_if(analysis.rows.begin(), analysis.rows.end(),
+                             [&](const TableRow& row) { return has(row, verdict); });
+    };
+    std::string text = fmt::format(
+        "\n## Equal footing\n\nMean energy against the reference's, 99 % intervals: of {} components {} agree within "
+        "{:.0f} %, {} differ, {} cannot be told.\n\n",
+        checked, count(FootingVerdict::agrees), 100 * footing_tolerance, count(FootingVerdict::differs),
+        count(FootingVerdict::unresolved));
+    if (analysis.index.seeds < 2) text += "One seed has no interval: run with two seeds or more.\n";
+    for (const auto& warning : footing_warnings(analysis)) {
+        if (!warning.differs && analysis.index.seeds < 2) continue;
+        text += fmt::format("- {}{}.\n", warning.differs ? "Warning: " : "", markdown_text(warning.text));
+    }
+    return text;
+}
+
+}  // namespace gib

@@ -1,0 +1,64 @@
+#pragma once
+// The numbers of tables and report, as plain data: one row for each scene, method and component, and what they come from.
+
+#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/price_law.h"
+#include "experiments/metrics/robust_error.h"
+#include "experiments/metrics/spectrum.h"
+#include "experiments/results/result_folder.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// Relative RMSE [%] whose price is asked for, as it stands in column names.
+inline constexpr std::array<const char*, 5> target_names = {"10", "5", "2", "1", "0.5"};
+inline constexpr std::array<double, 5> target_errors = {0.10, 0.05, 0.02, 0.01, 0.005};
+
+struct TableRow {
+    std::string scene, method, component;
+    int seeds = 0;
+    double seconds = 0;                             ///< mean charged seconds of the final images
+    double prepare_seconds = 0;                     ///< mean
+    std::optional<ReplicateStatistics> statistics;  ///< empty: left out of judgement
+    std::optional<RobustError> robust;
+    std::optional<NoiseSpectrum> noise;
+    std::vector<SpectrumPoint> bias;
+    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]
+    std::optional<Footing> footing;                                   ///< mean energy against the reference's
+    std::optional<PriceLaw> law;                                      ///< of error against time
+    std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
+    std::uint64_t nonfinite = 0;           ///< of all seeds
+    double peak_rss_mib = 0;               ///< the largest of all seeds
+    std::string effects_missing;
+    std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
+};
+
+/// What is known of a scene's reference.
+struct ReferenceQuality {
+    std::string scene, method;
+    double relative_error = 0;  ///< standard error of the judged total, relative, with the experiment's epsilon
+    std::optional<double> target;
+    std::uint64_t samples = 0;  ///< a pixel; 0: unknown
+    std::vector<std::string> notes;
+    std::map<std::string, double>
+        resolved;  ///< by component, `total` included: relative squared error, resolved_error2
+};
+
+struct Analysis {
+    ResultIndex index;
+    std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
+    std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
+    std::vector<ReferenceQuality> references;
+    std::vector<std::string> damage;  ///< what cannot be believed, and what is left out for it: a cell or a scene
+    std::size_t missing_cells = 0;    ///< of the experiment, not complete
+
+    /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
+    double resolved(const std::string& scene, const std::string& component) const;
+};
+
+}  // namespace gib

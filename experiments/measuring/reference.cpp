@@ -1,0 +1,305 @@
+#include "experiments/measuring/reference.h"
+
+#include "common/core/files.h"
+#include "common/core/memory_limit.h"
+#include "common/sampling/sampler.h"
+#include "experiments/measuring/reference_store.h"
+#include "experiments/system/build_info.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+/// A round longer than this would lose too much work to Ctrl-C and overshoot targets and time limits by too much [s].
+constexpr double longest_round = 10;
+/// Rounds shorter than this are not worth a file each [s].
+constexpr double save_interval = 15;
+/// Above this share of the scatter in one group, the standard error is not to be trusted; Gaussian noise gives about
+/// 0.27.
+constexpr double heavy_tail_share = 0.5;
+/// No target is believed before each group has this many passes: rare bright paths that nobody has met yet make an
+/// error look small, and stopping at the first small value would choose exactly those moments.
+constexpr std::uint64_t fewest_passes = 8;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// One reference being made.
+class Maker {
+public:
+    Maker(const ReferenceWork& work, ProgressLine& progress)
+        : work_(work),
+          progress_(progress),
+          key_(reference_key(work.scene.content_hash, work.label)),
+          values_(all_parameters(work.method), work.label),
+          method_(work.method.create(values_, {work.scene.max_edges})),
+          unresolved_(method_->plan(*work.scene.scene).unresolved) {}
+
+    FinishedReference make() {
+        require_memory_for_groups();
+        open();
+        while (!good_enough()) {
+            try {
+                add_round();
+            } catch (const Interrupted&) {
+                if (unsaved_) save();
+                throw;
+            }
+            if (now() - saved_at_ > save_interval) save();
+        }
+        if (unsaved_) save();
+        warn_about_quality();
+        result_.reference.metadata = metadata();
+        result_.identity = fmt::format("{}:{}", key_, groups_.passes);
+        return std::move(result_);
+    }
+
+private:
+    /// In images of all components and the total, while the file is written: the groups, the reference with groups of
+    /// its own, the same as layers, and its bytes twice, since noise hardly compresses. A round takes less: a batch of
+    /// each group and two references.
+    void require_memory_for_groups() const {
+        const auto& sensor = work_.scene.scene->sensor();
+        const double whole = reference_groups + 2;
+        const double layers = (reference_groups + 4 * whole) * static_cast<double>(work_.method.components.size() + 1);
+        require_memory(3.0 * sizeof(float) * sensor.width() * sensor.height() * layers,
+                       fmt::format("a reference of {} x {} pixels", sensor.width(), sensor.height()));
+    }
+
+    void open() {
+        saved_at_ = now();
+        if (!std::filesystem::exists(work_.path)) return;
+        const auto& sensor = work_.scene.scene->sensor();
+        try {
+            groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
+            if (!groups_.verified)
+                result_.warnings.push_back(
+                    fmt::format("{}: written before references had digests, so damage to it would not be seen; "
+                                "remove it to have it made again",
+                                work_.path));
+        } catch (const std::exception& error) {  // of whatever kind: a damaged file can say anything
+            result_.warnings.push_back(
+                fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
+            groups_ = ReferenceGroups();
+            return;
+        }
+        update();
+    }
+
+    void update() {
+        result_.reference = groups_.reference();
+        result_.reference.unresolved = unresolved_;
+        result_.relative_error = relative_standard_error(result_.reference.total, work_.epsilon);
+        if (!std::isfinite(result_.relative_error))
+            throw RunError(
+                fmt::format("the reference of '{}' by '{}' is not finite", work_.scene.name, work_.label.text()));
+    }
+
+    bool good_enough() {
+        if (groups_.rounds == 0) return false;
+        const auto& goal = work_.goal;
+        if (goal.target && result_.relative_error <= *goal.target && groups_.passes >= fewest_passes) return true;
+        if (!goal.seconds || groups_.seconds < *goal.seconds) return false;
+        if (goal.target)
+            result_.warnings.push_back(
+                fmt::format("the reference's relative error is {:.3g} % after {}, its target was {:.3g} %",
+                            100 * result_.relative_error, duration_text(groups_.seconds), 100 * *goal.target));
+        return true;
+    }
+
+    /// Passes that the target still needs, if it is one: the error falls with the root of the samples.
+    double passes_needed() const {
+        const double ratio = result_.relative_error / *work_.goal.target;
+        const auto done = static_cast<double>(groups_.passes);
+        return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_passes) - done});
+    }
+
+    std::uint32_t next_passes() const {
+        if (groups_.passes == 0) return 1;
+        const double a_pass = groups_.seconds / static_cast<double>(groups_.passes);  // of all groups
+        double passes = std::min(static_cast<double>(groups_.passes), longest_round / a_pass);
+        if (work_.goal.target) passes = std::min(passes, 1.05 * passes_needed());
+        if (work_.goal.seconds) passes = std::min(passes, (*work_.goal.seconds - groups_.seconds) / a_pass);
+        return static_cast<std::uint32_t>(std::clamp(std::ceil(passes), 1.0, 1e9));
+    }
+
+    void add_round() {
+        const double start = now();
+        const std::uint32_t passes = next_passes();
+        std::vector<ComponentImages> batches;
+        DroppedSamples dropped = groups_.dropped;  // of rounds that come to their end
+        for (int g = 0; g < reference_groups; ++g) {
+            show(static_cast<double>(g) / reference_groups * passes);
+            const std::uint32_t batch =
+                groups_.rounds * static_cast<std::uint32_t>(reference_groups) + static_cast<std::uint32_t>(g);
+            batches.push_back(run_batch(batch_seed(key_, batch), passes, dropped));
+        }
+        groups_.add_round(batches, passes);
+        groups_.dropped = dropped;
+        groups_.seconds += now() - start;
+        ++result_.rounds_added;
+        unsaved_ = true;
+        update();
+    }
+
+    ComponentImages run_batch(std::uint64_t seed, std::uint32_t passes, DroppedSamples& dropped) {
+        StageTimes stages;
+        const auto run = method_->start(*work_.scene.scene, seed, stages);
+        for (std::uint32_t pass = 0; pass < passes; ++pass) {
+            InterruptGuard::check();
+            if (run->advance(pass) == Progress::converged) break;
+        }
+        const NonFinite bad = run->counts().non_finite;
+        if (bad.count > 0 && dropped.count == 0)
+            dropped.first = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
+        dropped.count += bad.count;
+        return run->image();
+    }
+
+    void show(double passes_of_round) {
+        const double done = static_cast<double>(groups_.passes) + passes_of_round;
+        double all = 0, left = 0;
+        if (work_.goal.target && groups_.passes > 0) {
+            all = static_cast<double>(groups_.passes) + passes_needed();
+            left = groups_.seconds * (all - done) / static_cast<double>(groups_.passes);
+        }
+        if (work_.goal.seconds && (all == 0 || left > *work_.goal.seconds - groups_.seconds)) {
+            left = std::max(0.0, *work_.goal.seconds - groups_.seconds);
+            all = 0;
+        }
+        const double fraction = all > 0 ? done / all : groups_.seconds / (groups_.seconds + left + 1e-9);
+        const std::string error =
+            groups_.passes > 0 ? fmt::format(", error {:.3g} %", 100 * result_.relative_error) : "";
+        progress_.update(fraction, groups_.passes > 0 ? std::optional(left) : std::nullopt,
+                         fmt::format("reference of {}: {} samples a pixel{}", work_.scene.name,
+                                     static_cast<std::uint64_t>(reference_groups) * groups_.passes, error));
+    }
+
+    void save() {
+        result_.reference.metadata = metadata();
+        write_reference(work_.path, result_.reference);
+        saved_at_ = now();
+        unsaved_ = false;
+    }
+
+    void warn_about_quality() {
+        std::vector<std::string_view> names;
+        for (Component c : unresolved_)
+            names.push_back(name_of(c));
+        if (!names.empty())
+            result_.warnings.push_back(fmt::format("'{}' cannot sample every path of: {}; left out of judgement",
+                                                   work_.label.text(), fmt::join(names, ", ")));
+        if (!work_.method.unbiased)
+            result_.warnings.push_back(
+                fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
+                            work_.label.text()));
+        if (groups_.dropped.count > 0)
+            result_.warnings.push_back(
+                fmt::format("{} samples of the reference were not finite and were dropped; first: {}",
+                            groups_.dropped.count, groups_.dropped.first));
+        const double share = dominance_of_one_group(result_.reference.total.groups);
+        if (share > heavy_tail_share)
+            result_.warnings.push_back(
+                fmt::format("heavy tails: one group of {} carries {:.0f} % of the reference's scatter; its standard "
+                            "error is uncertain",
+                            reference_groups, 100 * share));
+    }
+
+    std::map<std::string, std::string> metadata() const {
+        const double share = dominance_of_one_group(result_.reference.total.groups);
+        std::map<std::string, std::string> metadata = {
+            {"reference_key", key_},
+            {"scene", work_.scene.name},
+            {"scene_hash", work_.scene.content_hash},
+            {"method", work_.label.text()},
+            {"groups", std::to_string(reference_groups)},
+            {"passes", std::to_string(groups_.passes)},
+            {"rounds", std::to_string(groups_.rounds)},
+            {"seconds", fmt::format("{:.3f}", groups_.seconds)},
+            {"seed_base", fmt::format("{}", batch_seed(key_, 0))},
+            {"glossy_roughness", fmt::format("{}", glossy_roughness)},
+            {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
+            {"epsilon", fmt::format("{}", work_.epsilon)},
+            {"dominance_of_one_group", fmt::format("{:.3g}", share)},
+            {"program", program_version()}};
+        if (groups_.dropped.count > 0) {
+            metadata["not_finite"] = std::to_string(groups_.dropped.count);
+            metadata["first_not_finite"] = groups_.dropped.first;
+        }
+        return metadata;
+    }
+
+    const ReferenceWork& work_;
+    ProgressLine& progress_;
+    std::string key_;
+    ParameterValues values_;
+    std::unique_ptr<Method> method_;
+    std::vector<Component> unresolved_;
+    ReferenceGroups groups_;
+    FinishedReference result_;
+    double saved_at_ = 0;
+    bool unsaved_ = false;
+};
+
+}  // namespace
+
+std::string reference_key(const std::string& content_hash, const MethodLabel& label) {
+    ContentHash hash;
+    hash.add("reference 1");
+    hash.add(content_hash);
+    hash.add(label.text());
+    hash.add(fmt::format("{}", glossy_roughness));  // decides which component a path belongs to
+    return hash.hex();
+}
+
+std::string cached_reference_path(const std::string& key) { return "results/references/" + key + ".exr"; }
+
+FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progress) {
+    return Maker(work, progress).make();
+}
+
+std::string stored_reference_identity(const std::string& path) {
+    if (!std::filesystem::exists(path)) return "";
+    try {
+        const auto metadata = read_reference(path).metadata;
+        const auto key = metadata.find("reference_key");
+        const auto passes = metadata.find("passes");
+        if (key == metadata.end() || passes == metadata.end()) return "";
+        return key->second + ":" + passes->second;
+    } catch (const InputError&) {
+        return "";
+    }
+}
+
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch) {
+    const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
+    return 0x8000000000000000ull | combine_keys(base, batch);
+}
+
+double dominance_of_one_group(const std::vector<Image>& groups) {
+    if (groups.empty()) return 0;
+    double all = 0, largest = 0;
+    for (std::size_t i = 0; i < groups.front().rgb.size(); ++i) {
+        double mean = 0;
+        for (const Image& group : groups)
+            mean += static_cast<double>(group.rgb[i]) / static_cast<double>(groups.size());
+        double top = 0;
+        for (const Image& group : groups) {
+            const double deviation = sqr(static_cast<double>(group.rgb[i]) - mean);
+            all += deviation;
+            top = std::max(top, deviation);
+        }
+        largest += top;
+    }
+    return all > 0 ? largest / all : 0;
+}
+
+}  // namespace gib

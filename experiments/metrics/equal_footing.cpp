@@ -1,0 +1,85 @@
+#include "experiments/metrics/equal_footing.h"
+
+#include "common/core/math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gib {
+
+namespace {
+
+constexpr double tail = 0.01;
+constexpr double least_share = 0.01;  // of the total: components below it are measured against it
+
+double mean_energy(const Image& image) {
+    double sum = 0;
+    for (const float v : image.rgb)
+        sum += static_cast<double>(v);
+    return sum / static_cast<double>(image.rgb.size());
+}
+
+SampleMean mean_energies(const std::vector<Image>& images) {
+    std::vector<double> energies;
+    for (const Image& image : images)
+        energies.push_back(mean_energy(image));
+    return sample_mean(energies);
+}
+
+/// Without groups, pixels and channels are taken as independent; without a standard error the reference is exact.
+SampleMean reference_energy(const ReferenceLayer& reference) {
+    if (reference.groups.size() > 1) return mean_energies(reference.groups);
+    SampleMean mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
+    if (!reference.standard_error) return mean;
+    const auto size = static_cast<double>(reference.standard_error->rgb.size());
+    for (const float v : reference.standard_error->rgb)
+        mean.variance.variance += sqr(static_cast<double>(v) / size);
+    return mean;
+}
+
+FootingVerdict verdict_of(const Estimate& excess, double truth) {
+    // NaN: something in the image is not finite.
+    if (!std::isfinite(excess.value)) return FootingVerdict::differs;
+    // Both black, exactly: most often a component that the scene does not call for.
+    if (excess.value == 0 && truth == 0) return FootingVerdict::agrees;
+    if (!excess.interval) return FootingVerdict::unresolved;
+    const auto [lo, hi] = *excess.interval;
+    if ((lo > 0 || hi < 0) && std::abs(excess.value) >= footing_least) return FootingVerdict::differs;
+    return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::unresolved;
+}
+
+Footing compared(const SampleMean& method, const SampleMean& truth, double unit) {
+    Footing footing{method, unit, {(method.value - truth.value) / unit, std::nullopt}};
+    const double half = half_width({method.variance, truth.variance}, tail) / unit;
+    if (std::isfinite(half))
+        footing.excess.interval = Interval{footing.excess.value - half, footing.excess.value + half};
+    footing.verdict = verdict_of(footing.excess, truth.value);
+    return footing;
+}
+
+}  // namespace
+
+std::string name_of(FootingVerdict verdict) {
+    switch (verdict) {
+        case FootingVerdict::agrees:
+            return "agrees";
+        case FootingVerdict::differs:
+            return "differs";
+        case FootingVerdict::unresolved:
+            break;
+    }
+    return "unresolved";
+}
+
+Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }
+
+std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
+                                     const Image& total) {
+    const SampleMean truth = reference_energy(reference);
+    const double unit = std::max(truth.value, least_share * mean_energy(total));
+    if (!(unit > 0)) return std::nullopt;
+    return compared(mean_energies(replicates), truth, unit);
+}
+
+}  // namespace gib

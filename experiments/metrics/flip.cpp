@@ -1,0 +1,216 @@
+#include "experiments/metrics/flip.h"
+
+#include "common/core/error.h"
+#include "common/core/math.h"
+#include "common/core/parallel.h"
+#include "experiments/metrics/flip_filters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t pixels_per_task = 4096;
+
+/// From linear RGB to XYZ over that of white (sRGB's primaries, D65): white is (1, 1, 1), as every row sums to 1.
+Eigen::Matrix3d xyz_of_rgb() {
+    Eigen::Matrix3d m;
+    m << 0.412386563, 0.357591491, 0.180450490,  //
+        0.212636822, 0.715182982, 0.072180196,   //
+        0.019330620, 0.119197164, 0.950372587;
+    return (m.array().colwise() / m.array().rowwise().sum()).matrix();
+}
+
+/// From XYZ over that of white to Y, X - Y, Y - Z: YCxCz without its factors and its offset, which linear filters whose
+/// weights sum to 1 leave alone.
+Eigen::Matrix3d opponent_of_xyz() {
+    Eigen::Matrix3d m;
+    m << 0, 1, 0,  //
+        1, -1, 0,  //
+        0, 1, -1;
+    return m;
+}
+
+struct OpponentImage {
+    Plane achromatic, red_green, blue_yellow;
+};
+
+OpponentImage opponent_image(const Image& image) {
+    const Eigen::Matrix3f m = (opponent_of_xyz() * xyz_of_rgb()).cast<float>();
+    const Plane empty(image.width, image.height);
+    OpponentImage result{empty, empty, empty};
+    for (std::size_t i = 0; i < image.pixels(); ++i) {
+        const Vec3 v = m * image.at(i).matrix();
+        result.achromatic.values[i] = v[0];
+        result.red_green.values[i] = v[1];
+        result.blue_yellow.values[i] = v[2];
+    }
+    return result;
+}
+
+/// The curve of CIELab's lightness; its straight part ends at (6 / 29)^3.
+float lightness_curve(float t) {
+    constexpr float delta = 6.f / 29.f;
+    return t > delta * delta * delta ? std::cbrt(t) : t / (3 * sqr(delta)) + 4.f / 29.f;
+}
+
+/// CIELab of XYZ over that of white, its colour weaker where it is dark, as Hunt found.
+Vec3 hunt_lab(const Vec3& xyz) {
+    const float x = lightness_curve(xyz[0]), y = lightness_curve(xyz[1]), z = lightness_curve(xyz[2]);
+    const float lightness = 116 * y - 16;
+    return {lightness, 0.01f * lightness * 500 * (x - y), 0.01f * lightness * 200 * (y - z)};
+}
+
+/// Distance of large colour differences: lightness and chroma apart.
+float hyab(const Vec3& a, const Vec3& b) {
+    return std::abs(a[0] - b[0]) + std::sqrt(sqr(a[1] - b[1]) + sqr(a[2] - b[2]));
+}
+
+/// What the eye sees of an image's colours, in Hunt's version of CIELab.
+std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degree) {
+    const Plane y = contrast_filtered(image.achromatic, OpponentChannel::achromatic, pixels_per_degree);
+    const Plane xy = contrast_filtered(image.red_green, OpponentChannel::red_green, pixels_per_degree);
+    const Plane yz = contrast_filtered(image.blue_yellow, OpponentChannel::blue_yellow, pixels_per_degree);
+    const Eigen::Matrix3d to_xyz = xyz_of_rgb();
+    const Eigen::Matrix3f from_rgb = to_xyz.cast<float>();
+    const Eigen::Matrix3f to_rgb = (opponent_of_xyz() * to_xyz).inverse().cast<float>();
+    std::vector<Vec3> colors(y.values.size());
+    parallel_blocks(colors.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            // Filtering may leave what a screen can show.
+            const Vec3 rgb = to_rgb * Vec3(y.values[i], xy.values[i], yz.values[i]);
+            colors[i] = hunt_lab(from_rgb * rgb.cwiseMax(0.f).cwiseMin(1.f));
+        }
+    });
+    return colors;
+}
+
+/// Compresses large colour differences: q_c, p_c and p_t of the paper.
+class ColorError {
+public:
+    float operator()(float distance) const {
+        const float compressed = std::pow(distance, exponent);
+        const float knee = share * largest_;
+        if (compressed < knee) return knee_error / knee * compressed;
+        return knee_error + (compressed - knee) / (largest_ - knee) * (1 - knee_error);
+    }
+
+private:
+    static constexpr float exponent = 0.7f, share = 0.4f, knee_error = 0.95f;
+    /// That of green and blue, the largest of a screen.
+    float largest_ = std::pow(hyab(hunt_lab(xyz_of_rgb().col(1).cast<float>()),  //
+                                   hunt_lab(xyz_of_rgb().col(2).cast<float>())),
+                              exponent);
+};
+
+void require_comparable(const Image& test, const Image& reference, double pixels_per_degree) {
+    if (!test.same_size(reference))
+        throw InputError(fmt::format("FLIP compares images of one size, not {} x {} with {} x {} pixels", test.width,
+                                     test.height, reference.width, reference.height));
+    if (test.pixels() == 0) throw InputError("FLIP needs at least one pixel");
+    if (!std::isfinite(pixels_per_degree) || pixels_per_degree < 1)
+        throw InputError(fmt::format("FLIP needs one pixel per degree or more, not {:g}", pixels_per_degree));
+    for (const Image* image : {&test, &reference})
+        for (const float v : image->rgb)
+            if (!std::isfinite(v)) throw InputError("FLIP is undefined for images with values that are not finite");
+}
+
+/// What is left to do for images that are known to be comparable.
+FlipMap flip_of(const Image& test, const Image& reference, double pixels_per_degree) {
+    const OpponentImage a = opponent_image(test), b = opponent_image(reference);
+    const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
+    const Features features_a = detected_features(a.achromatic, pixels_per_degree);
+    const Features features_b = detected_features(b.achromatic, pixels_per_degree);
+    const ColorError color_error;
+    FlipMap map{test.width, test.height, std::vector<float>(test.pixels())};
+    parallel_blocks(map.values.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float edge = std::abs(features_a.edges.values[i] - features_b.edges.values[i]);
+            const float point = std::abs(features_a.points.values[i] - features_b.points.values[i]);
+            // The exponent q_f of the paper is 1/2.
+            const float feature = std::min(1.f, std::sqrt(std::max(edge, point) * std::numbers::sqrt2_v<float> / 2));
+            const float color = std::min(1.f, color_error(hyab(color_a[i], color_b[i])));
+            map.values[i] = std::pow(color, 1 - feature);
+        }
+    });
+    return map;
+}
+
+/// filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5): Narkowicz's fit to ACES, its exposure of 0.6 multiplied in.
+constexpr double k0 = 0.6 * 0.6 * 2.51, k1 = 0.6 * 0.03, k3 = 0.6 * 0.6 * 2.43, k4 = 0.6 * 0.59, k5 = 0.14;
+
+/// The x >= 0 with filmic(x) = y, for y in [0, 1].
+double inverse_filmic(double y) {
+    const double a = k0 - k3 * y, half_b = (k1 - k4 * y) / 2, c = -k5 * y;
+    return (-half_b + std::sqrt(sqr(half_b) - a * c)) / a;
+}
+
+Image displayed(const Image& image, double exposure) {
+    const double factor = std::exp2(exposure);
+    Image result(image.width, image.height);
+    parallel_blocks(image.rgb.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, static_cast<double>(image.rgb[i]))));
+    });
+    return result;
+}
+
+/// Mean of the two in the middle where their number is even. Reorders the values, at least one.
+double median_of(std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const auto upper = static_cast<double>(*middle);
+    if (values.size() % 2 == 1) return upper;
+    return (upper + static_cast<double>(*std::max_element(values.begin(), middle))) / 2;
+}
+
+}  // namespace
+
+double FlipMap::mean() const {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double filmic(double x) { return std::clamp(x * (k0 * x + k1) / (x * (k3 * x + k4) + k5), 0.0, 1.0); }
+
+ExposureRange flip_exposures(const Image& reference) {
+    constexpr double shown = 0.85;
+    std::vector<float> luminances;
+    for (std::size_t i = 0; i < reference.pixels(); ++i)
+        luminances.push_back(luminance(reference.at(i).max(0.f)));
+    const double largest =
+        luminances.empty() ? 0 : static_cast<double>(*std::max_element(luminances.begin(), luminances.end()));
+    if (largest == 0) return {0, 0, 2};
+    const double darkest = std::ldexp(largest, -24);
+    double median = median_of(luminances);
+    if (median < darkest) {
+        std::erase_if(luminances, [&](float y) { return static_cast<double>(y) < darkest; });
+        median = median_of(luminances);
+    }
+    const double start = std::log2(inverse_filmic(shown) / largest), stop = std::log2(inverse_filmic(shown) / median);
+    return {start, stop, std::max(2, static_cast<int>(std::ceil(stop - start)))};
+}
+
+FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
+    require_comparable(test, reference, pixels_per_degree);
+    return flip_of(test, reference, pixels_per_degree);
+}
+
+FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
+    require_comparable(test, reference, pixels_per_degree);
+    const ExposureRange range = flip_exposures(reference);
+    FlipMap worst{test.width, test.height, std::vector<float>(test.pixels(), 0.f)};
+    for (int i = 0; i < range.count; ++i) {
+        const double exposure = range.at(i);
+        const FlipMap map = flip_of(displayed(test, exposure), displayed(reference, exposure), pixels_per_degree);
+        for (std::size_t p = 0; p < map.values.size(); ++p)
+            worst.values[p] = std::max(worst.values[p], map.values[p]);
+    }
+    return worst;
+}
+
+}  // namespace gib

@@ -1,0 +1,140 @@
+#include "experiments/metrics/reference_image.h"
+
+#include "common/core/error.h"
+#include "common/images/image_digest.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace gib {
+
+namespace {
+
+constexpr const char* digest_key = "digest";
+/// What a top-up adds up of a file, its pixels and these. The last is there only if it is not 0.
+std::string digest_of(const LayeredImage& file) {
+    std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
+    if (file.metadata.count("not_finite") > 0) keys.emplace_back("not_finite");
+    return image_digest(file, keys);
+}
+
+constexpr const char* unresolved_key = "unresolved";  // names of components, separated by ';'
+
+std::string joined(const std::string& name, const std::string& what) { return name.empty() ? what : name + "_" + what; }
+
+std::string group_name(const std::string& name, std::size_t group) {
+    char number[32];
+    std::snprintf(number, sizeof number, "group%02zu", group);
+    return joined(name, number);
+}
+
+std::optional<ReferenceLayer> take_layer(const LayeredImage& file, const std::string& name) {
+    const Image* mean = file.find(name);
+    if (!mean) return std::nullopt;
+    ReferenceLayer layer{*mean, std::nullopt, {}};
+    if (const Image* error = file.find(joined(name, "stderr"))) layer.standard_error = *error;
+    while (const Image* group = file.find(group_name(name, layer.groups.size())))
+        layer.groups.push_back(*group);
+    return layer;
+}
+
+void put_layer(LayeredImage& file, const std::string& name, const ReferenceLayer& layer, bool with_groups) {
+    file.layers.emplace_back(name, layer.mean);
+    if (layer.standard_error) file.layers.emplace_back(joined(name, "stderr"), *layer.standard_error);
+    if (!with_groups) return;
+    for (std::size_t g = 0; g < layer.groups.size(); ++g)
+        file.layers.emplace_back(group_name(name, g), layer.groups[g]);
+}
+
+std::vector<Component> components_named(const std::string& names) {
+    std::vector<Component> found;
+    std::size_t begin = 0;
+    while (begin < names.size()) {
+        const std::size_t end = std::min(names.find(';', begin), names.size());
+        if (const auto c = component_named(names.substr(begin, end - begin))) found.push_back(*c);
+        begin = end + 1;
+    }
+    return found;
+}
+
+}  // namespace
+
+Reference read_reference(const std::string& path) {
+    const LayeredImage file = read_image(path);
+    if (const auto digest = file.metadata.find(digest_key);
+        digest != file.metadata.end() && digest->second != digest_of(file))
+        throw InputError({path, 0, 0}, "its content is not what its digest says: the file is damaged or was edited");
+    return reference_in(file, path);
+}
+
+void write_reference(const std::string& path, const Reference& reference) {
+    LayeredImage file = layers_of(reference, true);
+    file.metadata[digest_key] = digest_of(file);
+    write_exr(path, file);
+}
+
+bool is_verified(const Reference& reference) { return reference.metadata.count(digest_key) > 0; }
+
+Reference reference_in(const LayeredImage& file, const std::string& path) {
+    auto total = take_layer(file, "");
+    if (!total) {
+        std::string names;
+        for (const auto& layer : file.layers)
+            names += (names.empty() ? "" : ", ") + layer.first;
+        throw InputError({path, 0, 0}, "no channels R,G,B; the image has the layers " + names);
+    }
+    Reference reference;
+    reference.total = std::move(*total);
+    for (Component c : all_components)
+        reference.components[static_cast<std::size_t>(index_of(c))] = take_layer(file, std::string(name_of(c)));
+    reference.metadata = file.metadata;
+    if (const auto names = file.metadata.find(unresolved_key); names != file.metadata.end())
+        reference.unresolved = components_named(names->second);
+    return reference;
+}
+
+LayeredImage layers_of(const Reference& reference, bool with_groups) {
+    LayeredImage file;
+    file.metadata = reference.metadata;
+    put_layer(file, "", reference.total, with_groups);
+    for (Component c : all_components)
+        if (const auto& layer = reference[c]) put_layer(file, std::string(name_of(c)), *layer, with_groups);
+    std::string unresolved;
+    for (Component c : reference.unresolved)
+        unresolved += (unresolved.empty() ? "" : ";") + std::string(name_of(c));
+    if (unresolved.empty()) file.metadata.erase(unresolved_key);
+    else file.metadata[unresolved_key] = unresolved;
+    return file;
+}
+
+ReferenceLayer layer_of_groups(std::vector<Image> groups) {
+    if (groups.empty()) throw std::invalid_argument("layer_of_groups: no groups");
+    ReferenceLayer layer;
+    layer.mean = Image(groups[0].width, groups[0].height);
+    if (groups.size() > 1) layer.standard_error = layer.mean;
+    const double count = static_cast<double>(groups.size());
+    for (std::size_t i = 0; i < layer.mean.rgb.size(); ++i) {
+        double sum = 0, scatter = 0;
+        for (const Image& group : groups)
+            sum += static_cast<double>(group.rgb[i]);
+        const double mean = sum / count;
+        layer.mean.rgb[i] = static_cast<float>(mean);
+        if (!layer.standard_error) continue;
+        for (const Image& group : groups)
+            scatter += sqr(static_cast<double>(group.rgb[i]) - mean);
+        layer.standard_error->rgb[i] = static_cast<float>(std::sqrt(scatter / (count - 1) / count));
+    }
+    layer.groups = std::move(groups);
+    return layer;
+}
+
+double relative_standard_error(const ReferenceLayer& layer, double epsilon) {
+    if (!layer.standard_error || layer.mean.rgb.empty()) return 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < layer.mean.rgb.size(); ++i)
+        sum += sqr(static_cast<double>(layer.standard_error->rgb[i])) /
+               (sqr(static_cast<double>(layer.mean.rgb[i])) + epsilon);
+    return std::sqrt(sum / static_cast<double>(layer.mean.rgb.size()));
+}
+
+}  // namespace gib

@@ -1,0 +1,69 @@
+#include "experiments/metrics/robust_error.h"
+
+#include "common/core/math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace gib {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<double> errors_of_pixels(const Image& x, const Image& r, const Image& r_total, double epsilon) {
+    std::vector<double> errors(x.pixels(), 0.0);
+    for (std::size_t i = 0; i < x.rgb.size(); ++i) {
+        const double error2 = sqr(static_cast<double>(x.rgb[i]) - static_cast<double>(r.rgb[i]));
+        errors[i / 3] += error2 / (sqr(static_cast<double>(r_total.rgb[i])) + epsilon) / 3;
+    }
+    return errors;
+}
+
+bool all_finite(const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+/// Reorders the values.
+double median_of(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    if (values.size() % 2 == 1) return *middle;
+    return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+}  // namespace
+
+RobustError robust_error(const std::vector<Image>& replicates, const Image& reference, const Image& r_total,
+                         double epsilon) {
+    const std::size_t pixels = reference.pixels();
+    if (replicates.empty() || pixels == 0) throw std::invalid_argument("robust_error: no pixels");
+    const std::size_t kept = pixels - (pixels + pixels_per_outlier - 1) / pixels_per_outlier;
+    RobustError result{0, 0, nan};
+    double worst = 0, all = 0;
+    for (const Image& x : replicates) {
+        if (!x.same_size(reference) || !r_total.same_size(reference))
+            throw std::invalid_argument("robust_error: images of different sizes");
+        std::vector<double> errors = errors_of_pixels(x, reference, r_total, epsilon);
+        if (!all_finite(errors)) return {nan, nan, nan};
+        result.median += median_of(errors);
+        const auto first_worst = errors.begin() + static_cast<std::ptrdiff_t>(kept);
+        std::nth_element(errors.begin(), first_worst, errors.end());
+        // Not their sum less that of the worst, which would cancel.
+        const double left = std::accumulate(errors.begin(), first_worst, 0.0);
+        const double outliers = std::accumulate(first_worst, errors.end(), 0.0);
+        result.trimmed += kept > 0 ? left / static_cast<double>(kept) : nan;
+        worst += outliers;
+        all += left + outliers;
+    }
+    const auto count = static_cast<double>(replicates.size());
+    result.median /= count;
+    result.trimmed /= count;
+    if (all > 0) result.share = worst / all;
+    return result;
+}
+
+}  // namespace gib

@@ -1,0 +1,401 @@
+// Notation: n replicates x_i, a reference R = r + h whose m groups are G_g, D = pixels x 3, <a, b> = sum(a b) / D.
+// Everything below needs only the inner products of the x_i - R and the G_g - R, one pass over the images.
+//
+// bias2 is the two-sample U-statistic mean_{i != j} <x_i - R, x_j - R> - mean(stderr^2): leaving out i = j is what
+// subtracting the sampling variance s^2 / n amounts to. Its variance, by Hoeffding's decomposition, is the sum of
+//     4/n Var<b, e_i>  +  2/(n(n-1)) Var<e_i, e_j>      b the bias, e_i the noise of a replicate
+//   + 4/m Var<b, h_g>  +  2/(m(m-1)) Var<h_g, h_h>      h_g the noise of a group of the reference
+//   + 4/(nm) Var<e_i, h_g>
+// The delete-one jackknife counts the terms of second order twice or more (Efron and Stein 1981), and these are all
+// there is when the bias is near zero. So both orders are estimated, without assuming a law for the noise: the inner
+// products of different images are a diallel table (Griffing 1956, method 4), whose main effects give the first order
+// and whose residuals give the second. Seeds and groups add up with the degrees of freedom of Welch and Satterthwaite.
+#include "experiments/metrics/statistics.h"
+
+#include "common/core/error.h"
+#include "common/core/float_traps.h"
+#include "common/core/parallel.h"
+#include "experiments/metrics/student_t.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+constexpr double interval_tail = 0.05;  // of both sides together: 95 % intervals
+
+Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
+    const double half = half_width(terms, interval_tail);
+    if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
+    return {value, Interval{value - half, value + half}};
+}
+
+/// For positive statistics: symmetric in the logarithm, so that the interval stays positive and the skewness of a
+/// variance from few replicates is followed.
+Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms) {
+    if (value == 0) return {0, Interval{0, 0}};
+    const double half = half_width(terms, interval_tail) / value;
+    if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
+    return {value, Interval{value * std::exp(-half), value * std::exp(half)}};
+}
+
+Estimate square_root(const Estimate& e) {
+    if (!e.interval) return {std::sqrt(e.value), std::nullopt};
+    return {std::sqrt(e.value), Interval{std::sqrt(e.interval->lo), std::sqrt(e.interval->hi)}};
+}
+
+/// Small symmetric tables of inner products.
+using Table = Eigen::ArrayXXd;
+
+/// Of a table, a row or a column. (Eigen's own reductions make GCC 12 warn about its AVX-512 headers.)
+double mean_of(const Eigen::Ref<const Table, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>& values) {
+    double sum = 0;
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+        for (Eigen::Index i = 0; i < values.rows(); ++i)
+            sum += values(i, j);
+    return sum / static_cast<double>(values.size());
+}
+
+/// A U-statistic of order two: the mean of a symmetric table of k_ij over pairs of different images. Its variance is
+/// 4/n s1^2 + 2/(n(n-1)) s2^2, with s1^2 the variance of the table's main effects and s2^2 that of its residuals.
+struct PairMean {
+    double value = 0;
+    std::vector<double> effects;  ///< Griffing's method 4, unbiased
+    double effects_square = 0;    ///< mean square, expectation (n-2) s1^2 + s2^2, n - 1 degrees of freedom
+    double residual_square = 0;   ///< mean square, expectation s2^2, n(n-3)/2 degrees of freedom; from 4 images on
+};
+
+PairMean pair_mean(const Table& k) {
+    PairMean result;
+    const Eigen::Index count = k.rows();
+    const auto n = static_cast<double>(count);
+    for (Eigen::Index i = 0; i < count; ++i)
+        for (Eigen::Index j = 0; j < i; ++j)
+            result.value += 2 * k(i, j) / (n * (n - 1));
+    if (count < 3) return result;
+    for (Eigen::Index i = 0; i < count; ++i) {
+        double sum = 0;
+        for (Eigen::Index j = 0; j < count; ++j)
+            sum += i == j ? 0 : k(i, j) - result.value;
+        result.effects.push_back(sum / (n - 2));
+        result.effects_square += (n - 2) * sqr(result.effects.back()) / (n - 1);
+    }
+    if (count < 4) return result;
+    for (Eigen::Index i = 0; i < count; ++i)
+        for (Eigen::Index j = 0; j < i; ++j)
+            result.residual_square += sqr(k(i, j) - result.value - result.effects[static_cast<std::size_t>(i)] -
+                                          result.effects[static_cast<std::size_t>(j)]) /
+                                      (n * (n - 3) / 2);
+    return result;
+}
+
+/// The delete-one jackknife: 4/n s1^2 + 4/(n(n-2)) s2^2, with the term of second order at least twice what it is.
+VarianceTerm pair_jackknife(const PairMean& pairs, double n) {
+    return {4 / (n * (n - 2)) * pairs.effects_square, n - 1};
+}
+
+/// Two or three images leave no residuals; then the table's diagonal helps. The variance of the linearised statistic,
+/// 4/(n(n-1)) sum_i (mean_j k_ij - mean)^2, is exact for two and has 1.33 times the term of second order for three,
+/// where the noise's sums are normal (many pixels).
+VarianceTerm linearised(const Table& k) {
+    const auto n = static_cast<double>(k.rows());
+    double sum = 0;
+    for (Eigen::Index i = 0; i < k.rows(); ++i)
+        sum += sqr(mean_of(k.row(i)) - mean_of(k));
+    return {4 / (n * (n - 1)) * sum, n - 1};
+}
+
+/// The variance of a pair mean whose first order may vanish. Unbiased would be to subtract 2/((n-1)(n-2))
+/// residual_square from the jackknife; the difference of two noisy squares then covers 91 % where both orders matter.
+/// Half of that, and never less than what all squares together say if there is no first order, covers 93 to 98 % at
+/// every ratio of the two, for n >= 4.
+VarianceTerm pair_variance(const Table& k) {
+    if (k.rows() < 4) return linearised(k);
+    const auto n = static_cast<double>(k.rows());
+    const PairMean pairs = pair_mean(k);
+    const double residual_degrees = n * (n - 3) / 2;
+    const double pooled =
+        ((n - 1) * pairs.effects_square + residual_degrees * pairs.residual_square) / (n - 1 + residual_degrees);
+    const double least = 2 / (n * (n - 1)) * pooled;
+    const double half_corrected = pair_jackknife(pairs, n).variance - pairs.residual_square / ((n - 1) * (n - 2));
+    if (half_corrected > least) return {half_corrected, n - 1 + residual_degrees * sqr(least / half_corrected)};
+    return {least, n - 1 + residual_degrees};
+}
+
+/// Weights of the relative error, 1 / (r_total^2 + epsilon), or 1.
+struct Weights {
+    const Image* r_total = nullptr;
+    double epsilon = 0;
+    double operator()(std::size_t i) const {
+        return r_total ? 1 / (sqr(static_cast<double>(r_total->rgb[i])) + epsilon) : 1;
+    }
+};
+
+/// The weighted inner products <a_i - R, a_j - R>, a running over the replicates, then over the reference's groups. The
+/// sums are taken in blocks of fixed size in a fixed order, so that the number of threads changes nothing.
+Table inner_products(const std::vector<const Image*>& images, const Image& origin, const Weights& weights) {
+    constexpr std::size_t block = 65536;
+    const auto count = static_cast<Eigen::Index>(images.size());
+    const std::size_t size = origin.rgb.size();
+    std::vector<Table> sums((size + block - 1) / block);
+    parallel_blocks(size, block, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        Table& sum = sums[b];
+        sum = Table::Zero(count, count);
+        Eigen::ArrayXd differences(count);
+        for (std::size_t i = begin; i < end; ++i) {
+            const double w = weights(i), zero = static_cast<double>(origin.rgb[i]);
+            for (Eigen::Index k = 0; k < count; ++k)
+                differences[k] = static_cast<double>(images[static_cast<std::size_t>(k)]->rgb[i]) - zero;
+            // The lower triangle, column by column: element-wise, so that it vectorises without reordering a sum.
+            for (Eigen::Index k = 0; k < count; ++k)
+                sum.col(k).tail(count - k) += (w * differences[k]) * differences.tail(count - k);
+        }
+    });
+    Table total = Table::Zero(count, count);
+    for (const auto& part : sums)
+        total += part / static_cast<double>(size);
+    for (Eigen::Index k = 0; k < count; ++k)
+        for (Eigen::Index j = 0; j < k; ++j)
+            total(j, k) = total(k, j);
+    return total;
+}
+
+/// The part of the variance that comes from a reference with a standard error but no groups: the pixels' errors are
+/// taken as independent, which they are for a path tracer with a box filter.
+struct PlainReference {
+    double variance = 0;        ///< weighted mean of stderr^2
+    double bias2_variance = 0;  ///< (4 <d^2, stderr^2> + 2 <stderr^2, stderr^2>) / D with d = mean of x - R
+};
+
+PlainReference plain_reference(const std::vector<Image>& replicates, const ReferenceLayer& reference,
+                               const Weights& weights) {
+    PlainReference result;
+    if (!reference.standard_error) return result;
+    const auto size = static_cast<double>(reference.mean.rgb.size());
+    for (std::size_t i = 0; i < reference.mean.rgb.size(); ++i) {
+        double mean = 0;
+        for (const Image& x : replicates)
+            mean += static_cast<double>(x.rgb[i]);
+        const double d = mean / static_cast<double>(replicates.size()) - static_cast<double>(reference.mean.rgb[i]);
+        const double w = weights(i), variance = w * sqr(static_cast<double>(reference.standard_error->rgb[i]));
+        result.variance += variance / size;
+        result.bias2_variance += (4 * w * sqr(d) + 2 * variance) * variance / sqr(size);
+    }
+    return result;
+}
+
+/// What the estimates are made of: the inner products of one weighting, split by kind.
+struct Moments {
+    Table seeds;                 ///< n x n, <x_i - R, x_j - R>
+    Table groups;                ///< m x m, <mean x - G_g, mean x - G_h>; empty without groups
+    double shared_variance = 0;  ///< 4/(nm) Var<e_i, h_g>, which the scatter of seeds and that of groups both contain
+    PlainReference reference;
+};
+
+/// The mean square of what is left of an n x m table without its rows' and columns' means.
+double interaction_square(const Table& table) {
+    Eigen::ArrayXd rows(table.rows()), columns(table.cols());
+    for (Eigen::Index i = 0; i < table.rows(); ++i)
+        rows[i] = mean_of(table.row(i));
+    for (Eigen::Index j = 0; j < table.cols(); ++j)
+        columns[j] = mean_of(table.col(j));
+    const double mean = mean_of(table);
+    double sum = 0;
+    for (Eigen::Index i = 0; i < table.rows(); ++i)
+        for (Eigen::Index j = 0; j < table.cols(); ++j)
+            sum += sqr(table(i, j) - rows[i] - columns[j] + mean);
+    return sum / static_cast<double>((table.rows() - 1) * (table.cols() - 1));
+}
+
+Moments moments(const std::vector<Image>& replicates, const ReferenceLayer& reference, const Weights& weights) {
+    std::vector<const Image*> images;
+    for (const Image& x : replicates)
+        images.push_back(&x);
+    const auto n = static_cast<Eigen::Index>(replicates.size());
+    const auto m = reference.groups.size() < 2 ? 0 : static_cast<Eigen::Index>(reference.groups.size());
+    for (Eigen::Index g = 0; g < m; ++g)
+        images.push_back(&reference.groups[static_cast<std::size_t>(g)]);
+    const Table all = inner_products(images, reference.mean, weights);
+
+    Moments result;
+    result.seeds = all.topLeftCorner(n, n);
+    result.reference = plain_reference(replicates, reference, weights);
+    if (m == 0) return result;
+    const Table cross = all.topRightCorner(n, m), scatter = all.bottomRightCorner(m, m);
+    result.groups = scatter + mean_of(result.seeds);
+    double trace = 0;
+    for (Eigen::Index g = 0; g < m; ++g) {
+        result.groups.row(g) -= mean_of(cross.col(g));
+        result.groups.col(g) -= mean_of(cross.col(g));
+        trace += scatter(g, g);
+    }
+    const auto groups = static_cast<double>(m);
+    if (!reference.standard_error) result.reference.variance = trace / (groups * (groups - 1));
+    if (n > 1) result.shared_variance = 4 * interaction_square(cross) / (static_cast<double>(n) * groups);
+    return result;
+}
+
+/// What the reference adds to the variance of bias2 and of mse, beyond what the scatter of the seeds holds already.
+VarianceTerm reference_term(const Moments& of) {
+    // Without groups there is no scatter that degrees of freedom could come from.
+    if (of.groups.rows() == 0) return {of.reference.bias2_variance, std::numeric_limits<double>::infinity()};
+    VarianceTerm term = pair_variance(of.groups);
+    term.variance = std::max(0.0, term.variance - of.shared_variance);
+    return term;
+}
+
+Estimate bias2_of(const Moments& of) {
+    return estimate(pair_mean(of.seeds).value - of.reference.variance, {pair_variance(of.seeds), reference_term(of)});
+}
+
+/// The variance of one replicate is the mean of |x_i - x_j|^2 / 2 over pairs. Its first order never vanishes, so that
+/// the plain jackknife will do.
+Estimate variance_of(const Table& seeds) {
+    Table halves = -seeds;
+    halves.colwise() += 0.5 * seeds.matrix().diagonal().array();
+    halves.rowwise() += 0.5 * seeds.matrix().diagonal().array().transpose();
+    const PairMean pairs = pair_mean(halves);
+    // Two replicates have one pair: no scatter to make an interval from.
+    if (seeds.rows() < 3) return {pairs.value, std::nullopt};
+    return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))});
+}
+
+/// The interval is that of the plain formula, whose expectation contains the reference's variance.
+Estimate mse_of(const Moments& of) {
+    const auto n = static_cast<double>(of.seeds.rows());
+    const Eigen::ArrayXd each = of.seeds.matrix().diagonal();
+    const double value = mean_of(each);
+    if (of.seeds.rows() < 2) return {value, std::nullopt};
+    double scatter = 0;
+    for (double error2 : each)
+        scatter += sqr(error2 - value);
+    return positive_estimate(value, {{scatter / (n * (n - 1)), n - 1}, reference_term(of)});
+}
+
+bool all_finite(const std::vector<Image>& images) {
+    return std::all_of(images.begin(), images.end(), [](const Image& image) {
+        return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
+    });
+}
+
+void require_same_size(const Image& image, const Image& reference) {
+    if (!image.same_size(reference) || image.rgb.size() != reference.rgb.size())
+        throw InputError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                         " pixels cannot be compared with a reference of " + std::to_string(reference.width) + " x " +
+                         std::to_string(reference.height));
+}
+
+}  // namespace
+
+Estimate jackknife(double value, const std::vector<double>& without) {
+    const auto n = static_cast<double>(without.size());
+    double mean = 0, scatter = 0;
+    for (const double v : without)
+        mean += v / n;
+    for (const double v : without)
+        scatter += sqr(v - mean);
+    const double half = student_t_two_sided(interval_tail, n - 1) * std::sqrt((n - 1) / n * scatter);
+    return {value, Interval{value - half, value + half}};
+}
+
+ImageError image_error(const Image& x, const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+    require_same_size(x, reference.mean);
+    require_same_size(r_total, reference.mean);
+    const Weights relative{&r_total, epsilon};
+    double mse = 0, rel_mse = 0, variance = 0, rel_variance = 0;
+    for (std::size_t i = 0; i < x.rgb.size(); ++i) {
+        const double w = relative(i);
+        const double error2 = sqr(static_cast<double>(x.rgb[i]) - static_cast<double>(reference.mean.rgb[i]));
+        mse += error2;
+        rel_mse += w * error2;
+        if (!reference.standard_error) continue;
+        const double error2_of_r = sqr(static_cast<double>(reference.standard_error->rgb[i]));
+        variance += error2_of_r;
+        rel_variance += w * error2_of_r;
+    }
+    const auto size = static_cast<double>(x.rgb.size());
+    return {mse / size, std::sqrt(mse / size), rel_mse / size, (mse - variance) / size,
+            (rel_mse - rel_variance) / size};
+}
+
+ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
+                                         const Image& r_total, double epsilon) {
+    if (replicates.empty()) throw std::invalid_argument("replicate_statistics: no replicates");
+    for (const Image& x : replicates)
+        require_same_size(x, reference.mean);
+    for (const Image& group : reference.groups)
+        require_same_size(group, reference.mean);
+    require_same_size(r_total, reference.mean);
+
+    // Statistics of images that are not finite are not finite either.
+    const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
+    const Moments plain = moments(replicates, reference, {});
+    const Moments relative = moments(replicates, reference, {&r_total, epsilon});
+    ReplicateStatistics result{};
+    result.seeds = static_cast<int>(replicates.size());
+    result.mse = mse_of(plain);
+    result.rmse = square_root(result.mse);
+    result.rel_mse = mse_of(relative);
+    // Where the error is below what the reference resolves there is no number to give.
+    const double corrected = result.mse.value - plain.reference.variance;
+    result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
+    result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance;
+    if (replicates.size() > 1) {
+        result.bias2 = bias2_of(plain);
+        result.variance = variance_of(plain.seeds);
+        result.rel_bias2 = bias2_of(relative);
+    }
+    return result;
+}
+
+double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+    const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
+    // The term of second order alone: there is no bias whose product with the reference's noise could scatter.
+    const auto m = static_cast<double>(noise.groups.rows());
+    const double variance =
+        m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
+    return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance);
+}
+
+namespace {
+
+/// The log of the time at which a curve first is at or below the target; NaN if it never is.
+double log_crossing(const std::vector<CurvePoint>& curve, double target) {
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+        const CurvePoint& b = curve[i];
+        if (std::isnan(b.error) || b.error > target) continue;
+        // Where there is nothing to interpolate from, the checkpoint itself is the first time known to be enough.
+        if (i == 0 || !std::isfinite(curve[i - 1].error) || curve[i - 1].error <= target || !(b.error > 0) ||
+            !(curve[i - 1].seconds > 0))
+            return std::log(b.seconds);
+        const CurvePoint& a = curve[i - 1];
+        const double part = std::log(a.error / target) / std::log(a.error / b.error);
+        return std::log(a.seconds) + part * std::log(b.seconds / a.seconds);
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target) {
+    double sum = 0, scatter = 0;
+    std::vector<double> times;
+    for (const auto& curve : curves) {
+        times.push_back(log_crossing(curve, target));
+        if (!std::isfinite(times.back())) return std::nullopt;
+        sum += times.back();
+    }
+    if (times.empty()) return std::nullopt;
+    const auto n = static_cast<double>(times.size());
+    const double mean = sum / n;
+    if (times.size() < 2) return Estimate{std::exp(mean), std::nullopt};
+    for (double t : times)
+        scatter += sqr(t - mean);
+    const double half = half_width({{scatter / (n * (n - 1)), n - 1}}, interval_tail);
+    return Estimate{std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
+}
+
+}  // namespace gib

@@ -1,0 +1,244 @@
+// Notation: d = x - r in the n pixels of a block, S = sum of d, V = Var S. The hypothesis is E S = 0; T = S / sqrt(V).
+//
+// V where the test has replicates (or a standard error) and the reference a standard error: the sum of both variances
+// over the pixels, with the degrees of freedom of Welch and Satterthwaite. Otherwise d scatters around its block mean
+// with the noise of both, and V = n s^2 with n - 1 degrees of freedom: unbiased if the hypothesis holds and pixels are
+// independent. A real difference that varies within the block inflates s and weakens the test; replicates do not have
+// this weakness. S and V of larger blocks are sums over the small ones.
+//
+// Heavy tails: if d is symmetric, they make the test conservative (Efron 1969, "Student's t-test under symmetry
+// conditions"; Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But
+// the noise of path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small
+// an s. With s alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is
+// never below what the block should have: the V of the 7 x 7 blocks around in sum, shared out as the reference's
+// variances are (which have met the rare paths), or evenly if the reference has no standard error. Too dark blocks are
+// then judged with the variance that the hypothesis predicts, too bright ones with their own, whose growth with S
+// bounds T. The price: where noise changes from block to block otherwise than the reference's, the test is weaker than
+// it could be.
+//
+// Replicates tell whether pixels share noise (photon maps): the variance of their block means over the sum of their
+// pixels' variances. If this is above 1 beyond its own uncertainty, V is multiplied with it, and the variance of the
+// whole image is that of the replicates' means.
+//
+// Means agree if the 95 % interval lies within the margin: two one-sided tests at 2.5 % (Schuirmann 1987). As every
+// channel has to pass, no correction for their number is needed.
+#include "experiments/metrics/z_statistic.h"
+
+#include "common/core/math.h"
+#include "experiments/metrics/block_sums.h"
+#include "experiments/metrics/student_t.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace gib {
+
+namespace {
+
+constexpr double interval_tail = 0.05;  // of both sides together
+/// Means of float images differ by this without meaning anything, relative.
+constexpr double rounding = 1e-5;
+constexpr int block_edge = 8, blocks_across = 8;
+constexpr int reach = 3;  // of a block's surroundings [blocks], to each side
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// No block's variance stays below what those around it say that it should have: their variances in sum, shared out as
+/// the reference's are, or evenly if they are not known.
+void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool reference_known) {
+    const auto weight = [&](const BlockSums& b) { return reference_known ? b.r.variance.value : b.pixels; };
+    std::vector<double> least(blocks.size(), 0.0);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        double variance = 0, weights = 0;
+        const int row = grid.row(i), column = grid.column(i);
+        for (int y = std::max(0, row - reach); y <= std::min(grid.rows.count - 1, row + reach); ++y)
+            for (int x = std::max(0, column - reach); x <= std::min(grid.columns.count - 1, column + reach); ++x) {
+                variance += blocks[grid.index(x, y)].difference.value;
+                weights += weight(blocks[grid.index(x, y)]);
+            }
+        if (weights > 0) least[i] = variance / weights * weight(blocks[i]);
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        if (!blocks[i].equal) blocks[i].difference.raise_to(least[i]);
+}
+
+/// The variance of the blocks' sums over what it is if pixels are independent, from the replicates of one side. Twice
+/// the scatter that so many blocks and replicates of normal noise have is added; 1 if it is not above 1 by four times
+/// that.
+double shared_noise(const std::vector<BlockSums>& blocks, BlockSide BlockSums::*side) {
+    const std::size_t replicates = (blocks.front().*side).groups.size();
+    if (replicates < 2) return 1;
+    double real = 0, independent = 0, squares = 0;
+    for (const BlockSums& block : blocks) {
+        real += (block.*side).scatter();
+        independent += (block.*side).variance.value;
+        squares += sqr((block.*side).variance.value);
+    }
+    if (!(independent > 0)) return 1;
+    const double degrees = static_cast<double>(replicates - 1) * sqr(independent) / squares;
+    const double ratio = real / independent, scatter = std::sqrt(2 / degrees);
+    return ratio > 1 + 4 * scatter ? ratio * (1 + 2 * scatter) : 1;
+}
+
+/// How much more the sums of each side vary than those of independent pixels.
+struct SharedNoise {
+    double x = 1, r = 1;
+
+    /// What more replicates share at a larger scale.
+    SharedNoise at_least_in(const std::vector<BlockSums>& blocks) const {
+        return {x > 1 ? std::max(x, shared_noise(blocks, &BlockSums::x)) : 1,
+                r > 1 ? std::max(r, shared_noise(blocks, &BlockSums::r)) : 1};
+    }
+    double of(const BlockSums& block) const {
+        const double vx = block.x.variance.value, vr = block.r.variance.value;
+        return vx + vr > 0 ? (x * vx + r * vr) / (vx + vr) : 1;
+    }
+};
+
+/// The variance of a block's difference, pixels independent or not.
+struct NoiseOfBlock {
+    double variance, degrees;
+
+    NoiseOfBlock(const BlockSums& block, const SharedNoise& shared) {
+        const double c = shared.of(block);
+        variance = c * block.difference.value;
+        // Pixels that share noise tell less of its variance, too.
+        degrees = std::max(1.0, block.degrees / c);
+    }
+    /// Of the whole image, where the replicates' means say it without any assumption. Their few degrees of freedom are
+    /// not raised by what is better known of the other side: that would raise them most when the scatter is too small.
+    static NoiseOfBlock of_image(const BlockSums& image, const SharedNoise& shared) {
+        NoiseOfBlock noise(image, {});
+        for (const auto& [c, side] : {std::pair(shared.x, &image.x), std::pair(shared.r, &image.r)}) {
+            if (!(c > 1)) continue;
+            noise.variance = std::max(0.0, noise.variance - side->variance.value) + side->scatter();
+            noise.degrees = std::min(noise.degrees, static_cast<double>(side->groups.size() - 1));
+        }
+        return noise;
+    }
+};
+
+BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t channel) {
+    BlockTest test;
+    test.channel = channel;
+    const double difference = sums.x.sum - sums.r.sum;
+    const double v = noise.variance + sqr(rounding * std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
+    test.deviation = difference / sums.pixels;
+    if (difference == 0) return test;
+    test.t = v > 0 ? difference / std::sqrt(v) : std::copysign(infinite, difference);
+    test.p = student_t_tail(std::abs(test.t), noise.degrees);
+    return test;
+}
+
+MeanDeviation mean_deviation(const BlockSums& image, const NoiseOfBlock& noise, double r_total_sum) {
+    MeanDeviation mean;
+    const double difference = image.x.sum - image.r.sum;
+    mean.reference_share = noise.variance > 0 ? std::min(1.0, image.r.variance.value / noise.variance) : 0;
+    const double v = noise.variance + sqr(rounding * r_total_sum);
+    if (r_total_sum == 0) {
+        mean.value = difference == 0 ? 0 : std::copysign(infinite, difference);
+        if (difference == 0 || v == 0) mean.interval = Interval{mean.value, mean.value};
+        return mean;
+    }
+    mean.value = difference / std::abs(r_total_sum);
+    const double half = student_t_two_sided(interval_tail, noise.degrees) * std::sqrt(v) / std::abs(r_total_sum);
+    if (std::isfinite(half)) mean.interval = Interval{mean.value - half, mean.value + half};
+    return mean;
+}
+
+double channel_sum(const Image& image, std::size_t channel) {
+    double sum = 0;
+    for (std::size_t i = channel; i < image.rgb.size(); i += 3)
+        sum += static_cast<double>(image.rgb[i]);
+    return sum;
+}
+
+void place(BlockTest& test, int x0, int y0, int x1, int y1) {
+    test.x = x0;
+    test.y = y0;
+    test.width = x1 - x0;
+    test.height = y1 - y0;
+}
+
+void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, std::size_t channel,
+                  LayerZTest& result) {
+    const Grid small = Grid::with_edge(r.mean.width, r.mean.height, block_edge);
+    const Grid large = Grid::with_edge(small.columns.count, small.rows.count, blocks_across);
+    std::vector<BlockSums> blocks = sums_in_blocks(x, r, channel, small);
+    raise_to_surroundings(blocks, small, r.standard_error.has_value());
+
+    const SharedNoise shared{shared_noise(blocks, &BlockSums::x), shared_noise(blocks, &BlockSums::r)};
+    result.shared_noise = std::max(result.shared_noise, shared.x);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        result.tests[0].push_back(tested(blocks[i], {blocks[i], shared}, channel));
+        const int column = small.column(i), row = small.row(i);
+        place(result.tests[0].back(), small.columns.begin(column), small.rows.begin(row),
+              small.columns.begin(column + 1), small.rows.begin(row + 1));
+    }
+    const std::vector<BlockSums> regions = merged(blocks, small, large);
+    const SharedNoise shared_in_regions = shared.at_least_in(regions);
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+        result.tests[1].push_back(tested(regions[i], {regions[i], shared_in_regions}, channel));
+        const int column = large.column(i), row = large.row(i);
+        place(result.tests[1].back(), small.columns.begin(large.columns.begin(column)),
+              small.rows.begin(large.rows.begin(row)), small.columns.begin(large.columns.begin(column + 1)),
+              small.rows.begin(large.rows.begin(row + 1)));
+    }
+    const BlockSums image = merged(regions, large, Grid{{large.columns.count, 1}, {large.rows.count, 1}}).front();
+    const NoiseOfBlock noise = NoiseOfBlock::of_image(image, shared);
+    result.tests[2].push_back(tested(image, noise, channel));
+    place(result.tests[2].back(), 0, 0, r.mean.width, r.mean.height);
+    result.means[channel] = mean_deviation(image, noise, channel_sum(r_total, channel));
+}
+
+/// Holm 1979: hypotheses in the order of their p, each against what is left of them.
+std::size_t rejected_by_holm(std::vector<double> p, double alpha) {
+    std::sort(p.begin(), p.end());
+    std::size_t rejected = 0;
+    while (rejected < p.size() && p[rejected] <= alpha / static_cast<double>(p.size() - rejected))
+        ++rejected;
+    return rejected;
+}
+
+}  // namespace
+
+LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total) {
+    if (!x.mean.same_size(r.mean) || !r_total.same_size(r.mean) || r.mean.pixels() == 0)
+        throw std::invalid_argument("z_test: images of different sizes, or empty ones");
+    LayerZTest result;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        test_channel(x, r, r_total, channel, result);
+    return result;
+}
+
+ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& layers, const ZTestLimits& limits) {
+    ZTestVerdict verdict;
+    for (std::size_t s = 0; s < scale_count; ++s) {
+        ZTestVerdict::Scale& scale = verdict.scales[s];
+        std::vector<double> p;
+        for (const auto& [name, layer] : layers)
+            for (const BlockTest& test : layer.tests[s]) {
+                // Of several whose p is 0, the one with the largest t.
+                if (p.empty() || test.p < scale.largest.p ||
+                    (test.p == scale.largest.p && std::abs(test.t) > std::abs(scale.largest.t))) {
+                    scale.largest = test;
+                    scale.layer = name;
+                }
+                p.push_back(test.p);
+            }
+        scale.hypotheses = p.size();
+        const double all = static_cast<double>(scale_count * p.size());
+        scale.adjusted_p = std::min(1.0, all * scale.largest.p);
+        scale.rejected = rejected_by_holm(std::move(p), limits.alpha / static_cast<double>(scale_count));
+        verdict.differs = verdict.differs || scale.rejected > 0;
+    }
+    verdict.means_agree = true;
+    for (const MeanDeviation& mean : layers.front().second.means) {
+        const auto& interval = mean.interval;
+        if (!interval || interval->lo < -limits.margin || interval->hi > limits.margin) verdict.means_agree = false;
+    }
+    return verdict;
+}
+
+}  // namespace gib

@@ -1,0 +1,156 @@
+#include "experiments/plan/experiment_file.h"
+
+#include "common/core/files.h"
+#include "experiments/plan/method_sweep.h"
+#include "experiments/plan/run_limits.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+/// A relative error that is taken for good enough where an experiment says nothing about its references.
+constexpr double default_target = 0.01;
+
+void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+    const auto folder = std::filesystem::path(experiment.path).parent_path();
+    for (const auto& value : reader.filled_array(node, "scenes", "scene files")) {
+        ExperimentScene scene;
+        scene.where = reader.at(value);
+        scene.written = reader.string(value, "scenes");
+        const std::filesystem::path written(scene.written);
+        scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
+        scene.name = written.stem().string();
+        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
+            throw InputError(scene.where, fmt::format("there is no scene file '{}'", scene.path));
+        for (const auto& other : experiment.scenes)
+            if (other.name == scene.name)
+                throw InputError(scene.where, fmt::format("two scenes are named '{}': tables could not tell them apart",
+                                                          scene.name));
+        experiment.scenes.push_back(std::move(scene));
+    }
+}
+
+void read_resolution(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+    const auto& sizes = reader.filled_array(node, "resolution", "two numbers: width and height");
+    if (sizes.size() != 2)
+        throw InputError(reader.at(node), "'resolution' needs a list of two numbers: width and height");
+    experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, 1 << 16),
+                             reader.whole_number(sizes[1], "resolution", 1, 1 << 16)};
+}
+
+Budget read_budget(const TomlReader& reader, const toml::node& node) {
+    const auto& table = reader.table(node, "budget");
+    reader.check_keys(table, "budget", {"seconds", "passes"});
+    Budget budget;
+    if (const auto* seconds = table.get("seconds")) budget.seconds = reader.positive_number(*seconds, "seconds");
+    if (const auto* passes = table.get("passes"))
+        budget.passes = static_cast<std::uint32_t>(reader.whole_number(*passes, "passes", 1, 1 << 30));
+    return budget;
+}
+
+double read_target(const TomlReader& reader, const toml::node& node) {
+    if (!node.is_string() && !node.is_number())
+        throw InputError(reader.at(node), "'target' needs a relative error such as \"1%\"");
+    return parse_target(reader.text_of(node), reader.at(node));
+}
+
+void read_targets(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+    const auto* list = node.as_array();
+    if (!list) {
+        const double target = read_target(reader, node);
+        for (auto& scene : experiment.scenes)
+            scene.goal.target = target;
+        return;
+    }
+    if (list->size() != experiment.scenes.size())
+        throw InputError(reader.at(node),
+                         fmt::format("'target' lists {} values for {} scenes", list->size(), experiment.scenes.size()));
+    for (std::size_t i = 0; i < list->size(); ++i)
+        experiment.scenes[i].goal.target = read_target(reader, (*list)[i]);
+}
+
+void read_reference(const TomlReader& reader, const toml::node* node, Experiment& experiment) {
+    experiment.reference_method = MethodLabel{"path", {}};
+    const toml::table empty;
+    const auto& table = node ? reader.table(*node, "reference") : empty;
+    SourceLocation where = node ? reader.at(*node) : SourceLocation{experiment.path};
+    if (const auto* method = table.get("method")) {
+        where = reader.at(*method);
+        experiment.reference_method = MethodLabel::parse(reader.string(*method, "method"), where);
+    }
+    const auto& description = find_comparable_method(experiment.reference_method.name, where);
+    const ParameterValues values(all_parameters(description), experiment.reference_method, where);
+    MethodSweep further(reader, description);
+    for (const auto& entry : reader.entries(table)) {
+        if (entry.key == "method" || entry.key == "target" || entry.key == "seconds") continue;
+        further.add(entry);
+    }
+    const auto labels = further.labels(where);
+    if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
+    for (const auto& value : labels.front().values)
+        experiment.reference_method.values.push_back(value);
+    const ParameterValues together(all_parameters(description), experiment.reference_method, where);
+    if (together.given("spp"))
+        throw InputError(where, "a reference takes as many samples as its target needs: no 'spp'");
+
+    if (const auto* target = table.get("target")) read_targets(reader, *target, experiment);
+    const auto* seconds = table.get("seconds");
+    for (auto& scene : experiment.scenes) {
+        if (seconds) scene.goal.seconds = reader.positive_number(*seconds, "seconds");
+        if (!scene.goal.target && !scene.goal.seconds) scene.goal.target = default_target;
+    }
+}
+
+}  // namespace
+
+double parse_target(const std::string& text, const SourceLocation& where) {
+    const std::size_t last = text.find_last_not_of(" \t");
+    const bool percent = last != std::string::npos && text[last] == '%';
+    std::string number = text.substr(0, percent ? last : last + 1);
+    number.erase(number.find_last_not_of(" \t") + 1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (percent) value /= 100;
+    if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value) || value <= 0 ||
+        value >= 1)
+        throw InputError(where, fmt::format("a target is a relative error such as \"1%\" or 0.01, not '{}'", text));
+    return value;
+}
+
+Experiment parse_experiment(const std::string& text, const std::string& path) {
+    const TomlReader reader(text, path);
+    const auto& root = reader.root();
+    reader.check_keys(root, "an experiment",
+                      {"title", "scenes", "resolution", "seeds", "epsilon", "budget", "reference", "method"});
+    Experiment experiment;
+    experiment.path = path;
+    experiment.text = text;
+    experiment.name = std::filesystem::path(path).stem().string();
+    experiment.title = experiment.name;
+    if (const auto* title = root.get("title")) experiment.title = reader.string(*title, "title");
+    const auto* scenes = root.get("scenes");
+    if (!scenes) throw InputError({path}, "an experiment needs 'scenes', a list of scene files");
+    read_scenes(reader, *scenes, experiment);
+    if (const auto* resolution = root.get("resolution")) read_resolution(reader, *resolution, experiment);
+    if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, most_seeds);
+    if (const auto* epsilon = root.get("epsilon")) {
+        experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
+        require_epsilon(experiment.epsilon, reader.at(*epsilon));
+    }
+    if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
+    read_reference(reader, root.get("reference"), experiment);
+    const auto* methods = root.get("method");
+    if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
+    experiment.methods = read_methods(reader, *methods);
+    return experiment;
+}
+
+Experiment load_experiment(const std::string& path) { return parse_experiment(read_file(path), path); }
+
+}  // namespace gib

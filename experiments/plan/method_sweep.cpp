@@ -1,0 +1,85 @@
+#include "experiments/plan/method_sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace gib {
+
+MethodSweep::MethodSweep(const TomlReader& reader, const MethodDescription& method)
+    : reader_(reader), method_(method), parameters_(all_parameters(method)), labels_{MethodLabel{method.name, {}}} {}
+
+void MethodSweep::add(const TomlReader::Entry& entry) {
+    std::vector<std::string> values;
+    if (const auto* array = entry.value->as_array()) {
+        for (const auto& value : reader_.filled_array(*array, entry.key, "values"))
+            values.push_back(checked(entry, value));
+    } else {
+        values.push_back(checked(entry, *entry.value));
+    }
+    if (labels_.size() * values.size() > most_combinations)
+        throw InputError(entry.key_at, fmt::format("the lists up to '{}' make more than {} combinations of values",
+                                                   entry.key, most_combinations));
+    std::vector<MethodLabel> grid;
+    for (const auto& label : labels_)
+        for (const auto& value : values) {
+            grid.push_back(label);
+            grid.back().values.emplace_back(entry.key, value);
+        }
+    labels_ = std::move(grid);
+}
+
+std::vector<MethodLabel> MethodSweep::labels(const SourceLocation& where) const {
+    for (const auto& label : labels_) {
+        const ParameterValues values(parameters_, label, where);
+        try {
+            method_.create(values, MethodDefaults{});
+        } catch (const InputError& error) {
+            throw InputError(where, error.what());
+        }
+    }
+    return labels_;
+}
+
+std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::node& value) const {
+    if (!value.is_string() && !value.is_number() && !value.is_boolean())
+        throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number or a word", entry.key));
+    const std::string text = reader_.text_of(value);
+    const auto declared =
+        std::find_if(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == entry.key; });
+    const bool known = declared != parameters_.end();
+    // An unknown key is the key's fault, everything else the value's.
+    ParameterValues(parameters_, MethodLabel{method_.name, {{entry.key, text}}},
+                    known ? reader_.at(value) : entry.key_at);
+    const bool is_word =
+        known && std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end();
+    if (value.is_string() && !is_word)
+        throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number without quotes", entry.key));
+    return text;
+}
+
+std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node) {
+    std::vector<MethodLabel> methods;
+    std::set<std::string> texts;
+    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
+        const auto& table = reader.table(item, "method");
+        const SourceLocation where = reader.at(item);
+        const auto* name = table.get("name");
+        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
+        MethodSweep sweep(reader, find_comparable_method(reader.string(*name, "name"), reader.at(*name)));
+        for (const auto& entry : reader.entries(table))
+            if (entry.key != "name") sweep.add(entry);
+        for (auto& label : sweep.labels(where)) {
+            if (!texts.insert(label.text()).second)
+                throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
+            if (texts.size() > most_combinations)
+                throw InputError(where,
+                                 fmt::format("more than {} methods and combinations of values", most_combinations));
+            methods.push_back(std::move(label));
+        }
+    }
+    return methods;
+}
+
+}  // namespace gib

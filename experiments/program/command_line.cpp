@@ -1,0 +1,291 @@
+#include "experiments/program/command_line.h"
+
+#include "common/core/error.h"
+#include "experiments/hard_cases/hard_case_run.h"
+#include "experiments/measuring/cell_process.h"
+#include "experiments/plan/run_limits.h"
+#include "experiments/program/commands.h"
+#include "experiments/program/compare.h"
+#include "experiments/run/repeat.h"
+#include "experiments/run/run_experiment.h"
+#include "experiments/system/build_info.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <new>
+
+namespace gib {
+
+namespace {
+
+constexpr int exit_failed = 1, exit_wrong_input = 2, exit_interrupted = 130;
+
+/// What the chosen subcommand does; set while parsing, run afterwards.
+using Action = std::function<int()>;
+
+std::map<std::string, std::string> assignments(const std::vector<std::string>& texts) {
+    std::map<std::string, std::string> values;
+    for (const auto& text : texts) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw InputError(fmt::format("--set needs NAME=VALUE, not '{}'", text));
+        if (!values.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
+            throw InputError(fmt::format("--set gives '{}' twice", text.substr(0, equals)));
+    }
+    return values;
+}
+
+void add_threads(CLI::App* command, int& threads) {
+    command->add_option("--threads", threads, "threads that compute; else one per processor")
+        ->check(CLI::Range(1, most_threads));
+}
+
+void add_set(CLI::App* command, std::vector<std::string>& texts) {
+    command->add_option("--set", texts, "NAME=VALUE: sets a $parameter of the scene file")
+        ->take_all()
+        ->allow_extra_args(false);
+}
+
+void add_run(CLI::App& app, Action& action, const std::string& command_line) {
+    auto options = std::make_shared<RunOptions>();
+    options->command_line = command_line;
+    CLI::App* command = app.add_subcommand("run", "run an experiment file: references, cells, tables, report");
+    auto repeated = std::make_shared<std::string>();
+    CLI::Option* file = command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)");
+    command->add_option("--out", options->out,
+                        "folder of the results; else results/<experiment's name>, or RESULT_DIR-repeat");
+    add_threads(command, options->threads);
+    command->add_option("--seeds", options->seeds, "seeds 1 to this, instead of the file's")
+        ->check(CLI::Range(1, most_seeds));
+    command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
+    command->add_flag("--fresh", options->fresh,
+                      "forget at once what is measured of the selected cells and measure them again (references are "
+                      "kept: they follow the scene's content)");
+    CLI::Option* repeat = command->add_option(
+        "--repeat", *repeated,
+        "RESULT_DIR: instead of an experiment file, render every complete cell of these results again, with the passes "
+        "that it made, and compare the images bit for bit; exit 0 if all are identical");
+    for (CLI::Option* other : command->get_options())
+        if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
+    command->callback([=, &action] {
+        if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
+        action = [=] {
+            if (!*repeat) return run_experiment(*options, std::cout);
+            return repeat_run({*repeated, options->out, options->program, options->command_line}, std::cout);
+        };
+    });
+}
+
+/// Whole numbers below 2^63: the rest belong to references, and CLI11 would take -1 for the largest of them.
+CLI::Validator seed_text() {
+    return CLI::Validator(
+        [](std::string& text) {
+            std::uint64_t seed = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+            const bool good =
+                error == std::errc() && end == text.data() + text.size() && seed < (std::uint64_t{1} << 63);
+            return good ? std::string() : "a seed is a whole number from 0 to 2^63 - 1, not '" + text + "'";
+        },
+        "SEED");
+}
+
+void add_render(CLI::App& app, Action& action) {
+    auto options = std::make_shared<RenderOptions>();
+    auto texts = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("render", "render a scene once");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "label, such as \"path spp=64\"")->required();
+    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
+    add_threads(command, options->threads);
+    add_set(command, *texts);
+    command->add_option("-o,--out", options->out, "the image (EXR)")->required();
+    command->footer("Methods and their parameters:\n" + parameter_help());
+    command->callback([options, texts, &action] {
+        action = [options, texts] {
+            options->parameters = assignments(*texts);
+            return render(*options, std::cout);
+        };
+    });
+}
+
+void add_reference(CLI::App& app, Action& action) {
+    auto options = std::make_shared<ReferenceOptions>();
+    auto texts = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or top one up");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "label without spp (default \"path\")");
+    command->add_option("--target", options->target, "relative standard error, such as 0.5% (default 1%)");
+    command->add_option("--max-seconds", options->seconds, "take it as it is after this time");
+    command->add_option("--epsilon", options->epsilon, "of the relative error (default 0.01)");
+    add_threads(command, options->threads);
+    add_set(command, *texts);
+    command->add_option("-o,--out", options->out, "the reference (EXR); an earlier one is topped up")->required();
+    command->callback([options, texts, &action] {
+        action = [options, texts] {
+            options->parameters = assignments(*texts);
+            return make_reference_file(*options, std::cout);
+        };
+    });
+}
+
+void add_compare(CLI::App& app, Action& action) {
+    auto options = std::make_shared<CompareOptions>();
+    auto files = std::make_shared<std::vector<std::string>>();
+    CLI::App* command = app.add_subcommand("compare", "the error of images against a reference");
+    command->add_option("IMAGES", *files, "TEST.exr [TEST.exr ...] REFERENCE.exr; several tests are replicates")
+        ->required()
+        ->expected(2, 1 << 20);
+    command->add_option("--epsilon", options->epsilon, "of relative errors (default 0.01)");
+    command->add_flag("--json", options->json, "print JSON");
+    CLI::Option* z_test = command->add_flag(
+        "--z-test", options->z_test,
+        "decide whether the test is the reference but for noise: exit 0 accepted, 1 rejected. 8 x 8 and 64 x 64 blocks "
+        "and the image, every channel and component, at 1 % for all together with the noise of both sides; and "
+        "the 95 % interval of the mean's deviation within 0.2 %");
+    CLI::Option* variance = command->add_option(
+        "--variance", options->variance,
+        "the reference's variance of one sample: Mitsuba 3's own z-test instead, of every pixel in XYZ");
+    CLI::Option* spp = command->add_option("--spp", options->test_spp, "samples a pixel of the test, for --variance")
+                           ->check(CLI::Range(1, 1000000000));
+    variance->needs(z_test)->needs(spp);
+    spp->needs(variance);
+    command->callback([options, files, &action] {
+        action = [options, files] {
+            options->reference = files->back();
+            options->tests.assign(files->begin(), files->end() - 1);
+            return compare(*options, std::cout);
+        };
+    });
+}
+
+void add_plan(CLI::App& app, Action& action) {
+    struct Options {
+        std::string scene, method;
+        std::vector<std::string> texts;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command =
+        app.add_subcommand("plan", "what light transport a scene calls for and what a method does about it");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--method", options->method, "name or label; else every method");
+    add_set(command, options->texts);
+    command->callback([options, &action] {
+        action = [options] {
+            return print_plan(options->scene, options->method, assignments(options->texts), std::cout);
+        };
+    });
+}
+
+void add_list(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("list", "what there is, one a line, the name first");
+    command->require_subcommand(1);
+    auto parameters = std::make_shared<bool>(false);
+    CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
+    methods->add_flag("--parameters", *parameters, "with every parameter: unit, range, default");
+    methods->callback(
+        [parameters, &action] { action = [parameters] { return list_methods(*parameters, std::cout); }; });
+    command->add_subcommand("scenes", "scenes that come with the program")->callback([&action] {
+        action = [] { return list_scenes(std::cout); };
+    });
+    command->add_subcommand("effects", "kinds of light transport")->callback([&action] {
+        action = [] { return list_effects(std::cout); };
+    });
+}
+
+void add_report(CLI::App& app, Action& action) {
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("report", "tables and report.html from stored results alone");
+    command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
+    command->callback([folder, &action] { action = [folder] { return rebuild_report(*folder, std::cout); }; });
+}
+
+/// Internal: `run` starts it for each cell. An empty group hides it from the help.
+void add_measure_cell(CLI::App& app, Action& action) {
+    auto request = std::make_shared<std::string>();
+    CLI::App* command =
+        app.add_subcommand("measure-cell", "internal: measures one cell, see cell_process.h")->group("");
+    command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
+    command->callback([request, &action] {
+        action = [request] {
+            measure_cell(*request);
+            return 0;
+        };
+    });
+}
+
+void add_judge_case(CLI::App& app, Action& action) {
+    struct Request {
+        std::string file, name, label;
+        int seeds;
+    };
+    auto request = std::make_shared<Request>();
+    CLI::App* command =
+        app.add_subcommand("judge-case", "internal: renders a hard case, see hard_case_run.h")->group("");
+    command->add_option("FILE", request->file, "the file of hard cases")->required();
+    command->add_option("CASE", request->name, "the case's name")->required();
+    command->add_option("METHOD", request->label, "label; empty: only loads the scene")->required();
+    command->add_option("SEEDS", request->seeds, "seeds 1 to this")->required();
+    command->callback([request, &action] {
+        action = [request] {
+            judge_case(request->file, request->name, request->label, request->seeds, std::cout);
+            return 0;
+        };
+    });
+}
+
+int perform(const Action& action) {
+    try {
+        const int code = action();
+        std::cout.flush();
+        if (!std::cout) throw RunError("cannot write to standard output");
+        return code;
+    } catch (const InputError& error) {
+        std::cerr << error.what() << "\n";
+        return exit_wrong_input;
+    } catch (const Interrupted& error) {
+        std::cerr << error.what() << "\n";
+        return exit_interrupted;
+    } catch (const std::bad_alloc&) {
+        std::cerr << "out of memory\n";
+        return exit_failed;
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << "\n";
+        return exit_failed;
+    }
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+    std::string command_line;
+    for (int i = 0; i < argc; ++i)
+        command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+    Action action;
+    CLI::App app("gibench: what every step of accuracy costs in global illumination", "gibench");
+    app.set_version_flag("--version", program_version());
+    app.require_subcommand(1);
+    add_run(app, action, command_line);
+    add_render(app, action);
+    add_reference(app, action);
+    add_compare(app, action);
+    add_plan(app, action);
+    add_list(app, action);
+    add_report(app, action);
+    add_measure_cell(app, action);
+    add_judge_case(app, action);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        // CLI11 has a code of its own for each kind of mistake; here they are all "the command line is wrong".
+        return app.exit(error) == 0 ? 0 : exit_wrong_input;
+    }
+    return perform(action);
+}
+
+}  // namespace gib

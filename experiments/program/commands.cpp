@@ -1,0 +1,196 @@
+#include "experiments/program/commands.h"
+
+#include "common/core/files.h"
+#include "common/core/parallel.h"
+#include "common/reader/scene_file.h"
+#include "experiments/hard_cases/hard_case_run.h"
+#include "experiments/measuring/measure.h"
+#include "experiments/measuring/reference.h"
+#include "experiments/report/report.h"
+#include "experiments/report/tables.h"
+#include "experiments/system/build_info.h"
+#include "experiments/system/file_lock.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+namespace gib {
+
+namespace {
+
+/// A checked label with its method.
+struct ChosenMethod {
+    MethodLabel label;
+    const MethodDescription& description;
+    ParameterValues values;
+
+    explicit ChosenMethod(const std::string& text)
+        : label(MethodLabel::parse(text)),
+          description(find_method(label.name)),
+          values(all_parameters(description), label) {}
+    std::unique_ptr<Method> create(const LoadedScene& scene) const {
+        return description.create(values, {scene.max_edges});
+    }
+};
+
+void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
+    if (bad.count == 0) return;
+    std::cerr << fmt::format(
+        "warning: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}\n", bad.count, seed,
+        bad.first_pass, bad.first_pixel);
+}
+
+void print_plan_lines(const Plan& plan, std::ostream& out) {
+    for (const auto& step : plan.steps) {
+        if (step.runs) out << "runs: " << step.pass << "\n";
+        else out << fmt::format("skipped: {} ({})\n", step.pass, step.reason);
+    }
+    for (Effect e : plan.missing.list())
+        out << "missing: " << name_of(e) << "\n";
+}
+
+void warn_of(const std::vector<std::string>& damage) {
+    for (const auto& what : damage)
+        std::cerr << fmt::format("warning: {}\n", what);
+}
+
+/// Tables without a row say nothing, and would replace those that do. A run that has made no reference yet has no
+/// others.
+void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
+    const auto& scenes = analysis.index.scenes;
+    const bool had_one =
+        std::any_of(scenes.begin(), scenes.end(), [](const IndexScene& scene) { return !scene.reference.empty(); });
+    if (had_one && analysis.references.empty())
+        throw InputError(
+            fmt::format("no scene of '{}' has a reference that can be read: its tables and its report "
+                        "stay as they are; the run's command makes references again",
+                        folder.path()));
+}
+
+}  // namespace
+
+void check_writable(const std::string& path) {
+    const std::filesystem::path file(path);
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (file.extension() != ".exr") throw InputError(fmt::format("the output '{}' has to end in .exr", path));
+    if (!std::filesystem::is_directory(folder))
+        throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
+    if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));
+    require_writable(folder);
+    remove_leftovers_of(path);
+}
+
+int render(const RenderOptions& options, std::ostream& out) {
+    const ChosenMethod chosen(options.method);
+    check_writable(options.out);
+    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const auto method = chosen.create(loaded);
+    const CellWork work{*loaded.scene, *method, options.seed, last_pass(chosen.values, loaded.sample_count), {}};
+    LayeredImage image;
+    Measurement measured;
+    ProgressLine progress;
+    // Which checkpoint is the last is not known before: a method may converge.
+    const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
+    const auto show = [&](const OngoingWork& ongoing) {
+        const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
+        const std::optional<double> left = share > 0 ? std::optional(ongoing.seconds * (1 / share - 1)) : std::nullopt;
+        progress.update(share, left, fmt::format("{}, {}: {}", loaded.name, options.method, ongoing.stage));
+    };
+    with_threads(options.threads, [&] { measured = measure(work, keep_last, {}, show); });
+    const Checkpoint& last = measured.checkpoints.back();
+    image.metadata = {{"method", chosen.label.text()},
+                      {"seed", std::to_string(options.seed)},
+                      {"scene", loaded.name},
+                      {"scene_hash", loaded.content_hash},
+                      {"passes", std::to_string(last.passes)},
+                      {"seconds", fmt::format("{:.6f}", last.seconds)},
+                      {"program", program_version()}};
+    for (const auto& [name, value] : measured.facts)
+        image.metadata[name] = value;
+    write_exr(options.out, image);
+    progress.message(fmt::format("{}: {} passes", options.out, last.passes));
+    out << fmt::format("seconds: {:.4f}\nrays: {}\nrays per second: {:.4g}\n", last.seconds, last.counts.rays,
+                       static_cast<double>(last.counts.rays) / last.seconds);
+    for (const auto& [name, value] : measured.facts)
+        out << fmt::format("{}: {}\n", name, value);
+    warn_of_non_finite(last.counts.non_finite, options.seed);
+    return 0;
+}
+
+int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
+    const ChosenMethod chosen(options.method);
+    find_comparable_method(chosen.label.name);
+    require_epsilon(options.epsilon);
+    // A comparison with NaN would be an invalid operation, which some builds trap.
+    if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
+        throw InputError("--max-seconds needs a finite number above 0");
+    if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
+    check_writable(options.out);
+    ReferenceGoal goal{std::nullopt, options.seconds};
+    if (options.target) goal.target = parse_target(*options.target);
+    if (!goal.target && !goal.seconds) goal.target = parse_target("1%");
+    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const InterruptGuard guard;
+    ProgressLine progress;
+    FinishedReference finished;
+    const ReferenceWork work{loaded, chosen.description, chosen.label, goal, options.epsilon, options.out};
+    const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
+        progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
+    });
+    with_threads(options.threads, [&] { finished = make_reference(work, progress); });
+    for (const auto& warning : finished.warnings)
+        progress.message("warning: " + warning);
+    out << fmt::format("relative standard error: {:.4g} % (epsilon {})\n", 100 * finished.relative_error,
+                       options.epsilon);
+    return 0;
+}
+
+int print_plan(const std::string& scene, const std::string& method,
+               const std::map<std::string, std::string>& parameters, std::ostream& out) {
+    std::vector<ChosenMethod> chosen;
+    if (method.empty())
+        for (const auto& name : names_of_comparable_methods())
+            chosen.emplace_back(name);
+    else chosen.emplace_back(method);
+    const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    for (Effect e : effects_of(*loaded.scene).list())
+        out << "called for: " << name_of(e) << "\n";
+    for (const auto& one : chosen) {
+        if (method.empty()) out << "method: " << one.label.name << "\n";
+        print_plan_lines(one.create(loaded)->plan(*loaded.scene), out);
+    }
+    return 0;
+}
+
+int rebuild_report(const std::string& folder_path, std::ostream& out) {
+    const bool of_hard_cases = holds_hard_case_results(folder_path);
+    // Before the lock: where there are no results, that is what has to be said.
+    if (!of_hard_cases) static_cast<void>(ResultFolder(folder_path).read_index());
+    const FileLock lock = lock_result_folder(folder_path);  // a run beside it would write the same files
+    if (of_hard_cases) {
+        out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
+        return 0;
+    }
+    const ResultFolder folder(folder_path);
+    std::string report;
+    std::vector<std::string> damage;
+    with_threads(0, [&] {
+        const Analysis analysis = analyse(folder);
+        warn_of(analysis.damage);
+        require_a_scene(analysis, folder);
+        write_tables(analysis, folder);
+        report = write_report(analysis, folder, &damage);
+    });
+    warn_of(damage);
+    out << "Report: " << report << "\n";
+    return 0;
+}
+
+}  // namespace gib

@@ -1,0 +1,53 @@
+#pragma once
+// The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError where input is wrong.
+
+#include "experiments/plan/epsilon.h"
+
+#include <cstdint>
+#include <iosfwd>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+struct RenderOptions {
+    std::string scene;
+    std::string method;  ///< label
+    std::uint64_t seed = 1;
+    int threads = 0;
+    std::map<std::string, std::string> parameters;  ///< of the scene file
+    std::string out;
+};
+int render(const RenderOptions& options, std::ostream& out);
+
+struct ReferenceOptions {
+    std::string scene;
+    std::string method = "path";
+    std::optional<std::string> target;
+    std::optional<double> seconds;
+    double epsilon = default_epsilon;
+    int threads = 0;
+    std::map<std::string, std::string> parameters;
+    std::string out;
+};
+int make_reference_file(const ReferenceOptions& options, std::ostream& out);
+
+int print_plan(const std::string& scene, const std::string& method,
+               const std::map<std::string, std::string>& parameters, std::ostream& out);
+
+int list_methods(bool parameters, std::ostream& out);
+int list_scenes(std::ostream& out);
+int list_effects(std::ostream& out);
+/// Name, default, unit, range and sentence of every parameter of every method.
+std::string parameter_help();
+
+/// Damage that it can leave out is a warning. Throws InputError, and writes nothing, if no scene is left or if another
+/// process works in the folder.
+int rebuild_report(const std::string& folder, std::ostream& out);
+
+/// Throws InputError unless `path` ends in .exr and can be created in a folder that exists.
+void check_writable(const std::string& path);
+
+}  // namespace gib

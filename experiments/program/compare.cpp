@@ -1,0 +1,260 @@
+#include "experiments/program/compare.h"
+
+#include "common/core/error.h"
+#include "experiments/metrics/flip.h"
+#include "experiments/metrics/robust_error.h"
+#include "experiments/metrics/spectrum.h"
+#include "experiments/program/compare_z_test.h"
+#include "experiments/results/judgement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace gib {
+
+namespace {
+
+// Keeps the keys in the order in which they are put in.
+using Json = nlohmann::ordered_json;
+
+/// What is compared: one layer of all tests with that of the reference.
+struct Subject {
+    std::vector<Image> tests;
+    const ReferenceLayer& reference;
+    const Image& r_total;
+};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+void put(Json& json, const std::string& name, const std::optional<Estimate>& e, bool root = false) {
+    const auto value = [&](double v) { return number(root ? std::sqrt(v) : v); };
+    json[name] = e ? value(e->value) : Json(nullptr);
+    json[name + "_lo"] = e && e->interval ? value(e->interval->lo) : Json(nullptr);
+    json[name + "_hi"] = e && e->interval ? value(e->interval->hi) : Json(nullptr);
+}
+
+std::size_t nonfinite_values(const Image& image) {
+    return static_cast<std::size_t>(
+        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
+}
+
+/// Per channel, over all pixels of all images.
+Json channel_means(const std::vector<Image>& images) {
+    Json means = Json::array();
+    for (std::size_t k = 0; k < 3; ++k) {
+        double sum = 0, count = 0;
+        for (const Image& image : images) {
+            for (std::size_t p = 0; p < image.pixels(); ++p)
+                sum += static_cast<double>(image.rgb[3 * p + k]);
+            count += static_cast<double>(image.pixels());
+        }
+        means.push_back(number(sum / count));
+    }
+    return means;
+}
+
+/// HDR-FLIP, mean over pixels and images; of finite images.
+double mean_flip(const Subject& subject) {
+    double sum = 0;
+    for (const Image& image : subject.tests)
+        sum += hdr_flip(image, subject.reference.mean).mean();
+    return sum / static_cast<double>(subject.tests.size());
+}
+
+/// What viewers see is the whole image: components have no FLIP.
+enum class Flip { measured, left_out };
+
+Json metrics(const Subject& subject, double epsilon, Flip flip) {
+    const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.r_total, epsilon);
+    std::size_t nonfinite = 0;
+    for (const Image& image : subject.tests)
+        nonfinite += nonfinite_values(image);
+    // A spectrum of images with holes would be one of the holes.
+    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.r_total) : std::nullopt;
+    Json json;
+    json["seeds"] = s.seeds;
+    json["epsilon"] = epsilon;
+    put(json, "mse", s.mse);
+    put(json, "rmse", s.rmse);
+    put(json, "rel_mse", s.rel_mse);
+    put(json, "rel_rmse", s.rel_mse, true);
+    json["rmse_corrected"] = number(s.rmse_corrected);
+    json["rel_mse_corrected"] = number(s.rel_mse_corrected);
+    const RobustError robust = robust_error(subject.tests, subject.reference.mean, subject.r_total, epsilon);
+    json["rel_mse_median"] = number(robust.median);
+    json["rel_mse_trimmed"] = number(robust.trimmed);
+    json["rel_mse_top_share"] = number(robust.share);
+    put(json, "bias2", s.bias2);
+    put(json, "variance", s.variance);
+    json["noise_centroid"] = noise ? number(noise->centroid) : Json(nullptr);
+    json["noise_low_ratio"] = noise ? number(noise->low_ratio) : Json(nullptr);
+    json["flip"] = flip == Flip::measured && nonfinite == 0 ? number(mean_flip(subject)) : Json(nullptr);
+    json["nonfinite"] = nonfinite;
+    json["mean"] = channel_means(subject.tests);
+    json["reference_mean"] = channel_means({subject.reference.mean});
+    return json;
+}
+
+const Image& layer_in(const LayeredImage& file, const std::string& name, const std::string& path) {
+    const Image* image = file.find(name);
+    if (!image) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
+    return *image;
+}
+
+/// The image without the components that the reference does not resolve, where it has them apart.
+Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
+                   const std::string& path) {
+    const Image& total = layer_in(file, "", path);
+    if (reference.unresolved.empty()) return total;
+    ComponentImages parts = components_in(file);
+    const bool has_parts =
+        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
+    return has_parts ? judgement.total_of(parts) : total;
+}
+
+void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {
+    if (!image.same_size(r))
+        throw InputError(fmt::format("{} has {} x {} pixels, but {} has {} x {}", path, image.width, image.height,
+                                     options.reference, r.width, r.height));
+}
+
+void require_finite(const std::string& path, const std::string& layer, const ReferenceLayer& reference) {
+    std::size_t bad = nonfinite_values(reference.mean);
+    if (reference.standard_error) bad += nonfinite_values(*reference.standard_error);
+    for (const Image& group : reference.groups)
+        bad += nonfinite_values(group);
+    if (bad > 0)
+        throw InputError({path, 0, 0},
+                         fmt::format("cannot be a reference: {} values of {} are not finite", bad, layer));
+}
+
+void require_consistent(const CompareOptions& options) {
+    require_epsilon(options.epsilon);
+    if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
+    const bool has_variance = !options.variance.empty(), has_spp = options.test_spp > 0;
+    if (has_variance != has_spp) throw InputError("--variance and --spp go together");
+    if (has_variance && !options.z_test) throw InputError("--variance and --spp belong to --z-test");
+    if (has_variance && options.tests.size() > 1)
+        throw InputError("with --variance the z-test takes one image, not several");
+}
+
+/// Equal noise would pass for no noise.
+void require_different_seeds(const std::vector<LayeredImage>& files, const std::vector<std::string>& paths) {
+    const auto same = [](const LayeredImage& a, const LayeredImage& b, const char* key) {
+        const auto in_a = a.metadata.find(key), in_b = b.metadata.find(key);
+        return in_a != a.metadata.end() && in_b != b.metadata.end() && in_a->second == in_b->second;
+    };
+    for (std::size_t i = 0; i < files.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (same(files[i], files[j], "seed") && same(files[i], files[j], "method") &&
+                same(files[i], files[j], "scene_hash"))
+                throw InputError(
+                    fmt::format("{} and {} have the same seed: they are no replicates", paths[j], paths[i]));
+}
+
+/// Several images of a layer are replicates; a single one may bring its own standard error.
+ReferenceLayer tested_layer(const std::vector<Image>& images, const ReferenceLayer* own) {
+    if (images.size() > 1) return layer_of_groups(images);
+    if (own) return {images.front(), own->standard_error, own->groups};
+    return {images.front(), std::nullopt, {}};
+}
+
+ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<std::string, Subject>>& subjects,
+                     const std::vector<LayeredImage>& files, const Reference& reference) {
+    const Subject& total = subjects.front().second;
+    if (!options.variance.empty())
+        return mitsuba_z_report(total.tests.front(), total.r_total, options.variance, options.test_spp);
+    require_different_seeds(files, options.tests);
+    Reference own = reference_in(files.front(), options.tests.front());
+    own.unresolved = reference.unresolved;
+    const Judgement judged(own);
+    std::vector<ComparedLayer> layers;
+    for (const auto& [name, subject] : subjects) {
+        const auto c = component_named(name);
+        layers.push_back(
+            {name, tested_layer(subject.tests, c ? judged.component(*c) : &judged.total()), &subject.reference});
+    }
+    return own_z_report(layers);
+}
+
+std::string text_of(const Json& value) { return value.is_null() ? "-" : fmt::format("{:.6g}", value.get<double>()); }
+
+/// One line a number, with its 95 % interval and, where it depends on epsilon, that too.
+void print_text(const std::string& title, const Json& json, std::ostream& out) {
+    const std::string epsilon = fmt::format("epsilon {:g}", json["epsilon"].get<double>());
+    out << fmt::format("{}: {} image{}, {}\n", title, json["seeds"].get<int>(), json["seeds"] == 1 ? "" : "s", epsilon);
+    for (const auto& [name, value] : json.items()) {
+        if (name == "seeds" || name == "epsilon" || name.ends_with("_lo") || name.ends_with("_hi")) continue;
+        if (value.is_object() || name.starts_with("z_")) continue;
+        std::string text;
+        if (value.is_array())
+            for (const auto& v : value)
+                text += (text.empty() ? "" : " ") + (v.is_string() ? v.get<std::string>() : text_of(v));
+        else text = text_of(value);
+        if (const auto lo = json.find(name + "_lo"); lo != json.end() && !lo->is_null())
+            text += fmt::format("  [{}, {}]", text_of(*lo), text_of(json[name + "_hi"]));
+        out << fmt::format("  {:<18} {}{}\n", name, text, name.starts_with("rel_") ? "  (" + epsilon + ")" : "");
+    }
+}
+
+}  // namespace
+
+int compare(const CompareOptions& options, std::ostream& out) {
+    require_consistent(options);
+    const Reference reference = read_reference(options.reference);
+    require_finite(options.reference, "the image", reference.total);
+    const Judgement judgement(reference);
+    const Image& r = judgement.total().mean;
+
+    std::vector<LayeredImage> files;
+    std::vector<std::pair<std::string, Subject>> subjects;
+    subjects.emplace_back(total_name, Subject{{}, judgement.total(), r});
+    for (const std::string& path : options.tests) {
+        files.push_back(read_image(path));
+        subjects.front().second.tests.push_back(judged_total(files.back(), reference, judgement, path));
+        require_comparable(path, subjects.front().second.tests.back(), options, r);
+    }
+    for (Component c : all_components) {
+        const std::string name(name_of(c));
+        const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
+        const ReferenceLayer* layer = judgement.component(c);
+        if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
+        require_finite(options.reference, name, *layer);
+        subjects.emplace_back(name, Subject{{}, *layer, r});
+        for (const LayeredImage& file : files)
+            subjects.back().second.tests.push_back(*file.find(name));
+    }
+    std::optional<ZTestReport> z;
+    if (options.z_test) z = z_report(options, subjects, files, reference);
+
+    Json json, components = Json::object();
+    for (std::size_t i = 0; i < subjects.size(); ++i) {
+        Json values = metrics(subjects[i].second, options.epsilon, i == 0 ? Flip::measured : Flip::left_out);
+        if (z && i < z->layers.size()) values.update(z->layers[i]);
+        (i == 0 ? json : components[subjects[i].first]) = std::move(values);
+    }
+    if (!reference.unresolved.empty()) {
+        json["unresolved"] = Json::array();
+        for (Component c : reference.unresolved)
+            json["unresolved"].push_back(std::string(name_of(c)));
+    }
+    const int code = z && !z->accepted ? 1 : 0;
+    if (options.json) {
+        if (z) json.update(z->json);
+        json["components"] = components;
+        out << json.dump(2) << '\n';
+        return code;
+    }
+    print_text(total_name, json, out);
+    for (const auto& [name, values] : components.items())
+        print_text(name, values, out);
+    if (z) out << z->text;
+    return code;
+}
+
+}  // namespace gib

@@ -1,0 +1,247 @@
+#include "experiments/program/compare_z_test.h"
+
+#include "common/core/error.h"
+#include "common/images/image_file.h"
+#include "experiments/metrics/mitsuba_z_test.h"
+#include "experiments/metrics/z_statistic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, scale_count> scale_keys = {"z_blocks", "z_regions", "z_image"};
+constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"}, xyz_names = {"X", "Y", "Z"};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::size_t nonfinite_values(const Image& image) {
+    return static_cast<std::size_t>(
+        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
+}
+
+std::size_t nonfinite_values(const ReferenceLayer& layer) {
+    std::size_t count = 0;
+    for (const Image& group : layer.groups)
+        count += nonfinite_values(group);
+    // The mean and the standard error come from the groups.
+    if (count > 0) return count;
+    return nonfinite_values(layer.mean) + (layer.standard_error ? nonfinite_values(*layer.standard_error) : 0);
+}
+
+std::string line(const std::string& name, const std::string& text) { return fmt::format("  {:<18} {}\n", name, text); }
+
+/// "3 to 5" of `count` pixels from 3 on.
+std::string range_text(int first, int count) { return fmt::format("{} to {}", first, first + count - 1); }
+
+std::string percent_text(double share) { return fmt::format("{:+.4g} %", 100 * share); }
+
+std::string interval_text(const MeanDeviation& mean) {
+    if (!mean.interval) return "[unknown]";
+    return fmt::format("[{}, {}]", percent_text(mean.interval->lo), percent_text(mean.interval->hi));
+}
+
+/// What the test's noise is known from.
+std::string noise_source(const ReferenceLayer& x, const ReferenceLayer& r) {
+    if (!x.standard_error) return "scatter";
+    return r.standard_error ? (x.groups.size() > 1 ? "replicates" : "standard_error") : "scatter";
+}
+
+std::string noise_text(const ReferenceLayer& x, const ReferenceLayer& r) {
+    const std::string source = noise_source(x, r);
+    if (source == "replicates") return fmt::format("known from {} replicates", x.groups.size());
+    if (source == "standard_error") return "known from its standard error";
+    return std::string("estimated from the scatter within blocks (pixels taken as independent") +
+           (r.standard_error ? ")" : "; the reference has no standard error)");
+}
+
+void put_scale(Json& json, const std::string& key, const ZTestVerdict::Scale& scale) {
+    const BlockTest& test = scale.largest;
+    json[key + "_tests"] = scale.hypotheses;
+    json[key + "_rejected"] = scale.rejected;
+    json[key + "_t"] = number(test.t);
+    json[key + "_p"] = test.p;
+    json[key + "_p_corrected"] = scale.adjusted_p;
+    json[key + "_layer"] = scale.layer;
+    json[key + "_channel"] = rgb_names[test.channel];
+    json[key + "_x"] = test.x;
+    json[key + "_y"] = test.y;
+    json[key + "_width"] = test.width;
+    json[key + "_height"] = test.height;
+}
+
+Json layer_json(const LayerZTest& layer) {
+    Json json;
+    for (std::size_t s = 0; s < scale_count; ++s) {
+        double smallest = 1;
+        for (const BlockTest& test : layer.tests[s])
+            smallest = std::min(smallest, test.p);
+        json[std::string(scale_keys[s]) + "_smallest_p"] = smallest;
+    }
+    for (const char* key : {"z_deviation", "z_deviation_lo", "z_deviation_hi", "z_reference_share"})
+        json[key] = Json::array();
+    for (const MeanDeviation& mean : layer.means) {
+        json["z_deviation"].push_back(number(mean.value));
+        json["z_deviation_lo"].push_back(mean.interval ? number(mean.interval->lo) : Json(nullptr));
+        json["z_deviation_hi"].push_back(mean.interval ? number(mean.interval->hi) : Json(nullptr));
+        json["z_reference_share"].push_back(mean.reference_share);
+    }
+    return json;
+}
+
+std::string scale_text(const ZTestVerdict::Scale& scale) {
+    const BlockTest& test = scale.largest;
+    return fmt::format(
+        "{} tests, {} rejected; smallest p {:.2g} (corrected {:.2g}) at t = {:.2f}: {} of {}, x {}, y {}",
+        scale.hypotheses, scale.rejected, test.p, scale.adjusted_p, test.t, rgb_names[test.channel], scale.layer,
+        range_text(test.x, test.width), range_text(test.y, test.height));
+}
+
+/// Why, in words; `kind` is what a program asks for.
+struct Reason {
+    std::string kind, text;
+};
+
+Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTestLimits& limits) {
+    const std::string margin = fmt::format("{:g} %", 100 * limits.margin);
+    if (verdict.accepted())
+        return {"accepted", fmt::format("accepted: no difference found, and the means agree within {}", margin)};
+    std::string differences, noisy;
+    double largest_share = 0;
+    const auto add = [](std::string& list, const std::string& text) { list += (list.empty() ? "" : ", ") + text; };
+    for (std::size_t s = 0; s < scale_count; ++s)
+        if (const auto& scale = verdict.scales[s]; scale.rejected > 0)
+            add(differences, fmt::format("{} of {} tests of {}", scale.rejected, scale.hypotheses, scale_names[s]));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const MeanDeviation& mean = total.means[k];
+        const auto& i = mean.interval;
+        if (i && i->lo >= -limits.margin && i->hi <= limits.margin) continue;
+        add(noisy, fmt::format("{} {} {}", rgb_names[k], percent_text(mean.value), interval_text(mean)));
+        largest_share = std::max(largest_share, mean.reference_share);
+    }
+    if (!noisy.empty() && verdict.differs) add(differences, "deviation of the mean " + noisy);
+    if (verdict.differs) return {"differs", "rejected: the images differ: " + differences};
+    return {
+        "too_noisy",
+        fmt::format("rejected: not enough samples to show that the means agree within {}: the interval is {}; {:.0f} % "
+                    "of the variance is the reference's",
+                    margin, noisy, 100 * largest_share)};
+}
+
+/// Infinite variance would accept every image.
+void require_variances(const Image& image, const std::string& path) {
+    const auto wrong =
+        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v) || v < 0; });
+    if (wrong > 0)
+        throw InputError({path, 0, 0}, fmt::format("cannot be a variance: {} values are not finite or below 0", wrong));
+}
+
+}  // namespace
+
+ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
+    const ZTestLimits limits;
+    ZTestReport report;
+    std::size_t nonfinite = 0;
+    for (const ComparedLayer& layer : layers)
+        nonfinite += nonfinite_values(layer.x);
+    const ComparedLayer& total = layers.front();
+    report.json = {{"z_test", "blocks"},
+                   {"z_accepted", false},
+                   {"z_verdict", "not_finite"},
+                   {"z_reason", ""},
+                   {"z_alpha", limits.alpha},
+                   {"z_margin", limits.margin},
+                   {"z_noise", noise_source(total.x, *total.r)}};
+    report.text =
+        fmt::format("z-test: gibench's own, of blocks and means; alpha {:g} for all tests together\n", limits.alpha) +
+        line("noise of the test", noise_text(total.x, *total.r));
+    if (nonfinite > 0) {
+        const std::string reason = fmt::format("rejected: {} values of the test are not finite", nonfinite);
+        report.json["z_reason"] = reason;
+        report.text += line("verdict", reason);
+        return report;
+    }
+    std::vector<std::pair<std::string, LayerZTest>> tested;
+    for (const ComparedLayer& layer : layers) {
+        tested.emplace_back(layer.name, z_test(layer.x, *layer.r, total.r->mean));
+        report.layers.push_back(layer_json(tested.back().second));
+    }
+    const ZTestVerdict verdict = verdict_of(tested, limits);
+    const LayerZTest& first = tested.front().second;
+    const Reason reason = reason_of(verdict, first, limits);
+    report.accepted = verdict.accepted();
+    report.json["z_accepted"] = report.accepted;
+    report.json["z_verdict"] = reason.kind;
+    report.json["z_reason"] = reason.text;
+    report.json["z_shared_noise"] = first.shared_noise;
+    if (first.shared_noise > 1)
+        report.text +=
+            line("shared by pixels", fmt::format("the variance of block means is {:.3g} times that of independent "
+                                                 "pixels",
+                                                 first.shared_noise));
+    for (std::size_t s = 0; s < scale_count; ++s) {
+        put_scale(report.json, scale_keys[s], verdict.scales[s]);
+        report.text += line(scale_names[s], scale_text(verdict.scales[s]));
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+        report.text += line(fmt::format("mean of {}", rgb_names[k]),
+                            fmt::format("{}  {}", percent_text(first.means[k].value), interval_text(first.means[k])));
+    report.text += line("verdict", reason.text);
+    if (verdict.differs && !total.x.standard_error)
+        report.text += line("",
+                            "(one image cannot tell a difference from noise that pixels share, as photon maps have "
+                            "it: give several seeds)");
+    return report;
+}
+
+ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::string& variance_path,
+                             std::uint32_t spp) {
+    const LayeredImage file = read_image(variance_path);
+    const Image* variance = file.find("");
+    if (!variance) throw InputError({variance_path, 0, 0}, "the image has no channels R,G,B outside its named layers");
+    if (!variance->same_size(reference))
+        throw InputError({variance_path, 0, 0},
+                         fmt::format("{} x {} pixels, but the reference has {} x {}", variance->width, variance->height,
+                                     reference.width, reference.height));
+    require_variances(*variance, variance_path);
+    const MitsubaZTest test = mitsuba_z_test(x, reference, *variance, spp);
+    const std::string reason =
+        fmt::format("{}: {:.4f} % of {} values pass, {} % are needed", test.accepted() ? "accepted" : "rejected",
+                    100 * test.share(), test.values, 100 * MitsubaZTest::least_share);
+    ZTestReport report;
+    report.accepted = test.accepted();
+    report.json = {{"z_test", "mitsuba"},
+                   {"z_accepted", report.accepted},
+                   {"z_verdict", report.accepted ? "accepted" : "differs"},
+                   {"z_reason", reason},
+                   {"z_spp", spp},
+                   {"z_alpha", MitsubaZTest::significance},
+                   {"z_threshold", test.threshold},
+                   {"z_values", test.values},
+                   {"z_passing", test.passing},
+                   {"z_share", test.share()},
+                   {"z_share_needed", MitsubaZTest::least_share},
+                   {"z_nonfinite", test.nonfinite},
+                   {"z_smallest_p", test.smallest_p},
+                   {"z_x", test.x},
+                   {"z_y", test.y},
+                   {"z_channel", xyz_names[test.channel]}};
+    report.text = fmt::format("z-test: Mitsuba 3's, of every pixel in XYZ; variance of a sample from {}, {} samples\n",
+                              variance_path, spp);
+    report.text +=
+        line("smallest p", fmt::format("{:.3g} in {} at x {}, y {}; values pass above {:.3g}", test.smallest_p,
+                                       xyz_names[test.channel], test.x, test.y, test.threshold));
+    if (test.nonfinite > 0)
+        report.text += line("not finite", fmt::format("{} values, which do not pass", test.nonfinite));
+    report.text += line("verdict", reason);
+    return report;
+}
+
+}  // namespace gib

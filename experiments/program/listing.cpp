@@ -1,0 +1,103 @@
+// `gibench list`: methods, scenes and effects, generated from their declarations.
+
+#include "common/scene/effects.h"
+#include "experiments/program/commands.h"
+#include "experiments/system/build_info.h"
+#include "methods/method.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <ostream>
+
+namespace gib {
+
+namespace {
+
+std::string range_of(const Parameter& p) {
+    if (p.kind == Parameter::Kind::text) return "text";
+    if (p.kind == Parameter::Kind::choice) return fmt::format("{}", fmt::join(p.choices, "|"));
+    std::string range =
+        std::isinf(p.upper) ? fmt::format("at least {:g}", p.lower) : fmt::format("{:g} to {:g}", p.lower, p.upper);
+    if (p.kind == Parameter::Kind::integer) range = "whole, " + range;
+    if (!p.choices.empty()) range += fmt::format(", or {}", fmt::join(p.choices, ", "));
+    return range;
+}
+
+std::string parameter_lines(const std::vector<Parameter>& parameters) {
+    std::string text;
+    for (const auto& p : parameters) {
+        std::string facts = range_of(p);
+        if (!p.unit.empty()) facts = p.unit + "; " + facts;
+        if (!p.default_value.empty()) facts += "; default " + p.default_value;
+        text += fmt::format("  {:<16} {} ({})\n", p.name, p.sentence, facts);
+    }
+    return text;
+}
+
+/// Without the marks of Markdown tables, lists and code.
+std::string plain_text(std::string line) {
+    line.erase(std::remove(line.begin(), line.end(), '`'), line.end());
+    const std::size_t begin = line.find_first_not_of(" |*-:\t");
+    if (begin == std::string::npos) return "";
+    line = line.substr(begin);
+    for (std::size_t bar; (bar = line.find(" | ")) != std::string::npos;)
+        line.replace(bar, 3, "; ");
+    line.erase(line.find_last_not_of(" |*\t") + 1);
+    return line;
+}
+
+/// What the scenes' README says after the file's name, on the first line that has it.
+std::string sentence_about(const std::string& file_name, const std::string& readme) {
+    std::ifstream stream(readme);
+    for (std::string line; std::getline(stream, line);) {
+        const std::size_t at = line.find(file_name);
+        if (at != std::string::npos) return plain_text(line.substr(at + file_name.size()));
+    }
+    return "";
+}
+
+}  // namespace
+
+int list_methods(bool parameters, std::ostream& out) {
+    for (const auto& method : method_registry()) {
+        out << fmt::format("{:<28} {}\n", method.name, method.sentence);
+        if (parameters) out << parameter_lines(method.parameters);
+    }
+    if (parameters) out << "every method\n" << parameter_lines(shared_parameters());
+    return 0;
+}
+
+int list_scenes(std::ostream& out) {
+    const std::filesystem::path folder(shipped_scenes_folder());
+    std::vector<std::string> names;
+    if (std::filesystem::is_directory(folder))
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            if (entry.path().extension() == ".xml") names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    for (const auto& name : names) {
+        const std::string sentence = sentence_about(name, (folder / "README.md").string());
+        const std::string stem = name.substr(0, name.size() - 4);
+        out << (sentence.empty() ? stem : fmt::format("{:<28} {}", stem, sentence)) << "\n";
+    }
+    return 0;
+}
+
+int list_effects(std::ostream& out) {
+    for (const auto& effect : effect_descriptions())
+        out << fmt::format("{:<28} {}\n", effect.name, effect.sentence);
+    return 0;
+}
+
+std::string parameter_help() {
+    std::string text;
+    for (const auto& method : method_registry())
+        text += fmt::format("{}: {}\n{}", method.name, method.sentence, parameter_lines(method.parameters));
+    return text + "every method:\n" + parameter_lines(shared_parameters());
+}
+
+}  // namespace gib

@@ -1,0 +1,267 @@
+#include "experiments/report/report_pictures.h"
+
+#include "common/images/image_file.h"
+#include "experiments/report/image_pack.h"
+#include "experiments/results/color_maps.h"
+#include "experiments/results/frames.h"
+#include "experiments/results/judgement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace gib {
+
+using nlohmann::json;
+
+namespace {
+
+/// The elements of the page that hold images; equal ones are stored once.
+class Store {
+public:
+    /// What the script reads to find and unpack it.
+    json add(const PackedImage& image) {
+        const auto [entry, is_new] = ids_.try_emplace(image.text, ids_.size());
+        if (is_new)
+            html_ +=
+                fmt::format("<script type=\"text/plain\" id=\"picture-{}\">{}</script>\n", entry->second, image.text);
+        return {{"id", fmt::format("picture-{}", entry->second)},
+                {"width", image.width},
+                {"height", image.height},
+                {"channels", image.channels},
+                {"bytes", image.bytes},
+                {"exponent", image.exponent}};
+    }
+    json add(const Image& image) {
+        json entry = add(pack_half(image.rgb, image.width, image.height, 3));
+        entry["black"] = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; });
+        return entry;
+    }
+    const std::string& html() const { return html_; }
+
+private:
+    std::map<std::string, std::size_t> ids_;
+    std::string html_;
+};
+
+/// A scene as it stands in the folder.
+struct SceneFiles {
+    const Analysis& analysis;
+    const ResultFolder& folder;
+    const std::string& scene;
+
+    std::vector<const Cell*> cells(const std::string& method) const {
+        std::vector<const Cell*> found;
+        for (const Cell& cell : analysis.cells)
+            if (cell.scene == scene && cell.method == method) found.push_back(&cell);
+        return found;
+    }
+    ComponentImages image(const Cell& cell) const {
+        return components_in(read_image(folder.cell_image(cell_folder_name(scene, cell.method, cell.seed))));
+    }
+};
+
+/// Mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon).
+std::vector<float> relative_bias(const SceneFiles& files, const std::vector<const Cell*>& cells,
+                                 const Judgement& judgement, int reduction) {
+    const Image r = reduced(judgement.total().mean, reduction);
+    std::vector<double> sum(r.rgb.size(), 0.0);
+    for (const Cell* cell : cells) {
+        const Image x = reduced(judgement.total_of(files.image(*cell)), reduction);
+        for (std::size_t i = 0; i < sum.size(); ++i)
+            sum[i] += static_cast<double>(x.rgb[i]);
+    }
+    std::vector<float> bias(r.pixels(), 0.f);
+    const auto n = static_cast<double>(cells.size());
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        const auto reference = static_cast<double>(r.rgb[i]);
+        const double error = (sum[i] / n - reference) / std::sqrt(sqr(reference) + files.analysis.index.epsilon);
+        bias[i / 3] += static_cast<float>(error / 3);
+    }
+    return bias;
+}
+
+json parts_of(const ComponentImages& image, int reduction, Store& store) {
+    json parts = json::object();
+    for (Component c : all_components)
+        if (image[c]) parts[std::string(name_of(c))] = store.add(reduced(*image[c], reduction));
+    return parts;
+}
+
+json reference_entry(const Reference& reference, const Judgement& judgement, int reduction, Store& store) {
+    ComponentImages image;
+    bool any = false;
+    for (Component c : all_components)
+        if (const auto& layer = reference[c]) {
+            image[c] = layer->mean;
+            any = true;
+        }
+    json parts = parts_of(image, reduction, store);
+    if (!any) parts["total"] = store.add(reduced(judgement.total().mean, reduction));
+    return {{"method", nullptr}, {"label", "reference"}, {"parts", parts}};
+}
+
+json method_entry(const SceneFiles& files, std::size_t method, const Judgement& judgement, int reduction,
+                  Store& store) {
+    const std::string& label = files.analysis.index.methods[method];
+    const auto cells = files.cells(label);
+    if (cells.empty() || cells.front()->seed != 1) return nullptr;
+    const Cell& first = *cells.front();
+    json entry = {{"method", method},
+                  {"label", label},
+                  {"parts", parts_of(files.image(first), reduction, store)},
+                  {"passes", first.last().passes},
+                  {"seconds", first.last().seconds},
+                  {"seeds", cells.size()},
+                  {"frames", json::array()}};
+    const auto bias = relative_bias(files, cells, judgement, reduction);
+    const Image size = reduced(judgement.total().mean, reduction);
+    entry["bias"] = store.add(pack_half(bias, size.width, size.height, 1));
+    const std::string map = files.folder.flip_map(cell_folder_name(files.scene, label, 1));
+    if (std::filesystem::exists(map)) {
+        const FlipMap flip = flip_values(read_image(map).layers.front().second);
+        Image grey(flip.width, flip.height);
+        for (std::size_t i = 0; i < grey.pixels(); ++i)
+            grey.set(i, Color::Constant(flip.values[i]));
+        const Image small = reduced(grey, reduction);
+        std::vector<std::uint8_t> bytes(small.pixels());
+        for (std::size_t i = 0; i < bytes.size(); ++i)
+            bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * std::clamp(small.rgb[3 * i], 0.f, 1.f)));
+        entry["flip"] = store.add(pack_bytes(bytes, small.width, small.height));
+    }
+    return entry;
+}
+
+/// Sums of components that the viewer offers: what the numbers are about, then all, then each; not those that are
+/// black in every image.
+json layers_of(const Reference& reference, const Judgement& judgement, const json& images) {
+    json judged = json::array(), all = json::array();
+    for (Component c : all_components) {
+        const std::string name(name_of(c));
+        const bool used = std::any_of(images.begin(), images.end(), [&](const json& image) {
+            const auto part = image.at("parts").find(name);
+            return part != image.at("parts").end() && !part->at("black");
+        });
+        if (!used) continue;
+        all.push_back(name);
+        if (judgement.resolved(c)) judged.push_back(name);
+    }
+    json layers = json::array({{{"name", "total"}, {"parts", judged}}});
+    if (!reference.unresolved.empty()) layers.push_back({{"name", "all, judged or not"}, {"parts", all}});
+    if (all.size() > 1)
+        for (const auto& name : all)
+            layers.push_back({{"name", name}, {"parts", json::array({name})}});
+    return layers;
+}
+
+json scene_entry(const SceneFiles& files, int halvings, Store& store) {
+    const Reference reference = read_reference(files.folder.reference_image(files.scene));
+    const Judgement judgement(reference);
+    const Image& r = judgement.total().mean;
+    const int reduction = reduction_for(r.width, r.height, frame_size) << halvings;
+    const Image size = reduced(r, reduction);
+    json images = json::array({reference_entry(reference, judgement, reduction, store)});
+    for (std::size_t m = 0; m < files.analysis.index.methods.size(); ++m)
+        if (json entry = method_entry(files, m, judgement, reduction, store); !entry.is_null())
+            images.push_back(std::move(entry));
+    return {{"width", size.width},
+            {"height", size.height},
+            {"film", {r.width, r.height}},
+            {"reduction", reduction},
+            {"stops", std::log2(exposure_for(reference.total.mean))},
+            {"layers", layers_of(reference, judgement, images)},
+            {"images", std::move(images)}};
+}
+
+/// A frame that may be put into the page.
+struct PackedFrame {
+    std::string scene;
+    std::size_t image;  ///< among the scene's
+    std::uint32_t passes;
+    double seconds;
+    PackedImage packed;
+};
+
+std::vector<PackedFrame> all_frames(const Analysis& analysis, const ResultFolder& folder, const json& scenes,
+                                    int halvings, std::vector<std::string>& damage) {
+    std::vector<PackedFrame> frames;
+    for (const auto& [scene, entry] : scenes.items())
+        for (std::size_t i = 1; i < entry.at("images").size(); ++i) {
+            const std::string& label = analysis.index.methods[entry["images"][i]["method"].get<std::size_t>()];
+            const Cell& cell = *SceneFiles{analysis, folder, scene}.cells(label).front();
+            for (const auto& [checkpoint, errors] : cell.checkpoints) {
+                if (!keeps_frame(1, checkpoint.passes, cell.last().passes)) continue;
+                std::string said;
+                const auto image = read_frame(folder, cell_folder_name(scene, label, 1), checkpoint.passes, &said);
+                if (!said.empty()) damage.push_back(said + "; the image on the way is left out");
+                if (!image) continue;
+                const Image small = reduced(*image, 1 << halvings);
+                if (small.width != entry["width"] || small.height != entry["height"]) continue;
+                frames.push_back({scene, i, checkpoint.passes, checkpoint.seconds,
+                                  pack_half(small.rgb, small.width, small.height, 3)});
+            }
+        }
+    return frames;
+}
+
+/// The least number of octaves between two frames of a cell for which they take no more than `bytes`.
+int octaves_apart(const std::vector<PackedFrame>& frames, std::size_t bytes) {
+    constexpr int most = 32;  // of 32-bit numbers of passes: nothing but the first frame is left
+    for (int octaves = 1; octaves < most; ++octaves) {
+        std::set<std::string_view> texts;
+        std::size_t sum = 0;
+        for (const PackedFrame& frame : frames)
+            if (std::countr_zero(frame.passes) % octaves == 0 && texts.insert(frame.packed.text).second)
+                sum += frame.packed.text.size();
+        if (sum <= bytes) return octaves;
+    }
+    return most;
+}
+
+std::string note_of(const json& scenes, const std::vector<PackedFrame>& frames, int octaves) {
+    std::string note;
+    for (const auto& [scene, entry] : scenes.items())
+        if (entry["reduction"] > 1)
+            note += fmt::format("Images of {} are shown at 1/{} of the film's size: means of {} x {} pixels. ", scene,
+                                entry["reduction"].get<int>(), entry["reduction"].get<int>(),
+                                entry["reduction"].get<int>());
+    if (frames.empty())
+        note += "No images on the way were kept in this folder: at every time the final image is shown. ";
+    else if (octaves > 15) note += "To keep the page small, only the image after the first pass is kept on the way. ";
+    else if (octaves > 1)
+        note += fmt::format("To keep the page small, images on the way are those after 1, {}, {}, ... passes. ",
+                            1u << octaves, 1u << (2 * octaves));
+    return note;
+}
+
+}  // namespace
+
+ReportPictures report_pictures(const Analysis& analysis, const ResultFolder& folder, const PictureBudget& budget) {
+    constexpr int most_halvings = 4;
+    Store store;
+    json scenes;
+    int halvings = -1;
+    do {
+        ++halvings;
+        store = Store();
+        scenes = json::object();
+        for (const auto& quality : analysis.references)
+            scenes[quality.scene] = scene_entry({analysis, folder, quality.scene}, halvings, store);
+    } while (store.html().size() > budget.final_images && halvings < most_halvings);
+
+    std::vector<std::string> damage;
+    const auto frames = all_frames(analysis, folder, scenes, halvings, damage);
+    const int octaves = octaves_apart(frames, budget.all - std::min(budget.all, store.html().size()));
+    for (const PackedFrame& frame : frames)
+        if (std::countr_zero(frame.passes) % octaves == 0)
+            scenes[frame.scene]["images"][frame.image]["frames"].push_back(
+                {{"passes", frame.passes}, {"seconds", frame.seconds}, {"image", store.add(frame.packed)}});
+    return {scenes, store.html(), note_of(scenes, frames, octaves), damage};
+}
+
+}  // namespace gib

@@ -1,0 +1,25 @@
+#pragma once
+// The tables of a result folder. Their columns are fixed by the design; further ones stand at the end.
+
+#include "experiments/analysis/analysis.h"
+#include "experiments/text/csv.h"
+
+#include <string>
+
+namespace gib {
+
+CsvTable curves_table(const Analysis& analysis);
+CsvTable error_table(const Analysis& analysis);
+CsvTable spectra_table(const Analysis& analysis);
+CsvTable stages_table(const Analysis& analysis);
+/// The same for reading: the totals, and how good the references are.
+std::string markdown_table(const Analysis& analysis);
+
+/// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
+void write_tables(const Analysis& analysis, const ResultFolder& folder);
+
+/// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or that the
+/// reference does not resolve it.
+std::string relative_error_text(const TableRow& row, double resolved);
+
+}  // namespace gib

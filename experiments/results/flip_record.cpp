@@ -1,0 +1,96 @@
+#include "experiments/results/flip_record.h"
+
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "common/images/image_digest.h"
+#include "common/images/image_file.h"
+#include "experiments/metrics/flip.h"
+#include "experiments/results/color_maps.h"
+#include "experiments/text/json_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace gib {
+
+using nlohmann::json;
+
+namespace {
+
+std::string record_path(const ResultFolder& folder, const std::string& cell_name) {
+    return folder.cell_folder(cell_name) + "/flip.json";
+}
+
+/// What a record has to say beside the value: of which two images it is, and what their map's file holds (null: there
+/// is no map, because there is no value).
+json facts_of(const Image& total, const Image& r_total, const std::string& map) {
+    return {{"image", image_digest({{{"", total}}, {}})},
+            {"reference", image_digest({{{"", r_total}}, {}})},
+            {"map", std::filesystem::exists(map) ? json(file_hash(map)) : json(nullptr)}};
+}
+
+bool is_flip(const json& value) {
+    return value.is_null() || (value.is_number() && value.get<double>() >= 0 && value.get<double>() <= 1);
+}
+
+/// Null if there is none, if it or the map is damaged, or if it is about other images. Records of earlier versions do
+/// not say what they are about.
+json stored_record(const std::string& path, const Image& total, const Image& r_total, const std::string& map) {
+    if (!std::filesystem::exists(path)) return nullptr;
+    try {
+        json record = read_json(path);
+        const std::string digest = record.at("digest");
+        record.erase("digest");
+        if (digest != json_digest(record) || !is_flip(record.at("flip"))) return nullptr;
+        const json facts = facts_of(total, r_total, map);
+        for (const auto& [name, fact] : facts.items())
+            if (record.at(name) != fact) return nullptr;
+        return record;
+    } catch (const json::exception&) {
+        return nullptr;
+    } catch (const InputError&) {
+        return nullptr;
+    }
+}
+
+bool all_finite(const Image& image) {
+    return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
+}
+
+/// Writes the map, too; neither where the images are not finite.
+std::optional<double> measure_flip(const Image& total, const Image& r_total, const std::string& map_file) {
+    if (!all_finite(total) || !all_finite(r_total)) return std::nullopt;
+    const FlipMap map = hdr_flip(total, r_total);
+    const auto png = encode_png(flip_image(map), 1.f);
+    write_file(map_file, {reinterpret_cast<const char*>(png.data()), png.size()});
+    return map.mean();
+}
+
+}  // namespace
+
+std::optional<double> cell_flip(const ResultFolder& folder, const std::string& cell_name, const Image& total,
+                                const Image& r_total) {
+    const std::string path = record_path(folder, cell_name), map = folder.flip_map(cell_name);
+    json record = stored_record(path, total, r_total, map);
+    if (record.is_null()) {
+        forget_flip(folder, cell_name);
+        const auto flip = measure_flip(total, r_total, map);
+        record = facts_of(total, r_total, map);
+        record["flip"] = flip ? json(*flip) : json(nullptr);
+        record["digest"] = json_digest(record);
+        // The record comes last: where it stands, the map is whole.
+        write_file(path, record.dump(1) + "\n");
+    }
+    const json& flip = record["flip"];
+    return flip.is_number() ? std::optional(flip.get<double>()) : std::nullopt;
+}
+
+void forget_flip(const ResultFolder& folder, const std::string& cell_name) {
+    std::filesystem::remove(record_path(folder, cell_name));
+    std::filesystem::remove(folder.flip_map(cell_name));
+}
+
+}  // namespace gib

@@ -1,0 +1,55 @@
+#include "experiments/results/judgement.h"
+
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+void subtract(Image& from, const Image& image) {
+    for (std::size_t i = 0; i < from.rgb.size(); ++i)
+        from.rgb[i] -= image.rgb[i];
+}
+
+}  // namespace
+
+Judgement::Judgement(const Reference& reference) : reference_(reference) {
+    if (reference.unresolved.empty()) return;
+    ReferenceLayer total = reference.total;
+    for (Component c : reference.unresolved) {
+        const auto& layer = reference[c];
+        if (!layer) continue;
+        subtract(total.mean, layer->mean);
+        for (std::size_t g = 0; g < std::min(total.groups.size(), layer->groups.size()); ++g)
+            subtract(total.groups[g], layer->groups[g]);
+    }
+    // Components are correlated: only the groups give the standard error of what is left.
+    partial_total_ = total.groups.size() > 1 ? layer_of_groups(std::move(total.groups)) : std::move(total);
+}
+
+bool Judgement::resolved(Component c) const {
+    return std::find(reference_.unresolved.begin(), reference_.unresolved.end(), c) == reference_.unresolved.end();
+}
+
+const ReferenceLayer* Judgement::component(Component c) const {
+    const auto& layer = reference_[c];
+    return layer && resolved(c) ? &*layer : nullptr;
+}
+
+Image Judgement::total_of(const ComponentImages& image) const {
+    ComponentImages judged = image;
+    for (Component c : reference_.unresolved)
+        judged[c].reset();
+    return judged.total();
+}
+
+std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, double epsilon) const {
+    std::map<std::string, ImageError> errors;
+    errors[total_name] = image_error(total_of(image), total(), total().mean, epsilon);
+    for (Component c : all_components)
+        if (const auto* layer = component(c); layer && image[c])
+            errors[std::string(name_of(c))] = image_error(*image[c], *layer, total().mean, epsilon);
+    return errors;
+}
+
+}  // namespace gib

@@ -1,0 +1,54 @@
+#pragma once
+// manifest.json: everything that a result depends on and that its tables do not say; `gibench run --repeat` reads it.
+
+#include "experiments/results/result_folder.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gib {
+
+/// A complete cell as anyone can make it again: exactly its passes, whatever budget ended them.
+struct ManifestCell {
+    std::string scene, method;
+    std::uint64_t seed = 1;
+    std::uint32_t passes = 0;
+    std::string image;  ///< digest of the final image's pixels
+};
+
+/// What a run knows besides the index.
+struct ManifestRun {
+    std::string command_line;     ///< as it was typed
+    std::string experiment_file;  ///< its path, as it was typed
+    std::optional<std::pair<int, int>> resolution;
+    std::vector<ManifestCell> cells;
+};
+
+std::string manifest_text(const ResultIndex& index, const ManifestRun& run);
+
+/// A manifest as it is read back.
+struct Manifest {
+    struct Scene {
+        std::string name, file, content_hash, reference;
+    };
+    std::string experiment_file, working_folder, experiment_text;
+    int threads = 0, seeds = 1;
+    std::vector<Scene> scenes;
+    std::vector<ManifestCell> cells;
+    /// Commit, compiler, flags, processor and libraries, by what a reader calls them.
+    std::map<std::string, std::string> machine;
+};
+
+/// Throws InputError: no such file, no manifest, or one of a version that did not say enough.
+Manifest read_manifest(const std::string& path);
+/// Of this program on this processor.
+std::map<std::string, std::string> this_machine();
+
+/// The processor's name as the system gives it.
+std::string cpu_model();
+
+}  // namespace gib

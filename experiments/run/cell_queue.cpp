@@ -1,0 +1,460 @@
+#include "experiments/run/cell_queue.h"
+
+#include "common/core/files.h"
+#include "common/core/parallel.h"
+#include "common/images/image_digest.h"
+#include "common/images/image_file.h"
+#include "experiments/measuring/cell_process.h"
+#include "experiments/measuring/reference.h"
+#include "experiments/report/report.h"
+#include "experiments/report/tables.h"
+#include "experiments/results/flip_record.h"
+#include "experiments/results/frames.h"
+#include "experiments/results/judgement.h"
+#include "experiments/results/manifest.h"
+#include "experiments/run/repeat_plan.h"
+#include "experiments/system/build_info.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <thread>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Experiment with_options(Experiment experiment, const RunOptions& options) {
+    if (options.seeds) experiment.seeds = *options.seeds;
+    return experiment;
+}
+
+/// Seconds that cells still need, from those of the same method and scene that are done.
+class CostModel {
+public:
+    void add(const CellIdentity& cell, double seconds) {
+        known_[{cell.scene, cell.method}] = seconds;
+        sum_ += seconds;
+        ++count_;
+    }
+    std::optional<double> of(const CellIdentity& cell) const {
+        if (const auto found = known_.find({cell.scene, cell.method}); found != known_.end()) return found->second;
+        return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
+    }
+
+private:
+    std::map<std::pair<std::string, std::string>, double> known_;
+    double sum_ = 0;
+    int count_ = 0;
+};
+
+/// What a folder's index says of its references, by their identities; nothing without an index that can be read.
+std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder& folder) {
+    std::map<std::string, std::vector<std::string>> notes;
+    try {
+        for (const auto& scene : folder.read_index().scenes)
+            if (!scene.reference.empty()) notes[scene.reference] = scene.notes;
+    } catch (const InputError&) {
+        notes.clear();
+    }
+    return notes;
+}
+
+/// Of a cell's work: whichever of its ends is nearest.
+double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
+    const auto done = static_cast<double>(passes);
+    double share = done / cell.spp;
+    if (cell.budget.passes) share = std::max(share, done / *cell.budget.passes);
+    if (cell.budget.seconds) share = std::max(share, seconds / *cell.budget.seconds);
+    return std::min(share, 1.0);
+}
+
+/// A cell's work, which is gone with it: what a cell that failed left on a full disk would be missing for all others.
+class WorkFolder {
+public:
+    explicit WorkFolder(std::string path) : path_(std::move(path)) {
+        fs::remove_all(path_);
+        ResultFolder::make(path_);
+    }
+    ~WorkFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+    const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+}  // namespace
+
+void link_file(const std::string& from, const std::string& to) {
+    const std::string fresh = to + ".tmp-linked";  // remove_leftovers_in() knows it by its ending
+    std::error_code error;
+    fs::remove(fresh, error);
+    fs::create_hard_link(from, fresh, error);
+    if (error) fs::copy_file(from, fresh, fs::copy_options::overwrite_existing, error);
+    if (!error) fs::rename(fresh, to, error);
+    if (error) {
+        std::error_code ignored;
+        fs::remove(fresh, ignored);
+        throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
+    }
+    fs::remove(fresh, error);  // rename leaves it where both already were one file
+}
+
+namespace {
+
+/// A picture of a cell that is not in the tables goes.
+void link_or_remove(bool is_there, const std::string& from, const std::string& to) {
+    if (is_there) link_file(from, to);
+    else fs::remove(to);
+}
+
+}  // namespace
+
+ExperimentRun::ExperimentRun(const RunOptions& options)
+    : options_(options),
+      experiment_(
+          with_options(options.repeat ? options.repeat->experiment : load_experiment(options.experiment), options)),
+      threads_(options.threads > 0 ? options.threads
+                                   : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
+      folder_(options.out ? *options.out : result_folder_of(experiment_.name)),
+      build_(executable_hash()) {
+    for (const auto& entry : experiment_.scenes) {
+        const auto start = std::chrono::steady_clock::now();
+        scenes_.push_back({entry, load_scene(entry.path, {{}, experiment_.resolution}), "", {}, false});
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        if (options.repeat) options.repeat->check_scene(entry, scenes_.back().loaded.content_hash);
+        progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+    }
+    plan_methods();
+    bool any = false;
+    for (const auto& scene : scenes_)
+        any = any || selected(scene);
+    if (!any)
+        throw InputError(
+            fmt::format("--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only));
+    folder_.prepare();
+    lock_.emplace(lock_result_folder(folder_.path()));
+    const std::string references = fs::path(cached_reference_path("")).parent_path().string();
+    ResultFolder::make(references);
+    require_writable(references);
+    folder_.remove_leftovers();
+    remove_leftovers_in(references);
+    // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
+    // with.
+    const auto notes = stored_notes(folder_);
+    for (auto& scene : scenes_) {
+        const std::string image = folder_.reference_image(scene.entry.name);
+        scene.reference = stored_reference_identity(image);
+        if (const auto found = notes.find(scene.reference); found != notes.end()) scene.notes = found->second;
+        if (scene.reference.empty() && fs::exists(image))
+            progress_.message(
+                fmt::format("warning: {} is damaged; without a new reference, no cell of {} is in the "
+                            "tables",
+                            image, scene.entry.name));
+    }
+}
+
+void ExperimentRun::plan_methods() {
+    for (const auto& scene : scenes_)
+        for (const auto& label : experiment_.methods) {
+            const auto& description = find_method(label.name);
+            const ParameterValues values(all_parameters(description), label);
+            const auto method = description.create(values, {scene.loaded.max_edges});
+            effects_missing_[{scene.entry.name, label.text()}] = method->plan(*scene.loaded.scene).missing.names();
+        }
+}
+
+bool ExperimentRun::selected(const SceneState& scene, const MethodLabel& label) const {
+    if (options_.repeat) return options_.repeat->has_cells_of(scene.entry.name, label.text());
+    return scene.entry.name.find(options_.only) != std::string::npos ||
+           label.text().find(options_.only) != std::string::npos;
+}
+
+bool ExperimentRun::selected(const SceneState& scene) const {
+    return std::any_of(experiment_.methods.begin(), experiment_.methods.end(),
+                       [&](const MethodLabel& label) { return selected(scene, label); });
+}
+
+bool ExperimentRun::measure() {
+    if (options_.fresh) forget_cells();
+    try {
+        make_references();
+        run_cells();
+    } catch (const Interrupted&) {
+        return false;
+    }
+    return true;
+}
+
+void ExperimentRun::forget_cells() {
+    std::size_t forgotten = 0;
+    for (const auto& cell : cells())
+        if (selected(*cell.scene, *cell.label)) forgotten += fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
+    if (forgotten > 0) progress_.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
+}
+
+void ExperimentRun::make_references() {
+    for (auto& scene : scenes_) {
+        if (!selected(scene)) continue;
+        try {
+            make_reference_of(scene);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const std::exception& error) {
+            scene.failed = true;
+            fail(fmt::format("the reference of {}: {}", scene.entry.name, error.what()));
+        }
+    }
+}
+
+void ExperimentRun::make_reference_of(SceneState& scene) {
+    if (take_reference_of(scene)) return;
+    const MethodLabel& label = experiment_.reference_method;
+    const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
+    const ReferenceWork work{scene.loaded, find_method(label.name), label, scene.entry.goal, experiment_.epsilon, path};
+    // Held until the folder has its own name for the file: another run may make it better at any time after.
+    const FileLock lock = lock_reference(path, [&](const std::string& owner) {
+        progress_.message(
+            fmt::format("the reference of {}: {} is making it; waiting until it has ended", scene.entry.name, owner));
+    });
+    FinishedReference finished;
+    with_threads(threads_, [&] { finished = make_reference(work, progress_); });
+    scene.reference = finished.identity;
+    scene.notes = finished.warnings;
+    link_file(path, folder_.reference_image(scene.entry.name));
+    progress_.message(fmt::format("reference of {}: relative standard error {:.3g} %{}", scene.entry.name,
+                                  100 * finished.relative_error, finished.rounds_added == 0 ? " (stored)" : ""));
+    for (const auto& warning : finished.warnings)
+        progress_.message("warning: " + warning);
+}
+
+bool ExperimentRun::take_reference_of(SceneState& scene) {
+    if (!options_.repeat) return false;
+    const std::string image = options_.repeat->original.reference_image(scene.entry.name);
+    const std::string identity = stored_reference_identity(image);
+    if (identity.empty() || identity != options_.repeat->reference_of(scene.entry.name)) return false;
+    link_file(image, folder_.reference_image(scene.entry.name));
+    scene.reference = identity;
+    scene.notes = stored_notes(options_.repeat->original)[identity];
+    progress_.message(fmt::format("reference of {}: {}", scene.entry.name, image));
+    return true;
+}
+
+std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
+    std::vector<Cell> cells;
+    for (int seed = 1; seed <= experiment_.seeds; ++seed)
+        for (auto& scene : scenes_)
+            for (const auto& label : experiment_.methods) {
+                const ParameterValues values(all_parameters(find_method(label.name)), label);
+                CellIdentity identity;
+                identity.scene = scene.entry.name;
+                identity.method = label.text();
+                identity.seed = static_cast<std::uint64_t>(seed);
+                identity.scene_hash = scene.loaded.content_hash;
+                identity.spp = last_pass(values, scene.loaded.sample_count);
+                identity.budget = experiment_.budget;
+                identity.epsilon = experiment_.epsilon;
+                identity.threads = threads_;
+                identity.reference = scene.reference;
+                const std::string name = identity.folder_name();
+                if (options_.repeat) {
+                    const auto passes = options_.repeat->passes.find(name);
+                    if (passes == options_.repeat->passes.end()) continue;
+                    identity.budget = {std::nullopt, passes->second};
+                }
+                cells.push_back({&scene, &label, identity, name});
+            }
+    return cells;
+}
+
+std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::vector<Cell>& all) {
+    std::vector<const Cell*> to_do;
+    std::size_t kept = 0, of_other_builds = 0;
+    for (const auto& cell : all) {
+        if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
+        std::string damage;
+        const auto stored = folder_.read_cell(cell.name, cell.identity.key(), &damage);
+        if (!stored) {
+            if (!damage.empty()) progress_.message(fmt::format("warning: {}; the cell is done again", damage));
+            to_do.push_back(&cell);
+            continue;
+        }
+        ++kept;
+        if (stored->build != build_) ++of_other_builds;
+    }
+    if (kept > 0) progress_.message(fmt::format("cells complete already, not done again: {}", kept));
+    if (of_other_builds > 0)
+        progress_.message(fmt::format(
+            "warning: {} of them were measured by another build of gibench; --fresh does them again", of_other_builds));
+    return to_do;
+}
+
+void ExperimentRun::run_cells() {
+    const std::vector<Cell> all = cells();
+    const auto to_do = cells_to_do(all);
+    folder_.write_index(index());
+    // One at a time: those of many scenes would not fit into memory. Cells of a scene follow each other.
+    const SceneState* referred = nullptr;
+    std::optional<Reference> reference;
+    CostModel costs;
+    for (std::size_t i = 0; i < to_do.size(); ++i) {
+        const Cell& cell = *to_do[i];
+        double left_after = 0;
+        bool known = true;
+        for (std::size_t j = i + 1; j < to_do.size(); ++j) {
+            const auto cost = costs.of(to_do[j]->identity);
+            known = known && cost;
+            left_after += cost.value_or(0);
+        }
+        const auto what = fmt::format("cell {} of {}: {}, {}, seed {}", i + 1, to_do.size(), cell.identity.scene,
+                                      cell.identity.method, cell.identity.seed);
+        const auto start = std::chrono::steady_clock::now();
+        const auto show = [&](std::uint32_t passes, double seconds) {
+            const double share = share_done(cell.identity, passes, seconds);
+            const double left = passes > 0 ? seconds * (1 / share - 1) : costs.of(cell.identity).value_or(0);
+            progress_.update(
+                (static_cast<double>(i) + share) / static_cast<double>(to_do.size()),
+                known && (passes > 0 || costs.of(cell.identity)) ? std::optional(left + left_after) : std::nullopt,
+                what);
+        };
+        show(0, 0);
+        try {
+            if (referred != cell.scene) {
+                referred = nullptr;
+                reference.reset();
+                reference = read_reference(folder_.reference_image(cell.identity.scene));
+                referred = cell.scene;
+            }
+            run_cell(cell, Judgement(*reference), show);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const std::exception& error) {
+            fail(fmt::format("{}, {}, seed {}: {}", cell.identity.scene, cell.identity.method, cell.identity.seed,
+                             error.what()));
+        }
+        costs.add(cell.identity, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+}
+
+void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const PassObserver& observer) {
+    const std::string folder = folder_.cell_folder(cell.name);
+    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    forget_flip(folder_, cell.name);
+    forget_frames(folder_, cell.name);
+    const WorkFolder work(folder_.work_folder(cell.name));
+    const CellRequest request{cell.scene->entry.path,
+                              experiment_.resolution,
+                              cell.identity.scene_hash,
+                              cell.identity.method,
+                              cell.identity.seed,
+                              cell.identity.budget,
+                              threads_,
+                              work.path()};
+    const CellTiming timing = run_cell_process(options_.program, request, observer);
+
+    gib::Cell record;
+    record.scene = cell.identity.scene;
+    record.method = cell.identity.method;
+    record.seed = cell.identity.seed;
+    record.key = cell.identity.key();
+    record.build = build_;
+    record.load_seconds = timing.load_seconds;
+    record.prepare_seconds = timing.measurement.prepare_seconds;
+    record.converged = timing.measurement.converged;
+    record.stages = timing.measurement.stages;
+    for (const auto& checkpoint : timing.measurement.checkpoints) {
+        const auto image = components_in(read_image(checkpoint_image(work.path(), checkpoint.passes)));
+        record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
+        if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
+            write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
+    }
+    const auto last = components_in(read_image(checkpoint_image(work.path(), record.last().passes)));
+    const LayeredImage image = layers_of(last);
+    write_exr(folder_.cell_image(cell.name), image);
+    record.image = image_digest(image);
+    record.image_file = file_hash(folder_.cell_image(cell.name));
+    folder_.write_cell(cell.name, record);
+    if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
+        progress_.message(fmt::format(
+            "warning: {}, {}: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}",
+            record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
+}
+
+void ExperimentRun::fail(const std::string& what) {
+    failures_.push_back(what);
+    progress_.message("failed: " + what);
+}
+
+ResultIndex ExperimentRun::index() {
+    ResultIndex index;
+    index.title = experiment_.title;
+    index.experiment_text = experiment_.text;
+    index.epsilon = experiment_.epsilon;
+    index.seeds = experiment_.seeds;
+    index.threads = threads_;
+    for (const auto& scene : scenes_)
+        index.scenes.push_back({scene.entry.name, scene.entry.path, scene.loaded.content_hash, scene.reference,
+                                experiment_.reference_method.text(), scene.entry.goal.target, scene.notes});
+    for (const auto& label : experiment_.methods)
+        index.methods.push_back(label.text());
+    index.effects_missing = effects_missing_;
+    for (const auto& cell : cells())
+        if (!cell.scene->reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
+    return index;
+}
+
+void ExperimentRun::link_images(const ResultIndex& index) {
+    for (const auto& scene : index.scenes)
+        for (const auto& method : index.methods) {
+            const std::string name = cell_folder_name(scene.name, method, 1);
+            const auto key = index.cell_keys.find(name);
+            const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
+            link_or_remove(complete, folder_.cell_image(name), folder_.method_image(scene.name, method));
+            // Without FLIP there is none.
+            link_or_remove(complete && fs::exists(folder_.flip_map(name)), folder_.flip_map(name),
+                           folder_.method_flip_map(scene.name, method));
+        }
+}
+
+std::vector<ManifestCell> ExperimentRun::complete_cells() {
+    std::vector<ManifestCell> complete;
+    for (const auto& cell : cells())
+        if (const auto stored = folder_.read_cell(cell.name, cell.identity.key()))
+            complete.push_back(
+                {stored->scene, stored->method, stored->seed, stored->last().passes,
+                 stored->image.empty() ? image_digest(read_image(folder_.cell_image(cell.name))) : stored->image});
+    return complete;
+}
+
+std::string ExperimentRun::write_results() {
+    const ResultIndex now = index();
+    folder_.write_index(now);
+    write_file(folder_.file("manifest.json"),
+               manifest_text(now, {options_.command_line, experiment_.path, experiment_.resolution, complete_cells()}));
+    std::string report;
+    std::vector<std::string> damage;
+    with_threads(threads_, [&] {
+        const Analysis analysis = analyse(folder_);
+        damage = analysis.damage;
+        link_images(now);
+        write_tables(analysis, folder_);
+        report = write_report(analysis, folder_, &damage);
+    });
+    for (const auto& what : damage)
+        progress_.message("warning: " + what);
+    return report;
+}
+
+}  // namespace gib

@@ -1,0 +1,172 @@
+#include "experiments/run/repeat.h"
+
+#include "common/images/image_file.h"
+#include "experiments/results/manifest.h"
+#include "experiments/run/cell_queue.h"
+#include "experiments/run/repeat_plan.h"
+#include "experiments/run/run_experiment.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <tuple>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int exit_failed = 1, exit_interrupted = 130;
+
+/// Its name last, without a slash: "." and ".." name nothing that "-repeat" could be appended to.
+std::string named_folder(const std::string& folder) {
+    fs::path path = fs::path(folder).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    if (path == "." || path.filename() == "..") path = fs::weakly_canonical(path);
+    return path.string();
+}
+
+/// Whether a path, of which there need not be anything yet, leads to a folder or into it.
+bool lies_in(const std::string& path, const std::string& folder) {
+    std::error_code ignored;  // what is not there is no folder
+    fs::path place = fs::weakly_canonical(fs::absolute(path), ignored);
+    while (!fs::equivalent(place, folder, ignored)) {
+        if (place == place.parent_path()) return false;
+        place = place.parent_path();
+    }
+    return true;
+}
+
+/// Its scenes are found from here as they were found from where the run was started, or else there.
+std::string experiment_path(const Manifest& manifest) {
+    const bool here = std::all_of(manifest.scenes.begin(), manifest.scenes.end(),
+                                  [](const Manifest::Scene& scene) { return fs::exists(scene.file); });
+    return here ? manifest.experiment_file : (fs::path(manifest.working_folder) / manifest.experiment_file).string();
+}
+
+RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
+    RepeatPlan plan{
+        parse_experiment(manifest.experiment_text, experiment_path(manifest)), ResultFolder(folder), {}, {}, {}};
+    plan.experiment.seeds = manifest.seeds;
+    for (const auto& cell : manifest.cells) {
+        plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
+        for (const auto& scene : manifest.scenes)
+            if (scene.name == cell.scene) plan.scene_hashes[scene.name] = scene.content_hash;
+    }
+    for (const auto& scene : manifest.scenes)
+        plan.references[scene.name] = scene.reference;
+    return plan;
+}
+
+void warn_of_differences(const std::map<std::string, std::string>& then) {
+    const auto now = this_machine();
+    const auto of = [](const std::map<std::string, std::string>& machine, const std::string& what) {
+        const auto found = machine.find(what);
+        return found == machine.end() ? std::string("none") : found->second;
+    };
+    auto all = then;
+    all.insert(now.begin(), now.end());
+    for (const auto& [what, version] : all)
+        if (of(then, what) != of(now, what))
+            std::cerr << fmt::format("warning: the {} is another one: '{}' then, '{}' now; images may differ\n", what,
+                                     of(then, what), of(now, what));
+}
+
+/// How far two images are apart; empty if they cannot be compared.
+std::string difference(const std::string& path, const std::string& other_path) {
+    try {
+        const LayeredImage a = read_image(path), b = read_image(other_path);
+        std::size_t values = 0, different = 0;
+        double largest = 0;
+        for (const auto& [name, layer] : a.layers) {
+            const Image* other = b.find(name);
+            if (!other || !other->same_size(layer)) return ": they have different layers or sizes";
+            values += layer.rgb.size();
+            for (std::size_t i = 0; i < layer.rgb.size(); ++i) {
+                if (std::bit_cast<std::uint32_t>(layer.rgb[i]) == std::bit_cast<std::uint32_t>(other->rgb[i])) continue;
+                ++different;
+                largest = std::max(largest, std::abs(static_cast<double>(layer.rgb[i]) - other->rgb[i]));
+            }
+        }
+        return fmt::format(": {} of {} values, by {:.3g} at most", different, values, largest);
+    } catch (const InputError&) {
+        return "";
+    }
+}
+
+/// What failed of a cell or of its scene's reference.
+std::optional<std::string> failure_of(const ManifestCell& cell, const std::vector<std::string>& failures) {
+    for (const auto& start : {fmt::format("{}, {}, seed {}: ", cell.scene, cell.method, cell.seed),
+                              fmt::format("the reference of {}: ", cell.scene)})
+        for (const auto& failure : failures)
+            if (failure.rfind(start, 0) == 0) return failure.substr(start.size());
+    return std::nullopt;
+}
+
+/// Prints a line for each cell. Returns whether all are identical.
+bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan, ExperimentRun& run,
+                   std::ostream& out) {
+    const auto now = run.complete_cells();
+    std::size_t identical = 0;
+    for (const auto& cell : then) {
+        const auto name = fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.passes);
+        const auto again = std::find_if(now.begin(), now.end(), [&](const ManifestCell& other) {
+            return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
+        });
+        if (again == now.end()) {
+            const auto failure = failure_of(cell, run.failures());
+            out << fmt::format("not repeated  {}: {}\n", name,
+                               failure.value_or("the experiment in the manifest does not have it"));
+        } else if (again->passes == cell.passes && again->image == cell.image) {
+            out << fmt::format("identical     {}\n", name);
+            ++identical;
+        } else {
+            const auto folder = cell_folder_name(cell.scene, cell.method, cell.seed);
+            const std::string how = again->passes != cell.passes
+                                        ? fmt::format(": it ended after {}", again->passes)
+                                        : difference(plan.original.cell_image(folder), run.folder().cell_image(folder));
+            out << fmt::format("differs       {}{}\n", name, how);
+        }
+    }
+    out << fmt::format("{} of {} identical\n", identical, then.size());
+    return identical == then.size();
+}
+
+}  // namespace
+
+int repeat_run(const RepeatOptions& options, std::ostream& out) {
+    require_utf8_names(options.command_line);
+    const InterruptGuard guard;
+    const std::string folder = named_folder(options.folder);
+    const Manifest manifest = read_manifest(folder + "/manifest.json");
+    if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
+    const RepeatPlan plan = plan_of(manifest, folder);
+    RunOptions run_options;
+    run_options.out = options.out.value_or(folder + "-repeat");
+    if (lies_in(*run_options.out, folder))
+        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated, or lies in it");
+    run_options.threads = manifest.threads;
+    run_options.fresh = true;  // what an earlier repetition left proves nothing
+    run_options.program = options.program;
+    run_options.command_line = options.command_line;
+    run_options.repeat = &plan;
+    warn_of_differences(manifest.machine);
+
+    ExperimentRun run(run_options);
+    const bool complete = run.measure();
+    const std::string report = run.write_results();
+    if (!complete) {
+        std::cerr << "interrupted: no image was compared\n";
+        return exit_interrupted;
+    }
+    const bool identical = compare_cells(manifest.cells, plan, run, out);
+    out << "Report: " << report << "\n";
+    return identical ? 0 : exit_failed;
+}
+
+}  // namespace gib

@@ -1,0 +1,157 @@
+#include "experiments/system/child_process.h"
+
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+extern char** environ;
+
+namespace gib {
+
+namespace {
+
+/// The reading end of a pipe from the child.
+class Pipe {
+public:
+    Pipe() {
+        if (pipe2(ends_, O_CLOEXEC) != 0) throw ChildNotStarted(fmt::format("no pipe: {}", std::strerror(errno)));
+    }
+    ~Pipe() {
+        close(ends_[0]);
+        close_writer();
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    int reader() const { return ends_[0]; }
+    int writer() const { return ends_[1]; }
+    void close_writer() {
+        if (ends_[1] >= 0) close(ends_[1]);
+        ends_[1] = -1;
+    }
+
+private:
+    int ends_[2];
+};
+
+/// Where the child's messages go: memory, so that a full disk cannot lose the message that says so.
+class Messages {
+public:
+    Messages() : fd_(memfd_create("messages", MFD_CLOEXEC)) {
+        if (fd_ < 0) throw ChildNotStarted(fmt::format("no memory file: {}", std::strerror(errno)));
+    }
+    ~Messages() { close(fd_); }
+    Messages(const Messages&) = delete;
+    Messages& operator=(const Messages&) = delete;
+
+    int fd() const { return fd_; }
+    std::string last_line() const {
+        std::ifstream file(fmt::format("/proc/self/fd/{}", fd_));
+        std::string last;
+        for (std::string line; std::getline(file, line);)
+            if (!line.empty()) last = line;
+        return last;
+    }
+
+private:
+    int fd_;
+};
+
+pid_t spawn(const std::vector<std::string>& arguments, int output, int messages) {
+    std::vector<char*> argv;
+    for (const auto& argument : arguments)
+        argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+    pid_t child = 0;
+    const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) throw ChildNotStarted(fmt::format("cannot start '{}': {}", arguments[0], std::strerror(error)));
+    return child;
+}
+
+/// The exit status, once the child has ended.
+std::optional<int> ended(pid_t child) {
+    int status = 0;
+    const pid_t done = waitpid(child, &status, WNOHANG);
+    if (done == 0) return std::nullopt;
+    return done == child ? status : -1;
+}
+
+void stop(pid_t child) {
+    kill(child, SIGTERM);
+    for (int i = 0; i < 20; ++i) {
+        if (ended(child)) return;
+        usleep(50'000);
+    }
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+}
+
+/// Hands over what has arrived. False at the end of the stream.
+bool read_lines(int fd, std::string& pending, const std::function<void(const std::string&)>& on_line) {
+    char buffer[4096];
+    const ssize_t count = read(fd, buffer, sizeof buffer);
+    if (count < 0) return errno == EINTR || errno == EAGAIN;
+    pending.append(buffer, static_cast<std::size_t>(count));
+    for (std::size_t end; (end = pending.find('\n')) != std::string::npos; pending.erase(0, end + 1))
+        on_line(pending.substr(0, end));
+    return count > 0;
+}
+
+}  // namespace
+
+void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line) {
+    Pipe pipe;
+    const Messages messages;
+    const pid_t child = spawn(arguments, pipe.writer(), messages.fd());
+    pipe.close_writer();
+    std::string pending;
+    std::optional<int> status;
+    bool open = true;
+    // Short waits instead of one long one: a signal between the question and the wait would otherwise be missed.
+    while (!status) {
+        if (InterruptGuard::requested()) {
+            stop(child);
+            throw Interrupted();
+        }
+        pollfd wait{pipe.reader(), POLLIN, 0};
+        if (!open) usleep(5'000);
+        else if (poll(&wait, 1, 50) > 0) open = read_lines(pipe.reader(), pending, on_line);
+        status = ended(child);
+    }
+    // What it said last may still be in the pipe.
+    for (pollfd rest{pipe.reader(), POLLIN, 0}; open && poll(&rest, 1, 0) > 0;)
+        open = read_lines(pipe.reader(), pending, on_line);
+    if (InterruptGuard::requested()) throw Interrupted();  // Ctrl-C reaches the child too
+    if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) return;
+    const std::string said = messages.last_line();
+    const std::string how =
+        WIFSIGNALED(*status)
+            ? fmt::format("its process was killed by signal {} ({})", WTERMSIG(*status), strsignal(WTERMSIG(*status)))
+            : fmt::format("its process ended with exit code {}", WEXITSTATUS(*status));
+    throw RunError(said.empty() ? how : said + " (" + how + ")");
+}
+
+void die_with_parent(int parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (parent != 0 && getppid() != parent) throw RunError("the run that started this process has ended");
+}
+
+}  // namespace gib

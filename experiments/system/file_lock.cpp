@@ -1,0 +1,91 @@
+#include "experiments/system/file_lock.h"
+
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace gib {
+
+namespace {
+
+/// Whether the name still leads to the open file: its last owner may have removed it in between.
+bool is_named(int fd, const std::string& path) {
+    struct stat open_file {
+    }, named{};
+    return ::fstat(fd, &open_file) == 0 && ::stat(path.c_str(), &named) == 0 && open_file.st_dev == named.st_dev &&
+           open_file.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+std::optional<FileLock> FileLock::if_free(const std::string& path) {
+    for (;;) {
+        // Close-on-exec: the lock is the run's alone, and a cell's process dies with its run.
+        const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (fd < 0) throw InputError({path}, fmt::format("cannot write here: {}", std::strerror(errno)));
+        FileLock lock("", fd);  // closes the file; removes nothing yet
+        if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+            if (errno == EWOULDBLOCK) return std::nullopt;
+            if (errno == EINTR) continue;
+            throw InputError({path}, fmt::format("cannot lock this file: {}", std::strerror(errno)));
+        }
+        if (!is_named(fd, path)) continue;
+        lock.path_ = path;
+        // On a full disk the pid stays unsaid; the lock holds all the same.
+        const std::string pid = fmt::format("{}\n", ::getpid());
+        if (::ftruncate(fd, 0) != 0 || ::pwrite(fd, pid.data(), pid.size(), 0) < 0) errno = 0;
+        return lock;
+    }
+}
+
+FileLock::FileLock(FileLock&& other) noexcept
+    : path_(std::exchange(other.path_, "")), fd_(std::exchange(other.fd_, -1)) {}
+
+FileLock::~FileLock() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+    if (fd_ >= 0) ::close(fd_);
+}
+
+std::string lock_owner(const std::string& path) {
+    try {
+        const std::string text = read_file(path);
+        const std::string pid = text.substr(0, text.find('\n'));
+        if (!pid.empty() && std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; }))
+            return "process " + pid;
+    } catch (const InputError&) {
+        // It has ended since.
+    }
+    return "another process";
+}
+
+FileLock lock_result_folder(const std::string& folder) {
+    const std::string path = folder + "/.lock";
+    if (auto lock = FileLock::if_free(path)) return std::move(*lock);
+    throw InputError(
+        fmt::format("{} is working in '{}': wait until it has ended; a run can have another folder by --out",
+                    lock_owner(path), folder));
+}
+
+FileLock lock_reference(const std::string& path, const std::function<void(const std::string& owner)>& waiting) {
+    const std::string file = path + ".lock";
+    for (bool said = false;; said = true) {
+        if (auto lock = FileLock::if_free(file)) return std::move(*lock);
+        InterruptGuard::check();
+        if (!said) waiting(lock_owner(file));
+        // Short waits: a signal between the check and a long one would be missed.
+        ::usleep(50'000);
+    }
+}
+
+}  // namespace gib

@@ -1,0 +1,220 @@
+#include "methods/parts/density/density_estimate.h"
+
+#include "methods/parts/density/bias_compensation.h"
+#include "methods/parts/density/place_rounding.h"
+#include "methods/parts/density/surface_disc.h"
+
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+/// A photon that passed the test of its normal arrived on wo's side of its own surface. Where the surface is curved it
+/// may come from below the horizon of the look-up's point; dropping it would darken every curved surface.
+Vec3 lifted(const Vec3& wo_local, Vec3 wi_local) {
+    constexpr float horizon = 1e-4f;
+    if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
+    return wi_local;
+}
+
+/// Sums over photons, by their paths.
+struct PhotonSums {
+    Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
+
+    void add(const Photon& photon, const Colord& value) {
+        (photon.in_medium() ? through_media : between_surfaces) += value;
+    }
+};
+
+/// One look-up.
+class LookUp {
+public:
+    LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
+           const Vec3& wo, const EyePath& eye, const Vec2& u, DensityEstimator::Found& found)
+        : e_(estimator),
+          map_(map),
+          rays_(rays),
+          hit_(hit),
+          normal_(normal_towards(hit, wo)),
+          wo_local_(hit.shading.to_local(wo)),
+          eye_(eye),
+          transmits_(hit.bsdf->traits().transmission),
+          disc_(hit, normal_, u),
+          found_(found) {}
+
+    Reflected radiance() {
+        Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
+        light.near_obstacle = near_obstacle_;
+        return light;
+    }
+
+private:
+    Reflected radiance_of_nearest() {
+        find_nearest();
+        std::size_t inside = found_.size();
+        float r = e_.max_radius;
+        if (inside == e_.k) {
+            r = std::sqrt(found_.back().distance2);
+            --inside;
+        }
+        const float known = std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius);
+        if (e_.compensation) compensate(inside, r, known);
+        if (inside < found_.size() && r <= known) return radiance_within(known);
+        if (inside == 0 || !(r > 0.f)) return {.radius = r};
+        PhotonSums sums;
+        for (std::size_t i = 0; i < inside; ++i) {
+            const Photon photon = map_[found_[i].photon];
+            sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, found_[i].distance2, r));
+        }
+        return normalised(sums, r);
+    }
+
+    bool counts(const Photon& photon, const Vec3& offset, float distance2) const {
+        if (!eye_.accepts(photon)) return false;
+        if (e_.area == DiscArea::plain) return true;
+        return normal_agrees(photon) && sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
+    }
+
+    /// Neighbours mostly lie on one plane, so the last answer is kept: that saves a tenth of a look-up's time.
+    bool normal_agrees(const Photon& photon) const {
+        if (photon.normal_code() != judged_normal_) {
+            const float cosine = photon.surface_normal().dot(normal_);
+            agrees_ = (transmits_ ? std::abs(cosine) : cosine) > min_normal_cosine;
+            judged_normal_ = photon.normal_code();
+        }
+        return agrees_;
+    }
+
+    /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are
+    /// none only a few short rays are traced; what they hide is found out before the search is repeated.
+    void find_nearest() {
+        const auto near_plane = [this](const Photon& photon, float distance2) {
+            return counts(photon, photon.p - hit_.p, distance2);
+        };
+        map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, found_);
+        if (e_.area != DiscArea::surface || found_.empty()) return;
+
+        const auto offset_of = [this](const PhotonMap::Neighbour& n) -> Vec3 { return map_[n.photon].p - hit_.p; };
+        bool hidden = false;
+        if (std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
+            disc_.find_layers(rays_, max_elevation_slope * e_.max_radius);
+            near_obstacle_ = true;
+            hidden =
+                std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
+        }
+        const float r = found_.size() == e_.k && !hidden ? std::sqrt(found_.back().distance2) : e_.max_radius;
+        if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
+        near_obstacle_ = true;
+        map_.nearest(
+            hit_.p, e_.k, e_.max_radius,
+            [this](const Photon& photon, float distance2) {
+                const Vec3 offset = photon.p - hit_.p;
+                return counts(photon, offset, distance2) && disc_.contains(offset);
+            },
+            found_);
+    }
+
+    /// Of all photons within r.
+    Reflected radiance_within(float r) {
+        const bool on_surface = e_.area == DiscArea::surface;
+        if (!(r > 0.f)) return {};
+        if (on_surface) {
+            disc_.find_layers(rays_, max_elevation_slope * r);
+            near_obstacle_ = disc_.find_obstacles(rays_, r, r);
+        }
+        PhotonSums sums;
+        map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
+            const Vec3 offset = photon.p - hit_.p;
+            if (counts(photon, offset, distance2) && (!on_surface || disc_.contains(offset)))
+                sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, distance2, r));
+        });
+        return normalised(sums, r);
+    }
+
+    /// f power of one photon [W/sr].
+    Colord reflected(const Photon& photon) const {
+        const Vec3 wi = photon.direction();
+        if (!hit_.normals_agree_about(wi)) return Colord::Zero();
+        const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
+        const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
+        // Not in float: bright photons times a factor may be more than it holds, though a kernel will lower it.
+        const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
+        return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
+    }
+
+    Reflected normalised(const PhotonSums& sums, float r) {
+        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), r};
+        if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
+            const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
+            L.between_surfaces /= share;
+            L.through_media /= share;
+        }
+        return L;
+    }
+
+    /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones; none is smaller than `least`.
+    void compensate(std::size_t& inside, float& r, float least) {
+        if (inside <= smallest_disc) return;
+        std::sort(found_.begin(), found_.end());
+        std::array<NestedDisc, most_discs> discs;
+        std::array<float, most_discs> radii;
+        std::size_t n = 0;
+        NestedDisc disc{0, 0, 0, 0};
+        const auto close = [&](float reach) {
+            const float radius = std::max(reach, least);
+            disc.area = double{disc_.share(Kernel::uniform, radius)} * double{radius} * double{radius};
+            discs[n] = disc;
+            radii[n++] = radius;
+        };
+        // The disc of n photons is bounded by the next one, as the whole is.
+        for (std::size_t end = smallest_disc; end < inside; end = next_disc(end)) {
+            add(disc, end);
+            close(std::sqrt(found_[end].distance2));
+        }
+        add(disc, inside);
+        close(r);
+        const std::size_t chosen = largest_agreeing_disc(std::span(discs).first(n));
+        inside = discs[chosen].photons;
+        r = radii[chosen];
+    }
+
+    void add(NestedDisc& disc, std::size_t end) const {
+        for (; disc.photons < end; ++disc.photons) {
+            const double weight = reflected(map_[found_[disc.photons].photon]).sum();
+            disc.weight += weight;
+            disc.squared_weight += weight * weight;
+        }
+    }
+
+    const DensityEstimator& e_;
+    const PhotonMap& map_;
+    RayQueries& rays_;
+    const SurfaceHit& hit_;
+    Vec3 normal_;
+    Vec3 wo_local_;
+    const EyePath& eye_;
+    bool transmits_;                                     ///< light that arrives from behind is scattered here too
+    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< the code of the last one; at first none
+    mutable bool agrees_ = false;
+    bool near_obstacle_ = false;
+    SurfaceDisc disc_;
+    DensityEstimator::Found& found_;
+};
+
+}  // namespace
+
+float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
+    if (hit.ns == hit.ng) return 1.f;
+    const float towards = std::abs(wi.dot(hit.ns));
+    const float of_surface = std::max(std::abs(wi.dot(hit.ng)), 0.01f * towards);
+    return of_surface > 0.f ? towards / of_surface : 1.f;
+}
+
+Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
+                                               const Vec3& wo, const EyePath& eye, const Sampler& sampler,
+                                               std::uint32_t dimension, Found& found) const {
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), found).radiance();
+}
+
+}  // namespace gib

@@ -1,0 +1,210 @@
+#include "methods/parts/gathering/cached_gather.h"
+
+#include "common/core/parallel.h"
+#include "methods/method.h"
+#include "methods/parts/transport/pixel_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <numeric>
+
+namespace gib {
+
+namespace {
+
+/// Passes average over this many times the reach of the records that the overture was content with.
+constexpr float slack = 1.4f;
+/// The overture's first grid has a pixel in so many, along and across.
+constexpr std::size_t coarsest_grid = 32;
+/// Records that are made at once: they do not see each other, and some of them are made in vain.
+constexpr std::size_t records_at_once = 32;
+
+/// Of a pixel in the middle of the image.
+Ray middle_ray(const Sensor& sensor, int dx) {
+    return sensor.generate_ray((sensor.width() - 1) / 2 + dx, sensor.height() / 2, Vec2(0.5f, 0.5f));
+}
+
+}  // namespace
+
+std::vector<Parameter> cache_parameters() {
+    return {
+        {"accuracy",
+         Parameter::Kind::number,
+         "0.15",
+         "",
+         0.001,
+         1,
+         {},
+         "of the irradiance cache: the largest error that a record may have where it serves, as a share"},
+        choice_parameter("spacing", strings(spacing_unit_names), "what the spacing of records is given in"),
+        fraction_parameter("min_spacing", "", "", 1e6,
+                           "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
+        fraction_parameter("max_spacing", "", "", 1e6,
+                           "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
+    };
+}
+
+CacheSettings cache_settings_of(const ParameterValues& values) {
+    CacheSettings s{static_cast<float>(values.number("accuracy")),
+                    chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), 0, 0};
+    const bool in_pixels = s.unit == SpacingUnit::pixels;
+    s.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
+    s.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
+    if (s.least > s.greatest) throw InputError("min_spacing is larger than max_spacing");
+    return s;
+}
+
+/// Collects the places that the cache does not serve.
+class CachedGather::CandidateVisitor {
+public:
+    static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
+
+    CandidateVisitor(const CachedGather& gather, const SpecularWalk& walk, std::vector<RecordPlace>& candidates)
+        : gather_(gather), walk_(walk), candidates_(candidates) {}
+
+    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
+        const auto surface = gather_.cached_surface(walk_, hit, wo);
+        if (surface && !gather_.cache_.covers(hit.p, surface->normal))
+            candidates_.push_back(
+                {hit, surface->normal, gather_.spacing_at(walk_.length()), walk_.sampler(), walk_.vertex()});
+    }
+    void emitted(const Color&) {}  // not finite: no record can be made there
+    void scattered(const Vec3&, const Vec3&) {}
+
+private:
+    const CachedGather& gather_;
+    const SpecularWalk& walk_;
+    std::vector<RecordPlace>& candidates_;
+};
+
+CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings)
+    : scene_(scene),
+      gather_(gather),
+      settings_(settings),
+      pixel_(middle_ray(scene.sensor(), 0)),
+      next_pixel_(middle_ray(scene.sensor(), 1)),
+      cache_(scene.bounds(), settings.accuracy) {}
+
+RecordSpacing CachedGather::spacing_at(float distance) const {
+    const auto width_of_pixel = [&] {
+        return ((next_pixel_.o + distance * next_pixel_.d) - (pixel_.o + distance * pixel_.d)).norm();
+    };
+    const float unit = settings_.unit == SpacingUnit::pixels ? width_of_pixel() : scene_.diagonal();
+    return {static_cast<float>(settings_.least) * unit, static_cast<float>(settings_.greatest) * unit};
+}
+
+std::optional<CachedGather::CachedSurface> CachedGather::cached_surface(const SpecularWalk& walk, const SurfaceHit& hit,
+                                                                        const Vec3& wo) const {
+    const float cosine = hit.shading.to_local(wo).z();
+    const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(cosine);
+    if (!reflectance) return std::nullopt;
+    const GatheredLight& light = gather_.light();
+    const auto share = light.lengths.share(walk.edges_left() - 1, light.longest_photon_path());
+    if (!share) return std::nullopt;
+    return CachedSurface{cosine > 0.f ? hit.ns : Vec3(-hit.ns), *reflectance * (*share * inv_pi)};
+}
+
+std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
+                                                      DensityEstimator::Found& found) {
+    const auto surface = cached_surface(walk, hit, wo);
+    if (!surface) return std::nullopt;
+    auto irradiance = cache_.interpolate(hit.p, surface->normal, slack);
+    if (!irradiance) {
+        const RecordPlace place{hit, surface->normal, spacing_at(walk.length()), walk.sampler(), walk.vertex()};
+        const IrradianceRecord record = gather_.record_at(walk.rays(), place, found);
+        irradiance = record.irradiance;
+        if (record.is_finite()) {  // else the film counts this sample, and no other one suffers
+            const std::scoped_lock lock(missing_mutex_);
+            missing_.push_back({record, place.spacing});
+        }
+    }
+    return Color(surface->radiance_per_irradiance * *irradiance);
+}
+
+void CachedGather::end_pass() {
+    // In an order that does not depend on which thread came first.
+    const auto key = [](const Missing& m) {
+        const IrradianceRecord& r = m.record;
+        std::array<float, 9 + 2 * 9 + 3> all;
+        auto next = all.begin();
+        const auto add = [&](const auto& numbers) { next = std::copy(numbers.begin(), numbers.end(), next); };
+        add(r.p);
+        add(r.n);
+        add(r.irradiance);
+        for (const Vec3& gradient : r.rotation)
+            add(gradient);
+        for (const Vec3& gradient : r.translation)
+            add(gradient);
+        add(std::array{r.distance, m.spacing.least, m.spacing.greatest});
+        return all;
+    };
+    std::sort(missing_.begin(), missing_.end(), [&](const Missing& a, const Missing& b) { return key(a) < key(b); });
+    for (const Missing& m : missing_)
+        if (!cache_.covers(m.record.p, m.record.n)) cache_.insert(m.record, m.spacing);
+    missing_.clear();
+}
+
+std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidates) {
+    std::atomic<std::uint64_t> traced = 0;
+    // Scattered, so that those made at once are rarely close to each other.
+    std::vector<std::size_t> order(candidates.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [](std::size_t a, std::size_t b) { return mix64(a) < mix64(b); });
+    for (std::size_t next = 0; next < order.size();) {
+        std::vector<const RecordPlace*> chosen;
+        for (; next < order.size() && chosen.size() < records_at_once; ++next) {
+            const RecordPlace& place = candidates[order[next]];
+            if (!cache_.covers(place.point.p, place.normal)) chosen.push_back(&place);
+        }
+        std::vector<IrradianceRecord> records(chosen.size());
+        parallel_blocks(chosen.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
+            RayQueries rays(scene_);
+            DensityEstimator::Found found;
+            for (std::size_t i = begin; i < end; ++i)
+                records[i] = gather_.record_at(rays, *chosen[i], found);
+            traced += rays.count();
+        });
+        for (std::size_t i = 0; i < records.size(); ++i)
+            if (records[i].is_finite() && !cache_.covers(records[i].p, records[i].n))
+                cache_.insert(records[i], chosen[i]->spacing);
+    }
+    return traced;
+}
+
+std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t seed, StageProgress* progress) {
+    const auto width = static_cast<std::size_t>(scene_.sensor().width());
+    const auto height = static_cast<std::size_t>(scene_.sensor().height());
+    std::atomic<std::uint64_t> traced = 0;
+    for (std::size_t step = coarsest_grid; step > 0; step /= 2) {
+        std::vector<std::vector<RecordPlace>> found(height);  // by row
+        parallel_blocks(height, 1, [&](std::size_t begin, std::size_t end, std::size_t) {
+            RayQueries rays(scene_);
+            for (std::size_t y = begin; y < end; ++y) {
+                if (y % step != 0) continue;
+                for (std::size_t x = 0; x < width; x += step) {
+                    const bool seen_before = step < coarsest_grid && x % (2 * step) == 0 && y % (2 * step) == 0;
+                    if (seen_before) continue;
+                    const Sampler sampler(PointSet::sobol, seed, y * width + x, 0);
+                    TracedRay eye{scene_.sensor().sample_ray(static_cast<int>(x), static_cast<int>(y), sampler)};
+                    rays.trace_from_camera({&eye.ray, 1}, {&eye.found, 1});
+                    SpecularWalk walk(rays, sampler, settings, nullptr);
+                    CandidateVisitor visitor(*this, walk, found[y]);
+                    walk.follow(eye, visitor);
+                }
+            }
+            traced += rays.count();
+        });
+        std::vector<RecordPlace> candidates;
+        for (auto& row : found)
+            candidates.insert(candidates.end(), row.begin(), row.end());
+        traced += add_records(candidates);
+        if (progress)
+            progress->add(width * height / (step * step) -
+                          (step < coarsest_grid ? width * height / (4 * step * step) : 0));
+    }
+    return traced;
+}
+
+}  // namespace gib

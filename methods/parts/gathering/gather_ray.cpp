@@ -1,0 +1,93 @@
+#include "methods/parts/gathering/gather_ray.h"
+
+#include "methods/parts/density/surface_disc.h"
+#include "methods/parts/transport/specular_walk.h"
+
+#include <numeric>
+
+namespace gib {
+
+namespace {
+
+/// Of the power, that a limit on the length of paths may cut off unseen.
+constexpr double most_cut_off = 0.05;
+constexpr std::uint32_t gathered_disc = dimension::at_vertex(1 << 16, 3);
+
+/// Adds up what diffuse surfaces send along the ray.
+class GatherVisitor {
+public:
+    static constexpr bool wants_emission = false;
+    static constexpr int splits = 0;
+
+    GatherVisitor(const GatheredLight& light, const SpecularWalk& walk, DensityEstimator::Found& found)
+        : light_(light), walk_(walk), found_(found) {}
+
+    const Color& radiance() const { return radiance_; }
+
+    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
+        radiance_ += walk_.throughput() * reflected(hit, wo);
+    }
+    void emitted(const Color& not_finite) { radiance_ += not_finite; }
+    void scattered(const Vec3&, const Vec3&) {}  // scenes with media are not gathered in
+
+private:
+    Color reflected(const SurfaceHit& hit, const Vec3& wo) const {
+        if (light_.source == GatherSource::irradiance) {
+            const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(hit.shading.to_local(wo).z());
+            const auto share = light_.lengths.share(walk_.edges_left(), light_.longest_photon_path());
+            if (reflectance && share) {
+                const auto E = light_.irradiance.at(walk_.rays(), hit, normal_towards(hit, wo), walk_.length(),
+                                                    light_.estimator.max_radius, found_);
+                if (E) return *reflectance * *E * (*share * inv_pi);
+            }
+        }
+        return light_.estimator
+            .reflected_radiance(light_.map, walk_.rays(), hit, wo, EyePath{walk_.edges_left()}, walk_.sampler(),
+                                gathered_disc, found_)
+            .between_surfaces;
+    }
+
+    const GatheredLight& light_;
+    const SpecularWalk& walk_;
+    DensityEstimator::Found& found_;
+    Color radiance_ = Color::Zero();
+};
+
+}  // namespace
+
+PhotonLengths::PhotonLengths(const std::vector<Photon>& photons) {
+    for (const Photon& photon : photons) {
+        if (photon.edges >= power_.size()) power_.resize(std::size_t{photon.edges} + 1, 0.0);
+        power_[photon.edges] += static_cast<double>(photon.power().sum());
+    }
+    std::partial_sum(power_.begin(), power_.end(), power_.begin());
+}
+
+std::optional<float> PhotonLengths::share(int limit, int longest) const {
+    constexpr int longest_of_all = 0xffff;  // no photon carries more edges, and no path is known to have come so far
+    if (limit >= std::min(longest, longest_of_all)) return 1.f;
+    if (power_.empty() || limit < 0) return std::nullopt;
+    const auto up_to = [&](int edges) { return power_[std::min(static_cast<std::size_t>(edges), power_.size() - 1)]; };
+    if (!(up_to(longest) > 0)) return 1.f;
+    const double share = up_to(limit) / up_to(longest);
+    if (share < 1 - most_cut_off) return std::nullopt;
+    return static_cast<float>(share);
+}
+
+Color GatheredLight::arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
+                              DensityEstimator::Found& found) const {
+    if (source == GatherSource::paths) {
+        const PixelSample sample = trace_path(rays, ray, sampler, {edges, samples_lights, features});
+        Color radiance = Color::Zero();
+        for (const Component c : {Component::direct, Component::caustic, Component::indirect})
+            radiance += sample[c];
+        return radiance;
+    }
+    const WalkSettings settings{edges, samples_lights, follows_specular};
+    SpecularWalk walk(rays, sampler, settings, nullptr);
+    GatherVisitor visitor(*this, walk, found);
+    walk.follow(ray, visitor);
+    return visitor.radiance();
+}
+
+}  // namespace gib

@@ -1,0 +1,183 @@
+#include "methods/parts/gathering/irradiance_cache.h"
+
+#include "common/core/memory_limit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// A record that lies behind a point sees what the point does not. Rounding and curved surfaces are given this much of
+/// R.
+constexpr float behind_tolerance = 0.01f;
+/// Deeper nodes hold no fewer records than these.
+constexpr int deepest = 24;
+
+int child_at(const Vec3& p, const Vec3& middle) {
+    return static_cast<int>(p.x() >= middle.x()) | static_cast<int>(p.y() >= middle.y()) << 1 |
+           static_cast<int>(p.z() >= middle.z()) << 2;
+}
+
+/// Where E falls or rises by as much as it is, by the mean of the channels: in one that has little, noise would decide.
+float distance_by_gradient(const IrradianceRecord& record) {
+    const auto& [red, green, blue] = record.translation;
+    const float slope = (red + green + blue).stableNorm();  // whose square may be no float
+    return slope > 0.f ? record.irradiance.sum() / slope : infinity;
+}
+
+}  // namespace
+
+IrradianceCache::IrradianceCache(const Bounds& bounds, float accuracy) : accuracy_(accuracy), nodes_(1) {
+    const float size = std::max((bounds.upper - bounds.lower).maxCoeff(), std::numeric_limits<float>::min());
+    root_ = {bounds.lower - Vec3::Constant(0.01f * size), 1.02f * size};
+}
+
+IrradianceCache::Cell IrradianceCache::Cell::child(int i) const {
+    const Vec3 upper(static_cast<float>(i & 1), static_cast<float>(i >> 1 & 1), static_cast<float>(i >> 2));
+    return {lower + 0.5f * size * upper, 0.5f * size};
+}
+
+bool IrradianceCache::Cell::touches(const Vec3& p, float radius) const {
+    const Vec3 outside = (lower - p).cwiseMax(p - lower - Vec3::Constant(size)).cwiseMax(0.f);
+    return outside.squaredNorm() <= radius * radius;
+}
+
+template <typename Visit>
+void IrradianceCache::for_each_near(const Vec3& p, Visit&& visit) const {
+    Cell cell = root_;
+    for (std::uint32_t at = 0;;) {
+        for (const std::uint32_t record : nodes_[at].records)
+            if (!visit(record)) return;
+        if (nodes_[at].first_child == 0) return;
+        const int child = child_at(p, cell.lower + Vec3::Constant(0.5f * cell.size));
+        cell = cell.child(child);
+        at = nodes_[at].first_child + static_cast<std::uint32_t>(child);
+    }
+}
+
+template <typename Visit>
+void IrradianceCache::for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cell& cell,
+                                      Visit& visit) const {
+    if (!cell.touches(p, radius)) return;
+    for (const std::uint32_t record : nodes_[node].records)
+        visit(record);
+    if (nodes_[node].first_child == 0) return;
+    for (int child = 0; child < 8; ++child)
+        for_each_within(p, radius, nodes_[node].first_child + static_cast<std::uint32_t>(child), cell.child(child),
+                        visit);
+}
+
+float IrradianceCache::error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const {
+    const Vec3 d = p - record.p;
+    const float cosine = n.dot(record.n);
+    if (cosine <= 0.f || d.dot(n + record.n) < -2.f * behind_tolerance * record.distance) return infinity;
+    return d.norm() / record.distance + safe_sqrt(1.f - cosine);
+}
+
+std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, float slack) const {
+    const float a = slack * accuracy_;
+    Colord sum = Colord::Zero();
+    double weights = 0;
+    for_each_near(p, [&](std::uint32_t i) {
+        const IrradianceRecord& record = records_[i];
+        const float error = error_at(record, p, n);
+        if (error < a) {
+            // At the record's own point the others do not matter; a large number says that well enough.
+            const float weight = 1.f / std::max(error, 1e-6f * a) - 1.f / a;
+            sum += double{weight} * record.at(p, n).cast<double>();
+            weights += double{weight};
+        }
+        return true;
+    });
+    if (!(weights > 0)) return std::nullopt;
+    // Only the mean is kept from being negative: each record's share cut off at 0 would make it too large.
+    return Color((sum / weights).max(0.0).cast<float>());
+}
+
+bool IrradianceCache::covers(const Vec3& p, const Vec3& n) const {
+    bool covered = false;
+    for_each_near(p, [&](std::uint32_t i) {
+        covered = error_at(records_[i], p, n) < accuracy_;
+        return !covered;
+    });
+    return covered;
+}
+
+const IrradianceRecord* IrradianceCache::nearest(const Vec3& p, const Vec3& n, float radius) const {
+    const IrradianceRecord* found = nullptr;
+    float nearest2 = radius * radius;
+    const auto compare = [&](std::uint32_t i) {
+        const float distance2 = (records_[i].p - p).squaredNorm();
+        if (distance2 < nearest2 && records_[i].n.dot(n) > 0.f) {
+            nearest2 = distance2;
+            found = &records_[i];
+        }
+    };
+    for_each_within(p, radius, 0, root_, compare);
+    return found;
+}
+
+void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spacing) {
+    record.distance = std::min(record.distance, distance_by_gradient(record));
+    record.distance = std::min(record.distance, spacing.greatest / accuracy_);
+    const float least = spacing.least / accuracy_;
+    if (record.distance < least) {
+        const float factor = record.distance / least;
+        for (Vec3& slope : record.translation)
+            slope *= factor;
+        record.distance = least;
+    }
+    limit_by_neighbours(record, least);
+    if (!(record.distance > 0.f)) return;
+    // The records are about to move into twice the room, and what leads to them grows with them.
+    if (records_.size() == records_.capacity())
+        require_memory(2.0 * static_cast<double>(memory()),
+                       fmt::format("an irradiance cache of more than {} records", size()));
+    records_.push_back(record);
+    place(static_cast<std::uint32_t>(records_.size() - 1), most_slack * accuracy_ * record.distance, 0, root_);
+}
+
+void IrradianceCache::limit_by_neighbours(IrradianceRecord& record, float least) {
+    const auto limit = [&](std::uint32_t i) {
+        IrradianceRecord& other = records_[i];
+        const float apart = (other.p - record.p).norm();
+        if (!(other.n.dot(record.n) > 0.f && apart < accuracy_ * std::max(record.distance, other.distance))) return;
+        record.distance = std::max(std::min(record.distance, other.distance + apart), least);
+        // Its own least spacing may be smaller than this one's: it is never raised.
+        other.distance = std::min(other.distance, std::max(record.distance + apart, least));
+    };
+    for_each_within(record.p, accuracy_ * record.distance, 0, root_, limit);
+}
+
+std::uint32_t IrradianceCache::children_of(std::uint32_t node) {
+    if (nodes_[node].first_child == 0) {
+        nodes_[node].first_child = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.resize(nodes_.size() + 8);
+    }
+    return nodes_[node].first_child;
+}
+
+void IrradianceCache::place(std::uint32_t record, float reach, std::uint32_t node, const Cell& cell) {
+    const float smallest = std::ldexp(root_.size, -deepest);
+    if (cell.size <= 2.f * reach || cell.size <= smallest) {
+        nodes_[node].records.push_back(record);
+        return;
+    }
+    const std::uint32_t children = children_of(node);
+    for (int child = 0; child < 8; ++child)
+        if (cell.child(child).touches(records_[record].p, reach))
+            place(record, reach, children + static_cast<std::uint32_t>(child), cell.child(child));
+}
+
+std::size_t IrradianceCache::memory() const {
+    std::size_t bytes = records_.capacity() * sizeof(IrradianceRecord) + nodes_.capacity() * sizeof(Node);
+    for (const Node& node : nodes_)
+        bytes += node.records.capacity() * sizeof(std::uint32_t);
+    return bytes;
+}
+
+}  // namespace gib

@@ -1,0 +1,110 @@
+#include "methods/parts/transport/direct_light.h"
+
+#include "methods/parts/transport/scattered_ray.h"
+
+namespace gib {
+
+namespace {
+
+bool is_blocked(float visible) { return visible == 0.f; }
+bool is_blocked(const Color& visible) { return is_black(visible); }
+
+/// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a
+/// call at every vertex would be what scenes without media pay for them.
+template <typename Visibility>
+[[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
+                                                        const Vec3& wo_local, LightTechniques techniques, Lobes which,
+                                                        Visibility&& visibility) {
+    if (hit.delta_only || !hit.normals_agree_about(light.wi)) return {};
+    const Vec3 wi_local = hit.shading.to_local(light.wi);
+    const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
+    if (is_black(f.of(which) * light.Le)) return {};
+    const auto visible = visibility(light);
+    if (is_blocked(visible)) return {};
+    const bool combine =
+        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
+    const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
+    const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
+    return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
+            includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+}
+
+template <typename Visibility>
+[[gnu::always_inline]] inline LobeValues sample_light_seen_by(const Scene& scene, const SurfaceHit& hit,
+                                                              const Vec3& wo_local, const VertexNumbers& u,
+                                                              LightTechniques techniques, Lobes which,
+                                                              Visibility&& visibility) {
+    const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
+    if (!light) return {};
+    return scattered_from(*light, hit, wo_local, techniques, which, visibility);
+}
+
+}  // namespace
+
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               LightTechniques techniques, Lobes which) {
+    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which,
+                                [&](const LightSample& light) { return rays.visibility(hit, light); });
+}
+
+LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                               const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
+    const auto transmittance = [&](const LightSample& light) {
+        const Medium* medium = rays.scene().medium_beyond(hit, light.wi, surroundings.medium);
+        return rays.transmittance(offset_origin(hit, light.wi), medium, light, surroundings.flights);
+    };
+    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which, transmittance);
+}
+
+Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
+                          const Surroundings& surroundings, LightTechniques techniques) {
+    const auto light = rays.scene().sample_light(p, u.light_choice(), u.light_position());
+    if (!light || is_black(light->Le)) return Color::Zero();
+    const Color visibility = rays.transmittance(p, surroundings.medium, *light, surroundings.flights);
+    const float phase = surroundings.medium->phase().value(wo, light->wi);
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
+    const float weight = combine ? power_heuristic(light->pdf_w, phase) : 1.f;
+    return light->Le * visibility * (phase * weight / light->pdf_w);
+}
+
+LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
+                           ShadowRay shadow_ray, Lobes which) {
+    return scattered_from(
+        light, hit, wo_local, LightTechniques::light_sampling_only, which,
+        [&](const LightSample& to) { return shadow_ray == ShadowRay::skipped ? 1.f : rays.visibility(hit, to); });
+}
+
+LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                           Lobes which) {
+    LobeValues found;
+    const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
+    if (!next || next->delta) return found;
+    Color beta = next->weight;
+    Ray ray = hit.spawn_ray(next->wi);
+    while (!is_black(beta)) {
+        const auto light = rays.intersect(ray);
+        if (!light) {
+            found.add(next->lobe, beta * escaped_radiance(rays.scene(), hit.p, next->pdf_w, ray.d));
+            break;
+        }
+        const Color Le = light->Le(-ray.d);
+        if (!is_black(Le))
+            found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), hit.p, next->pdf_w, *light));
+        beta *= light->bsdf->pass_through();
+        ray = light->spawn_ray(ray.d);
+    }
+    return found;
+}
+
+Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w) {
+    if (!scene.environment()) return Color::Zero();
+    const float weight = std::isfinite(pdf_w) ? power_heuristic(pdf_w, scene.environment_pdf_w(previous, w)) : 1.f;
+    return weight * scene.environment_radiance(w);
+}
+
+float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
+    if (!std::isfinite(pdf_w)) return 1.f;
+    return power_heuristic(pdf_w, scene.light_pdf_w(previous, hit));
+}
+
+}  // namespace gib

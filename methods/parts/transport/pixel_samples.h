@@ -1,0 +1,66 @@
+#pragma once
+// The loop over an image that every method with samples per pixel shares.
+
+#include "common/core/parallel.h"
+#include "common/images/film.h"
+#include "common/sampling/sampler.h"
+#include "methods/method.h"
+#include "methods/parts/transport/ray_queries.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+
+namespace gib {
+
+/// Calls body(pixel, TracedRay, Sampler) for pixels [begin, end) of a pass, with a ray from the camera. Rays into
+/// neighbouring pixels are traced at once.
+template <typename Body>
+void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::uint32_t pass, std::size_t begin,
+                    std::size_t end, Body&& body) {
+    const Sensor& sensor = rays.scene().sensor();
+    const auto width = static_cast<std::size_t>(sensor.width());
+    int x = static_cast<int>(begin % width), y = static_cast<int>(begin / width);
+    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    for (std::size_t first = begin; first < end; first += packet.size()) {
+        const std::size_t count = std::min(packet.size(), end - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            packet[i] = sensor.sample_ray(x, y, samplers[i].emplace(points, seed, first + i, pass));
+            if (++x == sensor.width()) {
+                x = 0;
+                ++y;
+            }
+        }
+        rays.trace_from_camera(std::span(packet).first(count), found);
+        for (std::size_t i = 0; i < count; ++i)
+            body(first + i, TracedRay{packet[i], found[i]}, *samplers[i]);
+    }
+}
+
+/// Adds one sample of every pixel to the film and returns the number of rays traced; `stage` is what `stages` is told
+/// about it. `start_block()` gives the sampling function of one block of pixels, which may own scratch memory:
+/// PixelSample(RayQueries&, const TracedRay&, const Sampler&). The film is a Film or takes samples like one.
+template <typename AnyFilm, typename StartBlock>
+std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
+                            StageTimes& stages, std::string_view stage, StartBlock&& start_block) {
+    const auto timer = stages.time(stage);
+    const Sensor& sensor = scene.sensor();
+    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
+    std::atomic<std::uint64_t> traced = 0;
+    StageProgress progress(stages, stage, pixels);
+    parallel_blocks(pixels, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries rays(scene);
+        auto sample = start_block();
+        for_each_pixel(rays, points, seed, pass, begin, end,
+                       [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
+                           film.add(pixel, pass, sample(rays, eye, sampler));
+                       });
+        traced += rays.count();
+        progress.add(end - begin);
+    });
+    return traced;
+}
+
+}  // namespace gib

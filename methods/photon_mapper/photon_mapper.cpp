@@ -1,0 +1,303 @@
+// Photon mapping: caustics and indirect light from the density of photons, direct light sampled, specular paths traced.
+// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 10.
+//
+// Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the
+// caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
+// way), or by final gathering (gather > 0), through an irradiance cache if cache=on. Where a free flight through a
+// medium ends: light that comes straight from its source by light sampling, all other from the volume map. Light found
+// at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
+// Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache, accuracy,
+// spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows (methods/photon_mapper/light_visibility.h); spp and
+// max_depth as for all methods. Defaults stand with the declarations at the end of this file.
+// Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
+// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Gathered light is blurred
+// where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records; near things
+// closer than min_spacing to each other records may miss what one of them sees. Where paths are limited, what is stored
+// is rescaled for longer ways from the eye (PhotonLengths). In scenes with media or dispersion nothing is gathered.
+// A pass: one gather sample of every pixel. The maps and the cache are filled at the start. Photons are aimed: each
+// light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
+// projection_map.h; their number stays, their power is that of the emission that is kept.
+// Fails: never; a map without photons near a point gives 0 there.
+#include "methods/photon_mapper/photon_mapper.h"
+
+#include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/transport/pixel_samples.h"
+#include "methods/photon_mapper/eye_pass.h"
+#include "methods/photon_mapper/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+const MethodDescription& description() { return find_method("photon_mapper"); }
+
+class PhotonMapperRun final : public Run {
+public:
+    PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Effects& effects,
+                    std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          settings_(settings),
+          seed_(seed),
+          stages_(stages),
+          film_(film_for(scene, effects, description())) {
+        Aims aims;
+        const Plan plan = [&] {
+            const auto timer = stages.time("projection map");
+            return photon_mapper_plan(scene, effects, settings, aims);
+        }();
+        traces_ = plan.runs(pass_eye_paths);
+        walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
+        if (plan.runs(pass_caustic))
+            maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
+        maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area,
+                                  settings.compensation};
+        maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area,
+                                   settings.compensation};
+        maps_.volume_estimator = {settings.kernel, settings.volume_k, length(settings.volume_radius), settings.area};
+        if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
+        else if (plan.runs(pass_global))
+            maps_.global = build(trace(PhotonMapKind::global, settings.photons, aims.global.get()));
+        // What reaches no surface reaches no medium either: the global map's cells serve both.
+        if (plan.runs(pass_volume))
+            maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
+        if (plan.runs(pass_shadow_map)) fill_shadow_map();
+    }
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        if (!traces_) return Progress::converged;
+        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
+            return [gather = PhotonGather(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
+                                                         const Sampler& sampler) mutable {
+                return gather.sample(rays, eye, sampler);
+            };
+        });
+        if (cache_) cache_->end_pass();
+        return Progress::more;
+    }
+
+    ComponentImages image() const override { return film_.mean(passes_); }
+    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+
+private:
+    float length(double fraction) const {
+        return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
+    }
+
+    PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
+        const auto timer = stages_.time("photon tracing");
+        StageProgress progress(stages_, "photon tracing", count);
+        PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
+        rays_ += walk.rays;
+        photons_ += walk.emitted;
+        return walk;
+    }
+
+    PhotonMap build(PhotonWalkResult walk) {
+        const auto timer = stages_.time("tree build");
+        return PhotonMap(std::move(walk.photons), walk.unit);
+    }
+
+    void fill_shadow_map() {
+        constexpr std::string_view tracing = "shadow photon tracing";
+        ShadowPhotonResult shadow;
+        {
+            const auto timer = stages_.time(tracing);
+            StageProgress progress(stages_, tracing, settings_.shadows.photons);
+            shadow = trace_shadow_photons(scene_, settings_.shadows.photons, seed_, &progress);
+        }
+        rays_ += shadow.rays;
+        photons_ += shadow.emitted;
+        const auto timer = stages_.time(pass_shadow_map);
+        maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
+    }
+
+    void prepare_gathering(const Plan& plan, const ProjectionMap* aim) {
+        light_ = {settings_.source,
+                  settings_.max_edges,
+                  walk_.samples_lights,
+                  walk_.follows_specular,
+                  features_of(scene_),
+                  {},
+                  maps_.global_estimator,
+                  {},
+                  {}};
+        if (plan.runs(pass_global)) {
+            PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
+            light_.lengths = PhotonLengths(walk.photons);
+            std::vector<Photon> places;
+            if (plan.runs(pass_irradiance)) places = take_places(walk.photons);
+            light_.map = build(std::move(walk));
+            if (plan.runs(pass_irradiance)) {
+                const auto timer = stages_.time(pass_irradiance);
+                StageProgress progress(stages_, pass_irradiance, places.size());
+                light_.irradiance =
+                    PrecomputedIrradiance(scene_, places, light_.map, light_.estimator, light_.longest_photon_path(),
+                                          combine_keys(seed_, places_key), rays_, &progress);
+            }
+        }
+        final_gather_.emplace(light_, settings_.gather);
+        maps_.final_gather = &*final_gather_;
+        if (!plan.runs(pass_cache) || !traces_) return;
+        cache_.emplace(scene_, *final_gather_, settings_.records);
+        maps_.cache = &*cache_;
+        const auto timer = stages_.time(pass_cache);
+        StageProgress progress(stages_, pass_cache,
+                               static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
+        rays_ += cache_->overture(walk_, seed_, &progress);
+    }
+
+    /// Tells the numbers that place discs around precomputed irradiance from those of photons.
+    static constexpr std::uint64_t places_key = 0x504c;
+
+    const Scene& scene_;
+    PhotonMapperSettings settings_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    Film film_;
+    bool traces_;
+    PhotonMaps maps_;
+    WalkSettings walk_;
+    GatheredLight light_;
+    std::optional<FinalGather> final_gather_;
+    std::optional<CachedGather> cache_;
+    std::uint64_t photons_ = 0;
+    std::uint32_t passes_ = 0;
+    std::uint64_t rays_ = 0;
+};
+
+class PhotonMapper final : public Method {
+public:
+    explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override {
+        Aims aims;
+        return photon_mapper_plan(scene, effects_of(scene), settings_, aims);
+    }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
+    }
+
+private:
+    PhotonMapperSettings settings_;
+};
+
+std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
+    PhotonMapperSettings s{};
+    s.photons = static_cast<std::uint64_t>(values.integer("photons"));
+    s.caustic_photons =
+        values.given("caustic_photons") ? static_cast<std::uint64_t>(values.integer("caustic_photons")) : s.photons;
+    s.volume_photons =
+        values.given("volume_photons") ? static_cast<std::uint64_t>(values.integer("volume_photons")) : s.photons;
+    const auto k = values.number_unless_word("k");
+    const bool all = values.choice("k") == "all";
+    s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
+    s.caustic_k = k || all ? s.k : automatic_k(s.caustic_photons);
+    s.volume_k = k || all ? s.k : automatic_k(s.volume_photons);
+    s.radius = values.number("radius");
+    s.caustic_radius = values.number("caustic_radius");
+    s.volume_radius = values.number("volume_radius");
+    s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
+    s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
+    s.compensation = values.choice("compensation") == "on";
+    if (s.compensation && all)
+        throw InputError("compensation=on chooses among at most k photons; k=all keeps the radius");
+    s.max_edges = max_edges_of(values, defaults);
+    s.projection = values.choice("projection") == "on";
+    s.gather = static_cast<int>(values.integer("gather"));
+    s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
+    s.cache = values.choice("cache") == "on";
+    if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
+    s.records = cache_settings_of(values);
+    if (s.gather == 0 && values.given("source"))
+        throw InputError("source says what gather rays see; gather=0 has none");
+    if (!s.cache)
+        for (const Parameter& parameter : cache_parameters())
+            if (values.given(parameter.name))
+                throw InputError(parameter.name + " is one of the irradiance cache's; cache=off has none");
+    s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
+                 chosen<Shadows>(shadows_names, values.choice("shadows")),
+                 static_cast<std::uint32_t>(values.integer("shadow_k"))};
+    return std::make_unique<PhotonMapper>(s);
+}
+
+}  // namespace
+
+std::size_t automatic_k(std::uint64_t photons) {
+    const double k = 50.0 * std::pow(static_cast<double>(photons) / 1e5, 2.0 / 3.0);
+    return static_cast<std::size_t>(std::max(4.0, std::round(k)));
+}
+
+std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperSettings& settings,
+                                         const Effects& effects, std::uint64_t seed, StageTimes& stages) {
+    return std::make_unique<PhotonMapperRun>(scene, settings, effects, seed, stages);
+}
+
+namespace {
+
+std::vector<Parameter> photon_mapper_parameters() {
+    const std::string diagonals = "scene diagonals";
+    std::vector<Parameter> parameters = {
+        count_parameter("photons", "1000000", "photons", "emitted for the global map"),
+        count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: as many as photons"),
+        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: as many as photons"),
+        {"k",
+         Parameter::Kind::integer,
+         "50",
+         "photons",
+         2,
+         1e6,
+         {"auto", "all"},
+         "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: those within the radius"},
+        fraction_parameter("radius", "0.1", diagonals, 1, "largest radius of a look-up in the global map"),
+        fraction_parameter("caustic_radius", "0.025", diagonals, 1,
+                           "the same in the caustic map, whose light has sharp edges"),
+        fraction_parameter("volume_radius", "0.05", diagonals, 1, "the same in the volume map"),
+        choice_parameter("kernel", strings(kernel_names), "weight of a photon by its distance"),
+        choice_parameter("area", strings(disc_area_names),
+                         "what a look-up divides: the photons on the surface by the part of the disc on it; or by the "
+                         "whole disc (rejected); or every photon near by the whole disc (plain)"),
+        choice_parameter("compensation", {"off", "on"},
+                         "use fewer than k photons where more would blur: as many as agree within their noise"),
+        choice_parameter("projection", {"on", "off"},
+                         "photons are emitted only where they can reach surfaces that matter"),
+        {"gather",
+         Parameter::Kind::integer,
+         "0",
+         "rays",
+         0,
+         1e6,
+         {},
+         "final gather rays from each diffuse surface that the eye sees, or for each record of the cache; 0: indirect "
+         "light comes from the global map"},
+        choice_parameter("source", strings(gather_source_names),
+                         "what gather rays see: irradiance precomputed at photons, the photons, or paths traced on"),
+        choice_parameter("cache", {"off", "on"}, "gather at few places of ideal diffuse surfaces, and interpolate"),
+    };
+    for (Parameter& parameter : cache_parameters())
+        parameters.push_back(std::move(parameter));
+    for (Parameter& parameter : shadow_photon_parameters())
+        parameters.push_back(std::move(parameter));
+    return parameters;
+}
+
+}  // namespace
+
+MethodDescription describe_photon_mapper() {
+    return {
+        "photon_mapper",
+        "photon mapping with a global and a caustic map: biased, low-frequency noise, good at caustics",
+        photon_mapper_parameters(),
+        Effects::all(),
+        {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
+        false,
+        create_photon_mapper,
+    };
+}
+
+}  // namespace gib

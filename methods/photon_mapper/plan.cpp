@@ -1,0 +1,95 @@
+#include "methods/photon_mapper/plan.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+/// Fewer photons are worth a coarser projection map, which is built faster.
+constexpr std::uint64_t photons_per_cell = 16;
+constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
+
+/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event,
+/// eye) is allowed.
+void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
+             const std::string& why_not_called_for) {
+    std::string reason;
+    if (!called_for) reason = why_not_called_for;
+    else if (photons == 0) reason = "no photons are asked for";
+    else if (max_edges < 3) reason = "its light has three edges or more, more than the longest path";
+    plan.add(std::string(pass), reason.empty(), reason);
+}
+
+/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no
+/// caustic photon; for the other maps it may be of use even if it meets no surface.
+void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
+             std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
+    std::string reason;
+    if (!plan.runs(map)) {
+        reason = "its map is not run";
+    } else if (!settings.projection) {
+        reason = "projection=off";
+    } else if (surfaces == TargetSurfaces::all && scene.has_unbounded_medium()) {
+        reason = "light may be scattered in a medium without an end";
+    } else {
+        const std::uint64_t cells = std::clamp(photons / photons_per_cell, fewest_cells, most_cells);
+        aim = std::make_unique<ProjectionMap>(scene, surfaces, cells);
+        if (!aim->aims()) {
+            aim.reset();
+            reason = surfaces == TargetSurfaces::all ? "(nearly) every cell of every light reaches geometry"
+                                                     : "(nearly) every cell of every light reaches specular geometry";
+        }
+    }
+    plan.add(std::string(pass), reason.empty(), reason);
+}
+
+/// Final gathering and what serves it.
+void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
+    const auto add = [&](std::string_view pass, std::string reason) {
+        plan.add(std::string(pass), reason.empty(), reason);
+    };
+    std::string reason;
+    if (!plan.called_for.has(Effect::diffuse_interreflection)) reason = "no light is passed between diffuse surfaces";
+    else if (settings.gather == 0) reason = "gather=0: indirect light comes from the global map";
+    else if (scene.has_media()) reason = "a medium lies between surfaces: indirect light comes from the global map";
+    else if (scene.has_dispersion()) reason = "light is split by wavelength: indirect light comes from the global map";
+    else if (settings.source != GatherSource::paths && settings.photons == 0) reason = "no photons are asked for";
+    else if (settings.max_edges < 3) reason = "its light has three edges or more, more than the longest path";
+    add(pass_gather, reason);
+    const bool gathers = plan.runs(pass_gather);
+    const std::string no_rays = "nothing is gathered";
+    add(pass_irradiance, !gathers ? no_rays
+                         : settings.source != GatherSource::irradiance
+                             ? fmt::format("source={}", gather_source_names[static_cast<std::size_t>(settings.source)])
+                             : "");
+    add(pass_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
+}
+
+}  // namespace
+
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims) {
+    Plan plan = described_plan(scene, find_method("photon_mapper"));
+    plan.called_for = effects;
+    add_eye_paths(plan, scene, settings.max_edges);
+    add_light_sampling(plan, settings.max_edges);
+    plan.add(std::string(pass_specular), effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
+             "no surface is specular");
+    add_map(plan, pass_caustic, effects.has(Effect::caustics), settings.caustic_photons, settings.max_edges,
+            "no light reaches a diffuse surface by way of a specular one");
+    add_gathering(plan, scene, settings);
+    const bool needs_photons = !plan.runs(pass_gather) || settings.source != GatherSource::paths;
+    add_map(plan, pass_global, needs_photons && effects.has(Effect::diffuse_interreflection), settings.photons,
+            settings.max_edges,
+            needs_photons ? "no light is passed between diffuse surfaces" : "gather rays are followed by path tracing");
+    add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
+            settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
+    add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
+            aims.caustic);
+    add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
+    add_shadow_map(plan, scene, settings.shadows);
+    return plan;
+}
+
+}  // namespace gib

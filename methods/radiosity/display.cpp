@@ -1,0 +1,238 @@
+#include "methods/radiosity/display.h"
+
+#include "common/core/parallel.h"
+#include "methods/radiosity/contacts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t vertices_per_block = 64;
+/// Rays from a corner to a patch of which something hides a part.
+constexpr std::uint32_t rays_to_patch = 4;
+/// A patch is halved where irradiance changes over it by this share of the mean.
+constexpr double allowed_change = 0.1;
+/// How far inside a leaf its corners are looked at, as a share of the way to its middle.
+constexpr double corner_inset = 0.02;
+/// As often as this at most.
+constexpr int extra_halvings = 4;
+
+}  // namespace
+
+RadiosityDisplay::RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
+                                   const DisplaySettings& settings)
+    : mesh_(mesh),
+      system_(system),
+      light_(light),
+      settings_(settings),
+      solved_nodes_(mesh.nodes().size()),
+      known_(mesh.sides().size()) {
+    add_rows();
+}
+
+std::uint32_t RadiosityDisplay::solved_patch(std::uint32_t leaf) const {
+    while (leaf >= solved_nodes_)
+        leaf = mesh_.nodes()[leaf].parent;
+    return leaf;
+}
+
+double RadiosityDisplay::factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const {
+    const PatchNode& patch = mesh_.nodes()[node];
+    const double factor = point_form_factor(from.p, from.n, patch.polygon) * area_correction(patch);
+    if (!(factor > 0) || clear) return factor;
+    return factor * visibility_from(rays, mesh_, from.hit, patch, rays_to_patch, combine_keys(from.key, node));
+}
+
+void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
+                                 std::vector<Term>& row) const {
+    const PatchNode& patch = mesh_.nodes()[node];
+    const double factor = factor_to(rays, from, node, clear);
+    if (!(factor > 0)) return;
+    const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
+    const double stray = shown_stray_weight * factor * nearness * light_.spread[node];
+    if (patch.child < solved_nodes_ && stray > settings_.links * light_.mean_irradiance) {
+        for (const std::uint32_t half : {patch.child, patch.child + 1})
+            add_terms(rays, from, half, clear, row);
+    } else {
+        row.push_back({node, static_cast<float>(factor)});
+    }
+}
+
+void RadiosityDisplay::gather_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
+    const PatchSide& side = mesh_.sides()[mesh_.nodes()[vertex.leaf].side];
+    const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
+    const Viewpoint from{
+        point, mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv), point.ns.cast<double>(),
+        combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at))};
+    row.clear();
+    for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = mesh_.nodes()[node].parent)
+        for (const LinkTable::Entry& link : system_.links().of(node)) {
+            if (link.other != node) add_terms(rays, from, link.other, link.clear, row);
+            else
+                row.push_back(
+                    {node, static_cast<float>(static_cast<double>(link.exchange) / mesh_.nodes()[node].area)});
+        }
+    if (!settings_.normalise) return;
+    double sum = 0;
+    for (const Term& term : row)
+        sum += static_cast<double>(term.factor);
+    if (!(sum > 0)) return;
+    for (Term& term : row)
+        term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
+}
+
+/// A corner that something separates from its leaf's middle, a wall that stands on the surface, has the light of the
+/// other side.
+void RadiosityDisplay::look_at_corners() {
+    const auto& nodes = mesh_.nodes();
+    const std::size_t first = seen_corners_.size();
+    seen_corners_.resize(nodes.size(), 0);
+    std::atomic<std::uint64_t> traced = 0;
+    parallel_blocks(nodes.size() - first, vertices_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries rays(mesh_.charts().scene());
+        for (std::size_t i = first + begin; i < first + end; ++i) {
+            if (!nodes[i].is_leaf()) continue;
+            const PatchSide& side = mesh_.sides()[nodes[i].side];
+            seen_corners_[i] = 15;
+            if (!mesh_.charts()[side.chart].is_flat()) continue;  // it may bend between the two
+            seen_corners_[i] = 0;
+            const Vec2d middle = mesh_.middle_of(nodes[i]);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
+                const Vec2d corner = uv_of(nodes[i].corners[k]);
+                const Vec2d inside = corner + corner_inset * (middle - corner);
+                if (way_is_clear(rays, mesh_, side, middle, inside, nodes[i].radius))
+                    seen_corners_[i] = static_cast<std::uint8_t>(seen_corners_[i] | (1u << k));
+            }
+            if (seen_corners_[i] == 0) seen_corners_[i] = 15;
+        }
+        traced += rays.count();
+    });
+    rays_ += traced;
+}
+
+void RadiosityDisplay::add_rows() {
+    vertices_.emplace(mesh_);
+    look_at_corners();
+    const auto& vertices = vertices_->vertices();
+    rows_.assign(vertices.size(), {});
+    std::vector<std::uint32_t> unknown;
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+        const auto& known = known_[mesh_.nodes()[vertices[i].leaf].side];
+        const auto found = known.find(key_of(vertices[i].at));
+        if (found == known.end()) unknown.push_back(i);
+        else rows_[i] = found->second;
+    }
+    std::vector<std::vector<Term>> blocks((unknown.size() + vertices_per_block - 1) / vertices_per_block);
+    std::atomic<std::uint64_t> traced = 0;
+    std::atomic<std::size_t> made = 0;
+    parallel_blocks(unknown.size(), vertices_per_block, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        RayQueries rays(mesh_.charts().scene());
+        std::vector<Term> row;
+        for (std::size_t i = begin; i < end; ++i) {
+            gather_row(rays, vertices[unknown[i]], row);
+            rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size())};
+            blocks[b].insert(blocks[b].end(), row.begin(), row.end());
+        }
+        traced += rays.count();
+        made += blocks[b].size();
+    });
+    rays_ += traced;
+    const double needed = 2 * static_cast<double>((terms_.size() + made) * sizeof(Term));
+    if (needed > settings_.most_bytes)
+        throw InputError(
+            fmt::format("the light at the corners of patches needs {:.0f} bytes, and memory leaves {:.0f}; set a "
+                        "larger patch, larger links, or more memory",
+                        needed, settings_.most_bytes));
+    terms_.reserve(terms_.size() + made);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        const std::size_t begin = b * vertices_per_block, end = std::min(unknown.size(), begin + vertices_per_block);
+        for (std::size_t i = begin; i < end; ++i) {
+            rows_[unknown[i]].begin += terms_.size();
+            const PatchVertex& vertex = vertices[unknown[i]];
+            known_[mesh_.nodes()[vertex.leaf].side].emplace(key_of(vertex.at), rows_[unknown[i]]);
+        }
+        terms_.insert(terms_.end(), blocks[b].begin(), blocks[b].end());
+        blocks[b] = {};
+    }
+}
+
+void RadiosityDisplay::show(const PatchColors& X) {
+    irradiance_.resize(rows_.size());
+    parallel_blocks(rows_.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            Colord sum = Colord::Zero();
+            for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t)
+                sum += static_cast<double>(terms_[t].factor) * X[terms_[t].node];
+            // All factors are positive; X is below 0 only by what the solver has left.
+            irradiance_[i] = sum.max(0.0).cast<float>();
+        }
+    });
+    for (const PatchVertices::Bound& bound : vertices_->bound())
+        irradiance_[bound.vertex] = 0.5f * (irradiance_[bound.first] + irradiance_[bound.second]);
+}
+
+bool RadiosityDisplay::changes_over(std::uint32_t leaf, double allowed) const {
+    const auto& corners = vertices_->of_leaf(leaf);
+    const auto count = static_cast<std::size_t>(mesh_.nodes()[leaf].corner_count());
+    if (seen_corners_[leaf] + 1u < 1u << count) return true;
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto E = static_cast<double>(irradiance_[corners[i]].mean());
+        least = std::min(least, E);
+        most = std::max(most, E);
+    }
+    return most - least > allowed;
+}
+
+void RadiosityDisplay::refine(const PatchColors& X) {
+    show(X);
+    if (!settings_.adapt || irradiance_.empty()) return;
+    Colord mean = Colord::Zero();
+    double area = 0;
+    for (const std::uint32_t leaf : system_.leaves()) {
+        const auto& corners = vertices_->of_leaf(leaf);
+        mean += system_.area(leaf) * irradiance_[corners[0]].cast<double>();
+        area += system_.area(leaf);
+    }
+    const double allowed = allowed_change * mean.mean() / area;
+    std::uint32_t first = 0;
+    for (int round = 0; round < extra_halvings; ++round) {
+        const auto end = static_cast<std::uint32_t>(mesh_.nodes().size());
+        for (std::uint32_t i = first; i < end; ++i)
+            if (mesh_.nodes()[i].is_leaf() && changes_over(i, allowed)) mesh_.split(i);
+        if (mesh_.nodes().size() == end) break;
+        first = end;
+        add_rows();
+        show(X);
+    }
+}
+
+Color RadiosityDisplay::irradiance(const SurfaceHit& hit, const Vec3& wo) const {
+    const auto place = mesh_.locate(hit, wo);
+    if (!place) return Color::Zero();
+    const PatchNode& leaf = mesh_.nodes()[place->leaf];
+    const auto weights = mesh_.weights(leaf, place->uv);
+    const auto& corners = vertices_->of_leaf(place->leaf);
+    Color E = Color::Zero();
+    float total = 0.f;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(leaf.corner_count()); ++i) {
+        if ((seen_corners_[place->leaf] >> i & 1) == 0) continue;
+        const float weight = static_cast<float>(weights[i]) + 1e-6f;
+        E += weight * irradiance_[corners[i]];
+        total += weight;
+    }
+    return E / total;
+}
+
+Color RadiosityDisplay::whole_irradiance(const SurfaceHit& hit, const Vec3& wo) const {
+    const auto place = mesh_.locate(hit, wo);
+    if (!place) return Color::Zero();
+    return irradiance(hit, wo) + light_.irradiance[solved_patch(place->leaf)].cast<float>();
+}
+
+}  // namespace gib

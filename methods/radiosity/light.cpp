@@ -1,0 +1,123 @@
+#include "methods/radiosity/light.h"
+
+#include "common/core/parallel.h"
+#include "methods/parts/transport/direct_light.h"
+
+#include <array>
+#include <atomic>
+
+namespace gib {
+
+namespace {
+
+constexpr std::size_t leaves_per_block = 64;
+/// Where on a patch a sample lies: past the dimensions of a path's first vertices.
+constexpr std::uint32_t on_patch = dimension::at_vertex(1, 0);
+
+/// Both sides of a surface that reflects all light diffusely: the radiance that it reflects is irradiance / pi.
+const Bsdf& white() {
+    static const Bsdf bsdf(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
+    return bsdf;
+}
+
+Colord irradiance_at(RayQueries& rays, SurfaceHit hit, const Sampler& sampler) {
+    hit.bsdf = &white();
+    hit.shading = Frame(hit.ns);
+    const VertexNumbers u = sampler.at_vertex(0);
+    const LobeValues light = sample_direct_light(rays, hit, Vec3::UnitZ(), u, LightTechniques::light_and_bsdf_sampling);
+    const LobeValues found = follow_to_light(rays, hit, Vec3::UnitZ(), u);
+    return (pi * (light.sum() + found.sum())).cast<double>();
+}
+
+Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
+    const float there = 1.f - hit.bsdf->pass_through();
+    const Vec3 upright = hit.shading.to_local(normal);
+    const float side = upright.z() < 0.f ? -1.f : 1.f;
+    if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(side)) return (there * *ideal).cast<double>();
+    // Of evenly distributed light: the mean over sin^2 of the angle.
+    constexpr int angles = 8;
+    Colord sum = Colord::Zero();
+    for (int i = 0; i < angles; ++i) {
+        const float sine2 = (static_cast<float>(i) + 0.5f) / angles;
+        const Vec3 w(std::sqrt(sine2), 0.f, side * std::sqrt(1.f - sine2));
+        sum += hit.bsdf->coefficients_local(w).diffuse.cast<double>() / angles;
+    }
+    return static_cast<double>(there) * sum;
+}
+
+/// Fills the expected radiosity of inner nodes, the mean of their halves, and its spread.
+void pull_expected(const PatchMesh& mesh, PatchLight& light) {
+    const auto& nodes = mesh.nodes();
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+        if (nodes[i].is_leaf()) continue;
+        const std::uint32_t a = nodes[i].child, b = a + 1;
+        const double area = nodes[a].area + nodes[b].area;
+        if (!(area > 0)) continue;
+        const double share = nodes[a].area / area;
+        light.expected[i] = share * light.expected[a] + (1 - share) * light.expected[b];
+        light.spread[i] = std::sqrt(share * sqr(light.spread[a]) + (1 - share) * sqr(light.spread[b]) +
+                                    share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
+    }
+}
+
+/// What patches are expected to add up to: reflected light spread evenly over all of them. Source: the ambient term
+/// of Cohen, Chen, Wallace and Greenberg 1988.
+void expect(const PatchMesh& mesh, PatchLight& light) {
+    const auto& nodes = mesh.nodes();
+    Colord area = Colord::Zero(), absorbed = Colord::Zero(), received = Colord::Zero(), reflected = Colord::Zero();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].is_leaf()) continue;
+        area += nodes[i].area;
+        absorbed += nodes[i].area * (1 - light.reflectance[i]);
+        received += nodes[i].area * light.irradiance[i];
+        reflected += nodes[i].area * light.irradiance[i] * light.reflectance[i];
+    }
+    if (!(area[0] > 0)) return;
+    const Colord ambient = reflected / absorbed.max(1e-3 * area);
+    light.mean_irradiance = (received / area + ambient).mean();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (nodes[i].is_leaf()) light.expected[i] = (light.reflectance[i] * (light.irradiance[i] + ambient)).mean();
+    pull_expected(mesh, light);
+}
+
+}  // namespace
+
+Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
+    const Vec3 wo_local = hit.shading.to_local(wo);
+    if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(wo_local.z())) return *ideal;
+    return hit.bsdf->coefficients_local(wo_local).diffuse;
+}
+
+PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
+                       const StageTimes* stages) {
+    const auto& nodes = mesh.nodes();
+    PatchLight light;
+    light.irradiance.assign(nodes.size(), Colord::Zero());
+    light.reflectance.assign(nodes.size(), Colord::Zero());
+    light.expected.assign(nodes.size(), 0.0);
+    light.spread.assign(nodes.size(), 0.0);
+    std::atomic<std::uint64_t> traced = 0;
+    std::optional<StageProgress> progress;
+    if (stages) progress.emplace(*stages, "direct light", nodes.size());
+    parallel_blocks(nodes.size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries queries(mesh.charts().scene());
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!nodes[i].is_leaf()) continue;
+            const Chart& chart = mesh.charts()[mesh.sides()[nodes[i].side].chart];
+            const bool textured = !queries.scene().material_of_shape(chart.shape).constant();
+            for (std::uint32_t k = 0; k < samples; ++k) {
+                const Sampler sampler(PointSet::sobol, seed, i, k);
+                const SurfaceHit hit = mesh.point_on(nodes[i], sampler.get_2d(on_patch).cast<double>());
+                light.irradiance[i] += irradiance_at(queries, hit, sampler) / samples;
+                if (textured || k == 0) light.reflectance[i] += reflectance_at(hit, hit.ns) / (textured ? samples : 1);
+            }
+        }
+        traced += queries.count();
+        if (progress) progress->add(end - begin);
+    });
+    rays += traced;
+    expect(mesh, light);
+    return light;
+}
+
+}  // namespace gib

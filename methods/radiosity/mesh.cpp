@@ -1,0 +1,326 @@
+#include "methods/radiosity/mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace gib {
+
+namespace {
+
+constexpr double max_spread = 0.5;  // 29 degrees: chords of a sphere lose 2 % of its area, for which `area` makes up
+constexpr std::uint8_t max_halvings = 20;
+
+ChartPoint middle(const ChartPoint& a, const ChartPoint& b) { return {(a.u + b.u) / 2, (a.v + b.v) / 2}; }
+
+double shrunk(double length, std::uint8_t halvings) { return std::ldexp(length, -halvings); }
+
+/// The edge i -> i + 1 of a triangle that is halved: the longest in space, of equal ones the first.
+std::size_t longest_edge(const std::array<Vec3d, 4>& p) {
+    std::size_t longest = 0;
+    double length2 = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double l = (p[(i + 1) % 3] - p[i]).squaredNorm();
+        if (l > length2 * (1 + 1e-9)) {
+            longest = i;
+            length2 = l;
+        }
+    }
+    return longest;
+}
+
+std::array<Vec3d, 4> positions(const Charts& charts, const Chart& chart, const std::array<ChartPoint, 4>& corners) {
+    std::array<Vec3d, 4> p;
+    for (std::size_t i = 0; i < 4; ++i)
+        p[i] = charts.position(chart, uv_of(corners[i]));
+    return p;
+}
+
+PatchPolygon polygon_of(const Chart& chart, std::array<Vec3d, 4> p, bool turned) {
+    if (chart.kind == Chart::Kind::triangle)
+        return turned ? PatchPolygon::triangle(p[0], p[2], p[1]) : PatchPolygon::triangle(p[0], p[1], p[2]);
+    const Vec3d n = (p[2] - p[0]).cross(p[3] - p[1]).normalized(), center = (p[0] + p[1] + p[2] + p[3]) / 4;
+    if (!chart.is_flat())
+        for (Vec3d& corner : p)
+            corner -= n.dot(corner - center) * n;
+    return turned ? PatchPolygon::quad(p[0], p[3], p[2], p[1]) : PatchPolygon::quad(p[0], p[1], p[2], p[3]);
+}
+
+/// Twice the area of the triangle a, b, c of chart coordinates.
+double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+}  // namespace
+
+bool PatchMesh::reflects(const Charts& charts, const Chart& chart, bool back) {
+    const Material& material = charts.scene().material_of_shape(chart.shape);
+    if (!material.traits().diffuse) return false;
+    const SurfaceHit hit = charts.surface_at(chart, Vec2d::Constant(0.25));
+    const bool flipped = hit.ns.dot(hit.ng) < 0.f;
+    return hit.bsdf->traits_at(back != flipped ? -1.f : 1.f).diffuse;
+}
+
+double PatchMesh::estimated_nodes(const Charts& charts, double size) {
+    double nodes = 0;
+    for (std::size_t i = 0; i < charts.size(); ++i) {
+        const auto halvings = [&](double length) { return std::max(0.0, std::ceil(std::log2(length / size))); };
+        const Chart& chart = charts[i];
+        const double depth = chart.kind == Chart::Kind::triangle
+                                 ? 2 * halvings(chart.lengths.maxCoeff())
+                                 : halvings(chart.lengths.x()) + halvings(chart.lengths.y());
+        const int sides = (reflects(charts, chart, false) ? 1 : 0) + (reflects(charts, chart, true) ? 1 : 0);
+        nodes += sides * (std::exp2(depth + 1) - 1);
+    }
+    return nodes;
+}
+
+PatchMesh::PatchMesh(const Charts& charts, double size, std::size_t most_nodes) : charts_(charts) {
+    sides_of_chart_.assign(charts.size(), {no_node, no_node});
+    for (std::uint32_t i = 0; i < charts.size(); ++i)
+        for (const bool back : {false, true}) {
+            if (!reflects(charts, charts[i], back)) continue;
+            sides_of_chart_[i][back ? 1 : 0] = static_cast<std::uint32_t>(sides_.size());
+            PatchNode root;
+            root.side = static_cast<std::uint32_t>(sides_.size());
+            sides_.push_back({i, back, static_cast<std::uint32_t>(nodes_.size())});
+            constexpr std::uint32_t one = chart_unit;
+            root.corners = charts[i].kind == Chart::Kind::triangle
+                               ? std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {0, one}, {0, one}}}
+                               : std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {one, one}, {0, one}}};
+            finish(root);
+            nodes_.push_back(root);
+        }
+    // Roots first, then level by level: a parent comes before its children.
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+        if (is_fine_enough(nodes_[i], size)) continue;
+        split(i);
+        if (nodes_.size() > most_nodes)
+            throw InputError(fmt::format("patches of {} take more than {} nodes; set a larger patch, or more memory",
+                                         size, most_nodes));
+    }
+}
+
+std::size_t PatchMesh::leaf_count() const {
+    return static_cast<std::size_t>(
+        std::count_if(nodes_.begin(), nodes_.end(), [](const PatchNode& n) { return n.is_leaf(); }));
+}
+
+void PatchMesh::finish(PatchNode& node) const {
+    const PatchSide& side = sides_[node.side];
+    const Chart& chart = charts_[side.chart];
+    const std::array<Vec3d, 4> p = positions(charts_, chart, node.corners);
+    node.polygon = polygon_of(chart, p, chart.reversed != side.back);
+    node.center = Vec3d::Zero();
+    for (const Vec3d& corner : node.polygon.corners())
+        node.center += corner / node.polygon.count;
+    node.radius = 0;
+    for (const Vec3d& corner : node.polygon.corners())
+        node.radius = std::max(node.radius, (corner - node.center).norm());
+    node.area = node.polygon.area;
+    if (chart.kind == Chart::Kind::triangle || chart.kind == Chart::Kind::quad) return;
+    node.area = charts_.curved_area(chart, node.corners[0], node.corners[2]);
+    if (chart.is_flat()) return;
+    const Vec3d surface = charts_.position(chart, middle_of(node));
+    node.sagitta = node.polygon.normal.dot(surface - node.center);
+    const Vec3 n = charts_.surface_at(chart, middle_of(node)).ng;
+    for (const ChartPoint& corner : node.corners) {
+        const Vec3 m = charts_.surface_at(chart, uv_of(corner)).ng;
+        node.spread = std::max(node.spread, 2.0 * std::acos(std::clamp(static_cast<double>(n.dot(m)), -1.0, 1.0)));
+    }
+}
+
+bool PatchMesh::is_fine_enough(const PatchNode& node, double size) const {
+    const Chart& chart = charts_[sides_[node.side].chart];
+    if (node.along + node.across >= 2 * max_halvings) return true;
+    if (chart.kind == Chart::Kind::triangle) {
+        const auto p = positions(charts_, chart, node.corners);
+        const std::size_t edge = longest_edge(p);
+        return (p[(edge + 1) % 3] - p[edge]).norm() <= size;
+    }
+    if (node.spread > max_spread) return false;
+    return shrunk(chart.lengths.x(), node.across) <= size && shrunk(chart.lengths.y(), node.along) <= size;
+}
+
+void PatchMesh::split(std::uint32_t index) {
+    const Chart& chart = charts_[sides_[nodes_[index].side].chart];
+    PatchNode first, second;
+    first.side = second.side = nodes_[index].side;
+    first.parent = second.parent = index;
+    const auto& c = nodes_[index].corners;
+    first.across = second.across = nodes_[index].across;
+    first.along = second.along = nodes_[index].along;
+    if (chart.kind == Chart::Kind::triangle) {
+        const std::size_t i = longest_edge(positions(charts_, chart, c));
+        const ChartPoint a = c[i], b = c[(i + 1) % 3], apex = c[(i + 2) % 3], m = middle(a, b);
+        first.corners = {apex, a, m, m};
+        second.corners = {b, apex, m, m};
+        ++first.across;
+        ++second.across;
+    } else if ((chart.kind == Chart::Kind::cylinder && nodes_[index].spread > max_spread) ||
+               shrunk(chart.lengths.x(), first.across) >= shrunk(chart.lengths.y(), first.along)) {
+        const ChartPoint low = middle(c[0], c[1]), high = middle(c[3], c[2]);
+        first.corners = {c[0], low, high, c[3]};
+        second.corners = {low, c[1], c[2], high};
+        ++first.across;
+        ++second.across;
+    } else {
+        const ChartPoint left = middle(c[0], c[3]), right = middle(c[1], c[2]);
+        first.corners = {c[0], c[1], right, left};
+        second.corners = {left, right, c[2], c[3]};
+        ++first.along;
+        ++second.along;
+    }
+    finish(first);
+    finish(second);
+    nodes_[index].child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back(first);
+    nodes_.push_back(second);
+}
+
+Vec2d PatchMesh::middle_of(const PatchNode& node) const {
+    const bool triangle = charts_[sides_[node.side].chart].kind == Chart::Kind::triangle;
+    Vec2d sum = Vec2d::Zero();
+    const std::size_t count = triangle ? 3 : 4;
+    for (std::size_t i = 0; i < count; ++i)
+        sum += uv_of(node.corners[i]) / static_cast<double>(count);
+    return sum;
+}
+
+SurfaceHit PatchMesh::point_of_side(const PatchSide& side, const Vec2d& uv) const {
+    SurfaceHit hit = charts_.surface_at(charts_[side.chart], uv);
+    if (side.back) {
+        hit.ng = -hit.ng;
+        hit.ns = -hit.ns;
+    }
+    return hit;
+}
+
+SurfaceHit PatchMesh::point_on(const PatchNode& node, const Vec2d& s) const {
+    const PatchSide& side = sides_[node.side];
+    const Vec2d a = uv_of(node.corners[0]);
+    if (charts_[side.chart].kind != Chart::Kind::triangle)
+        return point_of_side(side, a + s.cwiseProduct(uv_of(node.corners[2]) - a));
+    const Vec2 b = square_to_triangle(s.cast<float>());
+    return point_of_side(side, a + static_cast<double>(b.x()) * (uv_of(node.corners[1]) - a) +
+                                   static_cast<double>(b.y()) * (uv_of(node.corners[2]) - a));
+}
+
+std::optional<PatchMesh::Place> PatchMesh::locate(const SurfaceHit& hit, const Vec3& wo) const {
+    const auto place = charts_.locate(hit);
+    if (!place) return std::nullopt;
+    const std::uint32_t side = sides_of_chart_[place->chart][wo.dot(hit.ng) < 0.f ? 1 : 0];
+    if (side == no_node) return std::nullopt;
+    const bool triangle = charts_[place->chart].kind == Chart::Kind::triangle;
+    const Vec2d uv = place->uv;
+    std::uint32_t node = sides_[side].root;
+    while (!nodes_[node].is_leaf()) {
+        const std::uint32_t child = nodes_[node].child;
+        const auto& c = nodes_[child].corners;
+        bool first;
+        if (triangle) {
+            // Both halves have the corner m = c[2] and the apex c[0]; a = c[1] is on the first one's side of the line
+            // between.
+            const Vec2d apex = uv_of(c[0]), a = uv_of(c[1]), m = uv_of(c[2]);
+            first = turn(apex, m, uv) * turn(apex, m, a) >= 0;
+        } else {
+            const Vec2d end = uv_of(c[2]);
+            first = nodes_[child].across > nodes_[node].across ? uv.x() < end.x() : uv.y() < end.y();
+        }
+        node = first ? child : child + 1;
+    }
+    return Place{node, uv};
+}
+
+std::array<double, 4> PatchMesh::weights(const PatchNode& leaf, const Vec2d& uv) const {
+    const Vec2d a = uv_of(leaf.corners[0]);
+    if (leaf.corner_count() == 3) {
+        const Vec2d b = uv_of(leaf.corners[1]), c = uv_of(leaf.corners[2]);
+        const double whole = turn(a, b, c);
+        const double wb = std::clamp(turn(a, uv, c) / whole, 0.0, 1.0);
+        const double wc = std::clamp(turn(a, b, uv) / whole, 0.0, 1.0 - wb);
+        return {1 - wb - wc, wb, wc, 0};
+    }
+    const Vec2d s = (uv - a).cwiseQuotient(uv_of(leaf.corners[2]) - a).cwiseMax(0.0).cwiseMin(1.0);
+    return {(1 - s.x()) * (1 - s.y()), s.x() * (1 - s.y()), s.x() * s.y(), (1 - s.x()) * s.y()};
+}
+
+PatchVertices::PatchVertices(const PatchMesh& mesh) {
+    constexpr std::uint32_t none = ~0u;
+    /// How far inside its leaf a vertex on the border of a chart is evaluated: where surfaces meet, irradiance jumps.
+    constexpr double inset = 1e-3;
+    const auto& nodes = mesh.nodes();
+    corners_.assign(nodes.size(), {none, none, none, none});
+    std::vector<VertexIndex> of_side(mesh.sides().size());
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        const PatchNode& node = nodes[i];
+        if (!node.is_leaf()) continue;
+        const bool triangle = node.corner_count() == 3;
+        for (std::size_t k = 0; k < (triangle ? 3u : 4u); ++k) {
+            const ChartPoint at = node.corners[k];
+            const auto [entry, is_new] =
+                of_side[node.side].try_emplace(key_of(at), static_cast<std::uint32_t>(vertices_.size()));
+            corners_[i][k] = entry->second;
+            if (!is_new) continue;
+            const bool border = at.u == 0 || at.v == 0 || at.u == chart_unit || at.v == chart_unit ||
+                                (triangle && at.u + at.v == chart_unit);
+            Vec2d uv = uv_of(at);
+            if (border) uv += inset * (mesh.middle_of(node) - uv);
+            vertices_.push_back({i, at, uv});
+        }
+    }
+    bind(mesh, of_side);
+}
+
+void PatchVertices::bind(const PatchMesh& mesh, const std::vector<VertexIndex>& of_side) {
+    struct Edge {
+        ChartPoint a, b;
+        std::uint32_t va, vb;
+    };
+    const auto& nodes = mesh.nodes();
+    std::vector<Bound> hanging(vertices_.size(), {no_node, 0, 0});
+    std::vector<Edge> edges;
+    for (std::uint32_t leaf = 0; leaf < nodes.size(); ++leaf) {
+        if (!nodes[leaf].is_leaf()) continue;
+        const VertexIndex& index = of_side[nodes[leaf].side];
+        const auto count = static_cast<std::size_t>(nodes[leaf].corner_count());
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t next = (k + 1) % count;
+            edges.push_back(
+                {nodes[leaf].corners[k], nodes[leaf].corners[next], corners_[leaf][k], corners_[leaf][next]});
+            while (!edges.empty()) {
+                const Edge edge = edges.back();
+                edges.pop_back();
+                const ChartPoint m = middle(edge.a, edge.b);
+                const auto found = m == edge.a || m == edge.b ? index.end() : index.find(key_of(m));
+                if (found == index.end()) continue;
+                hanging[found->second] = {found->second, edge.va, edge.vb};
+                edges.push_back({m, edge.b, found->second, edge.vb});
+                edges.push_back({edge.a, m, edge.va, found->second});
+            }
+        }
+    }
+    // What a vertex takes its value from comes before it. Edges get longer on the way, so it ends.
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t i = 0; i < hanging.size(); ++i) {
+        stack.push_back(i);
+        while (!stack.empty()) {
+            Bound& bound = hanging[stack.back()];
+            const auto waits_for = [&](std::uint32_t end) { return hanging[end].vertex != no_node; };
+            if (bound.vertex == no_node) {
+                stack.pop_back();
+            } else if (waits_for(bound.first)) {
+                stack.push_back(bound.first);
+            } else if (waits_for(bound.second)) {
+                stack.push_back(bound.second);
+            } else {
+                bound_.push_back(bound);
+                bound.vertex = no_node;
+                stack.pop_back();
+            }
+        }
+    }
+}
+
+}  // namespace gib

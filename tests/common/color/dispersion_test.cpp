@@ -1,0 +1,276 @@
+// Light split by wavelength: the strata and their weights, the prism's angle of minimum deviation, and what must not
+// change.
+
+#include "common/color/dispersion.h"
+#include "common/core/error.h"
+#include "common/scene/effects.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/seed_means.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <numbers>
+
+namespace gib {
+namespace {
+
+using test::box_film;
+using test::mean_of;
+using test::means_over_seeds;
+using test::Moments;
+using test::render;
+using test::scene_of;
+using test::scene_with;
+using test::scene_xml;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// Means over seeds are tested at this many standard errors: with some 20 of them here, a false alarm in 1 of 2,000
+/// choices of seeds (Student's t with 15 degrees of freedom: 5e-5 each, half of it by either side).
+constexpr double sigmas = 5.5;
+constexpr int seeds = 16;
+
+TEST(Dispersion, WeightsAreNotNegativeAndAverageToOne) {
+    Colord sum = Colord::Zero();
+    for (int k = 0; k < wavelength_strata; ++k) {
+        EXPECT_GE(stratum_weight(k).minCoeff(), 0) << k;
+        EXPECT_GT(stratum_weight(k).maxCoeff(), 0) << k;
+        sum += stratum_weight(k).cast<double>();
+    }
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(sum[c] / wavelength_strata, 1, 1e-6);
+}
+
+// Violet to red: 620 nm is red, 530 nm green and 450 nm blue.
+TEST(Dispersion, StrataHaveTheColoursOfTheirWavelengths) {
+    const auto weight_at = [](double wavelength) {
+        int nearest = 0;
+        for (int k = 1; k < wavelength_strata; ++k)
+            if (std::abs(stratum_wavelength(k) - wavelength) < std::abs(stratum_wavelength(nearest) - wavelength))
+                nearest = k;
+        return stratum_weight(nearest);
+    };
+    const Color red = weight_at(620), green = weight_at(530), blue = weight_at(450);
+    EXPECT_GT(red[0], 4 * std::max(red[1], red[2]));
+    EXPECT_GT(green[1], 4 * std::max(green[0], green[2]));
+    EXPECT_GT(blue[2], 4 * std::max(blue[0], blue[1]));
+    EXPECT_NEAR(stratum_wavelength(0), 400 + 300 / 64.0, 1e-9);
+    EXPECT_NEAR(stratum_wavelength(wavelength_strata - 1), 700 - 300 / 64.0, 1e-9);
+}
+
+// Schott's BK7: n_d = 1.5168, Abbe's number 64.17. B = 0.0042 um^2 is the value that tables give for it.
+TEST(Dispersion, AbbesNumberGivesTheIndexAtTheLines) {
+    const double b = cauchy_b_of_abbe(1.5168, 64.17);
+    EXPECT_NEAR(b, 0.0042, 5e-5);
+    EXPECT_DOUBLE_EQ(cauchy_index(1.5168, b, d_line), 1.5168);
+    EXPECT_NEAR(0.5168 / (cauchy_index(1.5168, b, f_line) - cauchy_index(1.5168, b, c_line)), 64.17, 1e-9);
+    EXPECT_GT(cauchy_index(1.5168, b, 400), cauchy_index(1.5168, b, 700));
+}
+
+/// A prism of apex angle 60 degrees along z, whose apex is above; the middle of its box is the origin.
+std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
+    const std::string mesh =
+        folder.write("prism.obj",
+                     "v -1 -0.8660254 -9\nv 1 -0.8660254 -9\nv 0 0.8660254 -9\nv -1 -0.8660254 9\nv 1 -0.8660254 9\n"
+                     "v 0 0.8660254 9\nf 1 3 2\nf 4 5 6\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 3 1 4\nf 3 4 6\n");
+    return "<shape type='obj'><string name='filename' value='" + mesh +
+           "'/><boolean name='face_normals' value='true'/>" + bsdf + "</shape>";
+}
+
+/// A direction in the plane of the prism's cross-section.
+Vec3 direction_at(double angle) {
+    return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.f};
+}
+/// Of light that meets the left face, which rises at 60 degrees: its normal points to (-sin 60, cos 60).
+double angle_of(double incidence) { return std::numbers::pi / 6 + incidence - std::numbers::pi / 3; }
+const Vec3 on_left_face(-0.5f, 0.f, 0.1f);
+
+struct Passage {
+    Ray ray;               ///< that has left the prism
+    double transmittance;  ///< of both interfaces
+};
+
+/// The way of a stratum through the prism; both interfaces transmit.
+Passage passage(const Scene& scene, int stratum, double incidence) {
+    const Vec3 w = direction_at(angle_of(incidence));
+    // The scene has an origin of its own.
+    const Vec3 start = bounds_of(scene.shapes()[0]).center() + on_left_face - 3.f * w;
+    Passage result{Ray{start, w}, 1};
+    for (int interface = 0; interface < 2; ++interface) {
+        auto hit = scene.intersect(result.ray);
+        EXPECT_TRUE(hit);
+        if (!hit) return result;
+        scene.disperse(*hit, stratum);
+        const Vec3 wo = hit->shading.to_local(-result.ray.d);
+        const auto next = hit->bsdf->sample_local(wo, Vec2(0.9999f, 0.5f), Vec2(0.5f, 0.5f), Transport::radiance);
+        EXPECT_TRUE(next && next->wi.z() * wo.z() < 0) << "not transmitted";
+        if (!next) return result;
+        result.transmittance *= static_cast<double>(next->pdf_w);  // of a delta lobe: the share of light
+        result.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
+    }
+    return result;
+}
+
+/// The angle by which the prism turns light, in radians.
+double deviation(const Scene& scene, int stratum, double incidence) {
+    const Vec3 w = direction_at(angle_of(incidence));
+    const double cosine = static_cast<double>(passage(scene, stratum, incidence).ray.d.dot(w));
+    return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+// sin((A + delta) / 2) = n sin(A / 2) at the angle of incidence (A + delta) / 2 (Born and Wolf, section 4.7.2), A = 60
+// degrees.
+TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
+    const TemporaryFolder folder;
+    const std::string glass =
+        "<float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float name='abbe' value='30'/>";
+    const std::string same_everywhere = "<bsdf type='dielectric'>" + glass + "</bsdf>";
+    const std::string textured = "<bsdf type='dielectric'>" + glass +
+                                 "<texture name='specular_transmittance' type='checkerboard'><rgb name='color0' "
+                                 "value='0.9'/><rgb name='color1' value='0.8'/></texture></bsdf>";
+    for (const std::string& bsdf : {same_everywhere, textured}) {
+        const auto scene = test::load(prism(folder, bsdf));
+        ASSERT_TRUE(scene.scene->has_dispersion());
+        double before = std::numbers::pi;
+        for (int k = 0; k < wavelength_strata; ++k) {
+            const double n = cauchy_index(1.6, cauchy_b_of_abbe(1.6, 30), stratum_wavelength(k));
+            const double incidence = std::asin(n / 2), least = 2 * incidence - std::numbers::pi / 3;
+            EXPECT_NEAR(deviation(*scene.scene, k, incidence), least, 2e-6) << k;
+            EXPECT_GT(deviation(*scene.scene, k, incidence + 0.05), least + 1e-4) << k;
+            EXPECT_GT(deviation(*scene.scene, k, incidence - 0.05), least + 1e-4) << k;
+            EXPECT_LT(least, before) << "longer waves are turned less";
+            before = least;
+        }
+    }
+}
+
+// A lamp stands where only the shorter waves are sent: the camera, which looks into the prism along one ray, sees their
+// share of white.
+TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
+    const TemporaryFolder folder;
+    const double incidence = std::asin(0.8), degree = std::numbers::pi / 180;
+    const Vec3 w = direction_at(angle_of(incidence)), eye = on_left_face - 3.f * w,
+               lamp = 100.f * direction_at(angle_of(incidence) - 49 * degree);
+    const auto xyz = [](const Vec3& v) { return fmt::format("{}, {}, {}", v.x(), v.y(), v.z()); };
+    const auto scene = scene_of(scene_xml(
+        "<sensor type='perspective'><float name='fov' value='0.0001'/><transform name='to_world'><lookat origin='" +
+        xyz(eye) + "' target='" + xyz(on_left_face) + "' up='0, 0, 1'/></transform>" + box_film(2) + "</sensor>" +
+        prism(folder,
+              "<bsdf type='dielectric'><float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float "
+              "name='abbe' value='30'/></bsdf>") +
+        "<shape type='rectangle'><transform name='to_world'><scale x='3.5' y='20'/><lookat origin='" + xyz(lamp) +
+        "' target='0, 0, 0' up='0, 0, 1'/></transform><emitter type='area'><rgb name='radiance' "
+        "value='1'/></emitter></shape>"));
+    Colord expected = Colord::Zero();
+    int seen = 0;
+    for (int k = 0; k < wavelength_strata; ++k) {
+        const Passage way = passage(*scene.scene, k, incidence);
+        const auto hit = scene.scene->intersect(way.ray);
+        if (!hit || !hit->emitter) continue;
+        ++seen;
+        expected += way.transmittance / wavelength_strata * stratum_weight(k).cast<double>();
+    }
+    EXPECT_GT(seen, 5);
+    EXPECT_LT(seen, wavelength_strata - 5);
+    EXPECT_GT(expected[2], 2 * expected[0]) << "the lamp is bluish";
+    std::array<Moments, 3> found;
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+        const Colord mean = mean_of(render(scene, "path", 4096, seed).total());
+        for (std::size_t c = 0; c < 3; ++c)
+            found[c].add(mean[static_cast<int>(c)]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double value = expected[static_cast<int>(c)];
+        // Light that goes round once inside, reflected at all three faces, leaves in the same direction: below 1e-3 of
+        // the rest.
+        EXPECT_NEAR(found[c].mean(), value, sigmas * found[c].standard_error() + 1e-3 * value) << c;
+        EXPECT_LT(found[c].standard_error(), 0.02 * value) << "the test would not see an error";
+    }
+}
+
+/// A ball of glass on a floor under a lamp, or under a white sky.
+std::string glass_ball(const std::string& bsdf_type, const std::string& parameters) {
+    return "<shape type='sphere'><bsdf type='" + bsdf_type + "'><float name='int_ior' value='1.5'/>" + parameters +
+           "</bsdf></shape>";
+}
+const std::string camera =
+    "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><translate "
+    "z='-4'/></transform>" +
+    box_film(16) + "</sensor>";
+const std::string floor_and_lamp =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' angle='-90'/><translate "
+    "y='-1'/></transform><bsdf type='diffuse'/></shape><shape type='sphere'><point name='center' x='1' y='3' "
+    "z='0'/><float "
+    "name='radius' value='1.2'/><emitter type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape>";
+
+// Lossless glass under a white sky cannot be seen, in any channel, however strongly it splits light.
+TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
+    const std::string sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    for (const char* type : {"dielectric", "roughdielectric"}) {
+        const bool rough = std::string(type) == "roughdielectric";
+        const std::string split =
+            std::string("<float name='cauchy_b' value='0.05'/>") + (rough ? "<float name='alpha' value='0.01'/>" : "");
+        const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64, seeds);
+        for (const Moments& m : moments) {
+            // A rough interface loses what it would scatter twice: at this roughness less than 1e-3.
+            EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + (rough ? 1e-3 : 1e-6)) << type;
+            EXPECT_LT(m.standard_error(), 0.01) << "the test would not see an error";
+        }
+    }
+}
+
+// Without dispersion the code for it is not run; with next to none it gives the same image in the mean.
+TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
+    const auto scene = [](const std::string& more) {
+        return scene_of(scene_xml(camera + floor_and_lamp + glass_ball("dielectric", more)));
+    };
+    const auto plain = scene(""), zero = scene("<float name='cauchy_b' value='0'/>"),
+               tiny = scene("<float name='cauchy_b' value='1e-9'/>");
+    EXPECT_FALSE(effects_of(*zero.scene).has(Effect::dispersion));
+    EXPECT_TRUE(effects_of(*tiny.scene).has(Effect::dispersion));
+    const Image a = render(plain, "path", 4).total(), b = render(zero, "path", 4).total();
+    for (std::size_t i = 0; i < a.pixels(); ++i)
+        ASSERT_TRUE((a.at(i) == b.at(i)).all()) << i;
+    const auto means = means_over_seeds(plain, 512, seeds), split = means_over_seeds(tiny, 512, seeds);
+    for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(means[c].mean(), split[c].mean(),
+                    sigmas * std::hypot(means[c].standard_error(), split[c].standard_error()));
+        EXPECT_LT(split[c].standard_error(), 0.02 * split[c].mean()) << "the test would not see an error";
+    }
+}
+
+TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
+    const std::vector<std::array<std::string, 3>> rows = {
+        {"<float name='cauchy_b' value='-0.1'/>", "3:24", "'cauchy_b' must not be negative: -0.1"},
+        {"<float name='cauchy_b' value='nan'/>", "3:24", "bad number 'nan'"},
+        {"<rgb name='cauchy_b' value='0.1'/>", "3:1", "'cauchy_b' cannot be a <rgb>"},
+        {"<float name='abbe' value='0'/>", "3:20", "'abbe' must be above 0"},
+        {"<float name='abbe' value='x'/>", "3:20", "bad number 'x'"},
+        {"<float name='abbe' value='50'/><float name='cauchy_b' value='0'/>", "3:20",
+         "give either 'cauchy_b' or 'abbe'"},
+        {"<float name='cauchy_b' value='100'/>", "3:24", "an index ratio of"},
+        {"<float name='abbe' value='50'/><float name='int_ior' value='0.9'/>", "3:20",
+         "'abbe' needs an 'int_ior' above 1"},
+    };
+    for (const char* type : {"dielectric", "roughdielectric"})
+        for (const auto& [parameters, place, message] : rows) {
+            std::string error = "no error";
+            try {
+                parse_scene(scene_with("<shape type='sphere'><bsdf type='" + std::string(type) + "'>\n" + parameters +
+                                       "</bsdf></shape>"),
+                            "t.xml", {});
+            } catch (const InputError& e) {
+                error = e.what();
+            }
+            EXPECT_THAT(error, StartsWith("t.xml:" + place + ": ")) << parameters;
+            EXPECT_THAT(error, HasSubstr(message));
+        }
+    EXPECT_THROW(parse_scene(scene_with("<shape type='sphere'><bsdf type='thindielectric'><float name='abbe' "
+                                        "value='50'/></bsdf></shape>"),
+                             "t.xml", {}),
+                 InputError);
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,169 @@
+#include "common/images/image_file.h"
+
+#include "common/core/error.h"
+#include "common/core/files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace gib {
+namespace {
+
+std::string temporary(const std::string& name) {
+    return ::testing::TempDir() + "gib_image_file_" + std::to_string(::getpid()) + "_" + name;
+}
+
+/// Every value differs, so that any exchange of rows, columns or channels shows.
+Image gradient(int width, int height, float scale = 1) {
+    Image image(width, height);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i)
+        image.rgb[i] = scale * (static_cast<float>(i) + 0.1f);
+    return image;
+}
+
+std::string bytes_of(const Image& image, const std::vector<int>& rows, const std::vector<std::size_t>& channels) {
+    std::string bytes;
+    for (int y : rows)
+        for (int x = 0; x < image.width; ++x)
+            for (std::size_t k : channels) {
+                const float v = image.rgb[3 * static_cast<std::size_t>(y * image.width + x) + k];
+                bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+            }
+    return bytes;
+}
+
+void expect_input_error(const std::string& path, const std::string& part) {
+    try {
+        read_image(path);
+        ADD_FAILURE() << path << " was read";
+    } catch (const InputError& e) {
+        EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+    }
+}
+
+TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
+    LayeredImage written;
+    written.layers.emplace_back("", gradient(7, 5));
+    written.layers.emplace_back("stderr", gradient(7, 5, 1e-6f));
+    written.layers.emplace_back("direct", gradient(7, 5, 3e5f));
+    written.layers.emplace_back("direct_group00", gradient(7, 5, -2));
+    written.layers[0].second.rgb[4] = std::numeric_limits<float>::quiet_NaN();
+    written.layers[0].second.rgb[5] = std::numeric_limits<float>::infinity();
+    written.metadata = {{"gibench:method", "path spp=64"}, {"scene_hash", "00ff"}, {"unresolved", "caustic;volume"}};
+    const std::string path = temporary("roundtrip.exr");
+    write_exr(path, written);
+    const LayeredImage read = read_image(path);
+    ASSERT_EQ(read.layers.size(), written.layers.size());
+    EXPECT_EQ(read.layers[0].first, "");
+    for (const auto& [name, image] : written.layers) {
+        const Image* found = read.find(name);
+        ASSERT_NE(found, nullptr) << name;
+        ASSERT_TRUE(found->same_size(image));
+        EXPECT_EQ(std::memcmp(found->rgb.data(), image.rgb.data(), image.rgb.size() * sizeof(float)), 0) << name;
+    }
+    for (const auto& [key, value] : written.metadata) {
+        ASSERT_TRUE(read.metadata.count(key)) << key;
+        EXPECT_EQ(read.metadata.at(key), value);
+    }
+    std::filesystem::remove(path);
+}
+
+TEST(ImageFile, ExrReplacesAFileAndLeavesNothingElseBehind) {
+    const std::string folder = temporary("folder");
+    std::filesystem::create_directory(folder);
+    const std::string path = folder + "/image.exr";
+    write_exr(path, {{{"", gradient(3, 3)}}, {}});
+    write_exr(path, {{{"", gradient(4, 2)}}, {}});
+    EXPECT_EQ(read_image(path).layers[0].second.width, 4);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+    // A folder stands where the file should go.
+    EXPECT_THROW(write_exr(folder, {{{"", gradient(3, 3)}}, {}}), RunError);
+    EXPECT_THROW(write_exr(folder + "/none/image.exr", {{{"", gradient(3, 3)}}, {}}), RunError);
+    EXPECT_THROW(write_exr(path, {{{"", gradient(3, 3)}, {"a", gradient(2, 3)}}, {}}), RunError);
+    EXPECT_EQ(read_image(path).layers[0].second.width, 4);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
+    const Image image = gradient(4, 3);
+    const std::string path = temporary("colour.pfm");
+    write_file(path, "PF\n4 3\n-1.0\n" + bytes_of(image, {2, 1, 0}, {0, 1, 2}));
+    EXPECT_EQ(read_image(path).find("")->rgb, image.rgb);
+    // One grey channel is all three.
+    write_file(path, "Pf\n4 3\n-1.0\n" + bytes_of(image, {2, 1, 0}, {1}));
+    const LayeredImage grey = read_image(path);
+    for (std::size_t p = 0; p < image.pixels(); ++p)
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_EQ(grey.find("")->rgb[3 * p + k], image.rgb[3 * p + 1]);
+    std::filesystem::remove(path);
+}
+
+TEST(ImageFile, WrongFilesAreErrorsWithTheirName) {
+    expect_input_error(temporary("missing.exr"), "no such file");
+    expect_input_error(::testing::TempDir(), "folder");
+    const std::string text = temporary("text.exr");
+    write_file(text, "this is not an image");
+    expect_input_error(text, "");
+    const std::string none = temporary("unknown.xyz");
+    write_file(none, "this is not an image");
+    expect_input_error(none, "");
+    const std::string cut = temporary("cut.exr");
+    write_exr(cut, {{{"", gradient(200, 200)}}, {}});
+    std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
+    expect_input_error(cut, "");
+    const std::string cut_pfm = temporary("cut.pfm");
+    write_file(cut_pfm, "PF\n40 30\n-1.0\n" + std::string(40 * 30 * 6, 'x'));
+    expect_input_error(cut_pfm, "");
+    for (const auto& path : {text, none, cut, cut_pfm})
+        std::filesystem::remove(path);
+}
+
+TEST(ImageFile, ComponentsSurviveAsLayers) {
+    ComponentImages image;
+    image.width = 5;
+    image.height = 4;
+    image[Component::direct] = gradient(5, 4);
+    image[Component::caustic] = gradient(5, 4, 2);
+    const std::string path = temporary("components.exr");
+    write_exr(path, layers_of(image));
+    const LayeredImage file = read_image(path);
+    const ComponentImages read = components_in(file);
+    EXPECT_EQ(read.width, 5);
+    EXPECT_EQ(read.height, 4);
+    for (Component c : all_components) {
+        ASSERT_EQ(read[c].has_value(), image[c].has_value()) << name_of(c);
+        if (read[c]) {
+            EXPECT_EQ(read[c]->rgb, image[c]->rgb);
+        }
+    }
+    EXPECT_EQ(file.find("")->rgb, image.total().rgb);
+    std::filesystem::remove(path);
+}
+
+TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {
+    Image image(2, 2);
+    image.set(0, {0.25f, 0.1f, 0.f});  // exposure 2: 0.5, 0.2, 0
+    image.set(1, {10.f, std::numeric_limits<float>::quiet_NaN(), -1.f});
+    image.set(3, {0.5f, 0.5f, 0.5f});
+    const auto png = encode_png(image, 2);
+    const std::string path = temporary("picture.png");
+    write_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+    // Reading an 8-bit file undoes the curve: half a step of 1/255 at most.
+    const Image back = *read_image(path).find("");
+    ASSERT_EQ(back.width, 2);
+    const std::vector<float> expected = {0.5f, 0.2f, 0, 1, 0, 0, 0, 0, 0, 1, 1, 1};
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        EXPECT_NEAR(back.rgb[i], expected[i], 0.0045f) << i;
+    std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace gib

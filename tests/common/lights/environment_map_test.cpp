@@ -1,0 +1,169 @@
+// Environment maps: orientation, interpolation, and directions in proportion to what arrives from them.
+
+#include "common/lights/environment_map.h"
+#include "tests/support/light_fixtures.h"
+#include "tests/support/moments.h"
+
+#include <array>
+
+namespace gib {
+namespace {
+
+using test::envmap_direction;
+using test::identity_frame;
+using test::image_of;
+using test::Moments;
+using test::noise;
+
+constexpr std::uint32_t samples = 100'000;
+
+EnvironmentMap map_of(const Image& image) { return {image, identity_frame()}; }
+
+struct NamedMap {
+    const char* name;
+    Image image;
+};
+
+/// Maps that are hard to sample: one bright texel, light at a pole alone, black rows, one row, one column, one texel.
+std::vector<NamedMap> hard_maps() {
+    const Color white = Color::Ones(), black = Color::Zero();
+    return {{"noise", image_of(7, 5, noise)},
+            {"two by three", image_of(2, 3, noise)},
+            {"constant", image_of(3, 4, [&](int, int) { return white; })},
+            {"sun", image_of(16, 9, [&](int x, int y) { return x == 15 && y == 3 ? 1e6f * white : 1e-3f * white; })},
+            {"sun on black", image_of(16, 9, [&](int x, int y) { return x == 0 && y == 3 ? white : black; })},
+            {"black rows", image_of(6, 8, [&](int x, int y) { return y % 3 == 1 ? noise(x, y) : black; })},
+            {"north pole", image_of(8, 6, [&](int, int y) { return y == 0 ? white : black; })},
+            {"south pole", image_of(8, 6, [&](int, int y) { return y == 5 ? white : black; })},
+            {"one row", image_of(5, 1, noise)},
+            {"one column", image_of(1, 6, noise)},
+            {"one texel", image_of(1, 1, noise)}};
+}
+
+/// The cells between texel centres have their corners at these counts per half and full turn.
+double cell_integral(const Image& image, const std::function<double(const Vec3&)>& f) {
+    // Columns begin half a texel off, so two cells a texel keep the kinks of the interpolation on cell boundaries.
+    return test::sphere_integral(4 * std::max(image.height - 1, 1), 2 * image.width, 16, f);
+}
+
+TEST(EnvironmentMap, TexelsLieWhereMitsubaPutsThem) {
+    const int width = 8, height = 5;
+    const Image image = image_of(width, height, noise);
+    const EnvironmentMap map = map_of(image);
+    for (int y = 1; y + 1 < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Vec3 w =
+                envmap_direction(std::numbers::pi * y / (height - 1), 2 * std::numbers::pi * (x + 0.5) / width);
+            EXPECT_TRUE(map.radiance(w).isApprox(noise(x, y), 1e-4f)) << x << ' ' << y;
+        }
+    // Row 0 is up (+y). The left edge is -z, a quarter of the width +x, the centre +z: between two columns each.
+    const auto middle_row = [&](int left) { return Color(0.5f * (noise(left, 2) + noise(left + 1, 2))); };
+    EXPECT_TRUE(map.radiance(Vec3::UnitX()).isApprox(middle_row(1), 1e-4f));
+    EXPECT_TRUE(map.radiance(Vec3::UnitZ()).isApprox(middle_row(3), 1e-4f));
+    EXPECT_TRUE(map.radiance(-Vec3::UnitX()).isApprox(middle_row(5), 1e-4f));
+    EXPECT_TRUE(map.radiance(-Vec3::UnitZ()).isApprox(0.5f * (noise(7, 2) + noise(0, 2)), 1e-4f));
+    const Image poles = image_of(4, 3, [](int, int y) { return Color::Constant(static_cast<float>(y)); });
+    EXPECT_NEAR(map_of(poles).radiance(Vec3::UnitY())[0], 0.f, 1e-5f);
+    EXPECT_NEAR(map_of(poles).radiance(-Vec3::UnitY())[0], 2.f, 1e-5f);
+    EXPECT_NEAR(map_of(poles).radiance(envmap_direction(std::numbers::pi / 4, 1))[0], 0.5f, 1e-5f);
+}
+
+TEST(EnvironmentMap, ItsFrameTurnsItWithTheWorld) {
+    Frame frame;  // the map's +y lies along the world's +x, its +z along +y, its +x along +z
+    frame.s = Vec3::UnitZ();
+    frame.t = Vec3::UnitX();
+    frame.n = Vec3::UnitY();
+    const Image image = image_of(8, 5, noise);
+    const EnvironmentMap turned(image, frame), straight = map_of(image);
+    for (int i = 0; i < 50; ++i) {
+        const Vec3 w = square_to_sphere(Sampler(PointSet::sobol, 1, 0, static_cast<std::uint32_t>(i)).get_2d(0));
+        EXPECT_TRUE(turned.radiance(Vec3(w.y(), w.z(), w.x())).isApprox(straight.radiance(w), 1e-4f));
+        EXPECT_NEAR(turned.pdf_w(Vec3(w.y(), w.z(), w.x())) / straight.pdf_w(w), 1.f, 1e-4f);
+    }
+}
+
+TEST(EnvironmentMap, PdfIntegratesToOneAndTheIntegralIsThatOfRadiance) {
+    for (const auto& [name, image] : hard_maps()) {
+        const EnvironmentMap map = map_of(image);
+        EXPECT_NEAR(cell_integral(image, [&](const Vec3& w) { return static_cast<double>(map.pdf_w(w)); }), 1, 1e-3)
+            << name;
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(cell_integral(image, [&](const Vec3& w) { return static_cast<double>(map.radiance(w)[c]); }),
+                        map.integral()[c], 1e-3 * map.integral()[c])
+                << name;
+    }
+}
+
+TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
+    for (const auto& [name, image] : hard_maps()) {
+        const EnvironmentMap map = map_of(image);
+        for (std::uint32_t i = 0; i < 4096; ++i) {
+            const auto sample = map.sample(Sampler(PointSet::sobol, 3, 0, i).get_2d(0));
+            EXPECT_NEAR(sample.w.norm(), 1.f, 1e-6f);
+            // The direction's rounding moves it by 1e-7, which is 1e-6 of a cell, in which radiance may change a
+            // millionfold.
+            EXPECT_TRUE(sample.radiance.isApprox(map.radiance(sample.w), 1e-3f) || sample.radiance.maxCoeff() < 1e-4f)
+                << name;
+            EXPECT_NEAR(sample.pdf_w / map.pdf_w(sample.w), 1.f, 1e-3f) << name;
+        }
+    }
+}
+
+// For any function g, the mean of g / pdf over samples is its integral: here of 1 in eight octants and of the radiance.
+// 11 maps x 9 means at 4.5 standard errors: a false alarm in 1e-3 of all seeds, and the seed is fixed.
+TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
+    for (const auto& [name, image] : hard_maps()) {
+        const EnvironmentMap map = map_of(image);
+        std::array<Moments, 9> means;  // the first eight by the signs of x, y and z
+        for (std::uint32_t i = 0; i < samples; ++i) {
+            const auto s = map.sample(Sampler(PointSet::independent, 5, i, 0).get_2d(0));
+            const auto octant = static_cast<std::size_t>((s.w.x() > 0) + 2 * (s.w.y() > 0) + 4 * (s.w.z() > 0));
+            means[octant].add(1 / static_cast<double>(s.pdf_w));
+            means[8].add(static_cast<double>(s.radiance[1] / s.pdf_w));
+        }
+        for (std::size_t octant = 0; octant < 8; ++octant)
+            EXPECT_NEAR(means[octant].mean_of(samples), std::numbers::pi / 2,
+                        4.5 * means[octant].standard_error_of(samples))
+                << name << octant;
+        const double integral = map.integral()[1];
+        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral)
+            << name;
+        // In proportion to luminance but for the uniform tenth: the estimate of a grey map's integral hardly scatters.
+        const bool concentrated = std::string(name) == "sun on black" || std::string(name) == "north pole";
+        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples))
+            << name;
+    }
+}
+
+TEST(EnvironmentMap, IsFiniteAtThePolesAndAtTheSeam) {
+    for (const auto& [name, image] : hard_maps()) {
+        const EnvironmentMap map = map_of(image);
+        for (const Vec3& w :
+             {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, -1), Vec3(-0.f, 0, -1), Vec3(1e-30f, 1, -1e-30f),
+              Vec3(-1e-8f, 0, -1), Vec3(1e-8f, 0, -1), Vec3(0, 1.0000001f, 0)}) {
+            EXPECT_TRUE(map.radiance(w).isFinite().all() && (map.radiance(w) >= 0).all()) << name;
+            EXPECT_TRUE(std::isfinite(map.pdf_w(w)) && map.pdf_w(w) > 0) << name;
+        }
+        for (const float a : {0.f, 0.1f, 0x1.fffffep-1f})
+            for (const float b : {0.f, 0.5f, 0x1.fffffep-1f}) {
+                const auto s = map.sample(Vec2(a, b));
+                EXPECT_TRUE(s.w.allFinite() && s.radiance.isFinite().all() && std::isfinite(s.pdf_w) && s.pdf_w > 0)
+                    << name << ' ' << a << ' ' << b;
+            }
+    }
+}
+
+TEST(EnvironmentMap, RadianceOfAnyMagnitudeIsSampled) {
+    for (const float scale : {1e-38f, 1e-30f, 1e30f}) {
+        const Image dim = image_of(5, 4, [&](int x, int y) { return Color(scale * noise(x, y)); });
+        const EnvironmentMap map = map_of(dim), plain = map_of(image_of(5, 4, noise));
+        EXPECT_NEAR(map.integral()[0] / static_cast<double>(scale) / plain.integral()[0], 1, 1e-4);
+        for (std::uint32_t i = 0; i < 64; ++i) {
+            const Vec2 u = Sampler(PointSet::sobol, 3, 0, i).get_2d(0);
+            EXPECT_NEAR(map.sample(u).pdf_w / plain.sample(u).pdf_w, 1.f, 1e-3f) << scale;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace gib

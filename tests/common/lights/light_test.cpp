@@ -1,0 +1,420 @@
+// Emitters against closed forms: power, irradiance, emission, and the densities that methods weigh samples with.
+
+#include "common/scene/effects.h"
+#include "tests/support/light_fixtures.h"
+
+namespace gib {
+namespace {
+
+using test::envmap_xml;
+using test::image_of;
+using test::load;
+using test::Mean;
+using test::mean_over_samples;
+using test::noise;
+using test::TemporaryFolder;
+
+constexpr double pi_d = std::numbers::pi;
+constexpr double degree = pi_d / 180;
+
+/// A ball of radius 1 around the origin, black, so that lights have a scene.
+const std::string ball = "<shape type='sphere'><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf></shape>";
+
+std::string spot_xml(double cutoff, double beam, const std::string& more) {
+    return "<emitter type='spot'><float name='cutoff_angle' value='" + std::to_string(cutoff) +
+           "'/><float name='beam_width' value='" + std::to_string(beam) + "'/>" + more + "</emitter>";
+}
+
+const std::string checkers =
+    "<texture name='texture' type='checkerboard'><rgb name='color0' value='1 0 0.5'/><rgb name='color1' value='0 1 "
+    "0.1'/>"
+    "<transform name='to_uv'><scale x='3' y='2'/></transform></texture>";
+
+/// Irradiance at p with normal n, from samples of all lights, nothing hidden.
+Mean irradiance(const Scene& scene, const Vec3& p, const Vec3& n, int channel, int samples) {
+    return mean_over_samples(samples, [&](const Sampler& sampler) {
+        const auto light = scene.sample_light(p, sampler.get_1d(0), sampler.get_2d(1));
+        if (!light) return 0.0;
+        EXPECT_NEAR(light->wi.norm(), 1.f, 1e-6f);
+        return static_cast<double>(light->Le[channel] * std::max(light->wi.dot(n), 0.f) / light->pdf_w);
+    });
+}
+
+/// Power [W] of a spot by midpoints over its cone.
+Colord spot_power(const SpotLight& spot, double cutoff) {
+    constexpr int rings = 2000, sectors = 360;
+    Colord sum = Colord::Zero();
+    for (int i = 0; i < rings; ++i) {
+        const double theta = cutoff * (i + 0.5) / rings;
+        for (int j = 0; j < sectors; ++j) {
+            const double phi = 2 * pi_d * (j + 0.5) / sectors;
+            const Vec3 w =
+                Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)).cast<float>();
+            sum += std::sin(theta) * spot.intensity(w).cast<double>();
+        }
+    }
+    return sum * (cutoff / rings) * (2 * pi_d / sectors);
+}
+
+// The centre and the place on the surface are the same floats, or neighbours.
+TEST(AreaLight, SpheresOfSomeUlpsShineFromTheSideThatIsSeen) {
+    const Vec3 center(4.3f, -1.7f, 5.f);
+    for (const float radius : {1e-9f, 1e-8f, 1e-7f, 3e-7f, 1e-6f}) {
+        const std::vector<Shape> shapes = {Sphere{center, radius}};
+        const AreaLight light(0, shapes[0], Texture(Color(Color::Ones())));
+        for (const float phi : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f}) {
+            const Vec3 p = center + Vec3(2.f * std::cos(phi), 3.f * std::sin(phi), -4.f);
+            const auto sample = sample_light(light, shapes, p, Vec2(0.f, 0.5f));  // the middle of its disc
+            ASSERT_TRUE(sample);
+            EXPECT_LT((sample->target - center).normalized().dot(sample->wi), -0.9f) << radius << ' ' << phi;
+            const EmissionSample start = sample_emission(light, shapes, Vec2(0.3f, 0.2f * phi), Vec2(0.f, 0.2f * phi));
+            EXPECT_NEAR(start.normal.norm(), 1.f, 1e-6f) << radius << ' ' << phi;
+            EXPECT_GT((start.ray.o - center).normalized().dot(start.normal), 0.9f) << radius << ' ' << phi;
+        }
+    }
+}
+
+TEST(SpotLight, PowerIsTheIntegralOfItsIntensity) {
+    for (const auto& [cutoff, beam] : {std::pair(20.0, 15.0), std::pair(20.0, 0.0), std::pair(20.0, 20.0),
+                                       std::pair(180.0, 90.0), std::pair(180.0, 180.0), std::pair(0.01, 0.004)}) {
+        const auto scene = load(ball + spot_xml(cutoff, beam, "<rgb name='intensity' value='2 1 3'/>"));
+        const auto& spot = std::get<SpotLight>(scene.scene->lights()[0]);
+        const Colord expected = spot_power(spot, cutoff * degree);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(power_of(spot)[c], expected[c], 1e-3 * expected[c]) << cutoff << ' ' << beam;
+    }
+    const auto scene = load(ball + spot_xml(40, 30, checkers));
+    const auto& spot = std::get<SpotLight>(scene.scene->lights()[0]);
+    const Colord expected = spot_power(spot, 40 * degree);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(power_of(spot)[c], expected[c], 3e-3 * expected[c]);
+}
+
+// From (1, 2, 3) along +x, its y along z: Mitsuba's lookat gives left = up x forward.
+TEST(SpotLight, FallsOffLinearlyInAngleFromBeamToCutoff) {
+    const auto scene =
+        load(ball + spot_xml(40, 10,
+                             "<rgb name='intensity' value='6'/><transform name='to_world'><scale "
+                             "value='2'/><lookat origin='1,2,3' target='5,2,3' up='0,0,1'/></transform>"));
+    const auto at = [&](double angle) {
+        const Vec3 p = Vec3(1, 2, 3) + 2 * Vec3d(std::cos(angle * degree), 0.6 * std::sin(angle * degree),
+                                                 -0.8 * std::sin(angle * degree))
+                                               .cast<float>();
+        const auto sample = scene.scene->sample_light(p, 0.f, Vec2(0.5f, 0.5f));
+        if (!sample) return 0.0;
+        EXPECT_TRUE(sample->delta);
+        EXPECT_EQ(sample->pdf_w, 1.f);
+        EXPECT_TRUE(sample->target.isApprox(Vec3(1, 2, 3)));
+        return static_cast<double>(sample->Le[0]);
+    };
+    EXPECT_NEAR(at(0), 6.0 / 4, 1e-5);
+    EXPECT_NEAR(at(9.99), 6.0 / 4, 1e-5);
+    EXPECT_NEAR(at(20), 6.0 / 4 * 20 / 30, 1e-5);
+    EXPECT_NEAR(at(39), 6.0 / 4 * 1 / 30, 1e-5);
+    EXPECT_EQ(at(40.01), 0);
+    EXPECT_EQ(at(180), 0);
+}
+
+// Narrower than a float's cosine can tell from the axis: 1 - cos(0.005 degrees) is 4e-9.
+TEST(SpotLight, NarrowBeamsKeepTheirFallOff) {
+    const auto scene = load(ball + spot_xml(0.01, 0, "<transform name='to_world'><translate z='-100'/></transform>"));
+    for (const double share : {0.1, 0.5, 0.9}) {
+        const double angle = (1 - share) * 0.01 * degree;
+        const auto sample =
+            scene.scene->sample_light(Vec3(static_cast<float>(100 * std::tan(angle)), 0, 0), 0.f, Vec2(0.5f, 0.5f));
+        ASSERT_TRUE(sample);
+        EXPECT_NEAR(sample->Le[0] * 1e4, share, 1e-3);
+    }
+}
+
+// The slide fills the square around the cut-off circle: u grows along x, v along y.
+TEST(SpotLight, ProjectsItsTexture) {
+    const auto scene = load(
+        ball + spot_xml(45, 45,
+                        "<texture name='texture' type='checkerboard'><rgb name='color0' value='1'/><rgb name='color1' "
+                        "value='0.25'/></texture>"));
+    const auto& squares = std::get<SpotLight>(scene.scene->lights()[0]);
+    EXPECT_EQ(squares.intensity(Vec3(0.3f, 0.3f, 1).normalized())[0], 1.f);
+    EXPECT_EQ(squares.intensity(Vec3(-0.3f, -0.3f, 1).normalized())[0], 1.f);
+    EXPECT_EQ(squares.intensity(Vec3(-0.3f, 0.3f, 1).normalized())[0], 0.25f);
+    EXPECT_EQ(squares.intensity(Vec3(0.9f, 0.9f, 1).normalized())[0], 0.f);
+}
+
+TEST(DirectionalLight, IrradianceIsThatOfParallelLight) {
+    for (const char* place : {"<vector name='direction' x='0' y='3' z='-4'/>",
+                              "<transform name='to_world'><scale value='5'/><lookat origin='7,7,7' target='7,10,3' "
+                              "up='1,0,0'/></transform>"}) {
+        const auto scene =
+            load(ball + "<emitter type='directional'><rgb name='irradiance' value='2 4 6'/>" + place + "</emitter>");
+        const auto sample = scene.scene->sample_light(Vec3(0, 0, 1), 0.f, Vec2(0.5f, 0.5f));
+        ASSERT_TRUE(sample);
+        EXPECT_TRUE(sample->wi.isApprox(Vec3(0, -0.6f, 0.8f)));
+        EXPECT_TRUE(sample->delta);
+        EXPECT_NEAR(irradiance(*scene.scene, Vec3(0, 0, 1), Vec3::UnitZ(), 1, 16).value, 4 * 0.8, 1e-5);
+        // The shadow ray ends outside of everything, from anywhere.
+        for (const Vec3& p : {Vec3(0, 0, 1), Vec3(0, 30, -40)})
+            EXPECT_GT(scene.scene->sample_light(p, 0.f, Vec2())->target.norm(), 1.8f);
+        // Its power passes the sphere around the ball's box, of radius sqrt(3).
+        EXPECT_NEAR(scene.scene->emitted_power()[0], 2 * 3 * pi_d, 1e-3);
+    }
+}
+
+TEST(Environment, IrradianceOfAConstantOneIsPiL) {
+    const auto scene = load(ball + "<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>");
+    const Mean E = irradiance(*scene.scene, Vec3(0, 0, 1), Vec3(0.6f, 0, 0.8f), 2, 200'000);
+    EXPECT_NEAR(E.value, 3 * pi_d, 4 * E.error);
+    EXPECT_NEAR(scene.scene->environment_pdf_w(Vec3::Zero(), Vec3::UnitX()), 1 / (4 * pi_d), 1e-7);
+    EXPECT_EQ(scene.scene->environment_radiance(Vec3::UnitX())[1], 2.f);
+    EXPECT_NEAR(scene.scene->emitted_power()[0], 4 * pi_d * 3 * pi_d, 1e-2);
+}
+
+TEST(Environment, IrradianceOfAMapIsItsIntegral) {
+    const TemporaryFolder folder;
+    const Image image =
+        image_of(16, 9, [](int x, int y) { return Color((x == 3 && y == 2 ? 500.f : 1.f) * noise(x, y)); });
+    const auto scene = load(ball + envmap_xml(folder, image,
+                                              "<float name='scale' value='2'/><transform name='to_world'><rotate x='1' "
+                                              "y='2' angle='33'/></transform>"));
+    const Vec3 n = Vec3(1, 2, -2) / 3.f;
+    // The rotation keeps the measure, and quadrature in world space does not know of it.
+    const double expected = test::sphere_integral(90, 180, 4, [&](const Vec3& w) {
+        return static_cast<double>(scene.scene->environment_radiance(w)[0] * std::max(w.dot(n), 0.f));
+    });
+    const Mean E = irradiance(*scene.scene, n, n, 0, 100'000);
+    EXPECT_NEAR(E.value, expected, 4 * E.error + 1e-3 * expected);
+    EXPECT_LT(E.error, 0.01 * expected);
+}
+
+TEST(Environment, ToWorldTurnsTheMap) {
+    const TemporaryFolder folder;
+    const Image image = image_of(8, 5, noise);
+    const auto radiance = [&](const std::string& transform, const Vec3& w) {
+        return load(ball + envmap_xml(folder, image, "<transform name='to_world'>" + transform + "</transform>"))
+            .scene->environment_radiance(w);
+    };
+    const auto texel = [](double column, double row) {
+        return test::envmap_direction(pi_d * row / 4, 2 * pi_d * (column + 0.5) / 8);
+    };
+    const Vec3 w = texel(2, 1);
+    EXPECT_TRUE(radiance("<scale value='1'/>", w).isApprox(noise(2, 1), 1e-4f));
+    // A right-handed turn about y by 90 degrees takes z to x: (x, y, z) comes from (-z, y, x).
+    EXPECT_TRUE(radiance("<rotate y='1' angle='90'/>", Vec3(w.z(), w.y(), -w.x())).isApprox(noise(2, 1), 1e-4f));
+    EXPECT_TRUE(radiance("<rotate x='1' angle='90'/>", Vec3(w.x(), -w.z(), w.y())).isApprox(noise(2, 1), 1e-4f));
+    EXPECT_TRUE(radiance("<scale x='-1'/>", Vec3(-w.x(), w.y(), w.z())).isApprox(noise(2, 1), 1e-4f));
+    EXPECT_TRUE(radiance("<translate x='9'/>", w).isApprox(noise(2, 1), 1e-4f));
+}
+
+TEST(Environment, AFarSceneMovesLightsButTurnsNone) {
+    const auto scene = load(
+        "<shape type='sphere'><point name='center' x='1e8' y='-2e8' z='0.25'/></shape>"
+        "<emitter type='spot'><transform name='to_world'><lookat origin='1e8,-2e8,5.25' target='1e8,-2e8,0' "
+        "up='0,1,0'/></transform></emitter><emitter type='directional'><vector name='direction' x='1' y='0' "
+        "z='0'/></emitter>"
+        "<emitter type='constant'/>");
+    EXPECT_TRUE(std::get<SpotLight>(scene.scene->lights()[0]).position().isApprox(Vec3(0, 0, 5)));
+    EXPECT_EQ(std::get<DirectionalLight>(scene.scene->lights()[1]).direction, Vec3(1, 0, 0));
+    EXPECT_LT(std::get<ConstantEnvironment>(scene.scene->lights()[2]).scene.center.norm(), 1e-6f);
+}
+
+const std::string lamp =
+    "<shape type='rectangle'><transform name='to_world'><scale x='2' y='1'/><rotate x='1' angle='180'/><translate "
+    "z='4'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf><emitter type='area'>";
+const std::string checkered_radiance =
+    "<texture name='radiance' type='checkerboard'><rgb name='color0' value='8 0 1'/><rgb name='color1' value='0 2 1'/>"
+    "<transform name='to_uv'><scale x='2' y='1'/></transform></texture></emitter></shape>";
+
+TEST(AreaLight, TexturesFollowTheUvOfTheShape) {
+    const auto scene = load(lamp + checkered_radiance);
+    const auto Le = [&](float x, float y) {
+        const auto hit = scene.scene->intersect({Vec3(x, y, -9), Vec3(0, 0, 1)});
+        EXPECT_TRUE(hit && hit->emitter);
+        EXPECT_TRUE(is_black(hit->Le(Vec3(0, 0, 1)))) << "the back emits nothing";
+        return hit->Le(Vec3(0, 0, -1));
+    };
+    // u grows along x; the turn about x has v grow towards -y. Squares of a quarter by half of the lamp's 4 x 2.
+    EXPECT_TRUE(Le(-1.5f, 0.5f).isApprox(Color(8, 0, 1)));
+    EXPECT_TRUE(Le(-0.5f, 0.5f).isApprox(Color(0, 2, 1)));
+    EXPECT_TRUE(Le(-1.5f, -0.5f).isApprox(Color(0, 2, 1)));
+    EXPECT_TRUE(Le(1.5f, -0.5f).isApprox(Color(8, 0, 1)));
+    // Half of the area has each colour: pi A (L0 + L1) / 2.
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(scene.scene->emitted_power()[c], pi_d * 8 * Colord(4, 1, 1)[c], 2e-3 * pi_d * 8);
+}
+
+// Whatever a sample of an area light says must be what a ray towards it finds.
+TEST(AreaLight, SamplesAgreeWithRaysThatHitThem) {
+    const std::string texture = checkered_radiance;
+    const std::string round =
+        "<bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf><emitter type='area'>" + texture;
+    for (const std::string& shape :
+         {lamp + texture, "<shape type='sphere'>" + round, "<shape type='disk'>" + round, "<shape type='cube'>" + round,
+          "<shape type='sphere'><boolean name='flip_normals' value='true'/>" + round}) {
+        const auto scene = load(shape);
+        int found = 0;
+        for (std::uint32_t i = 0; i < 500; ++i) {
+            const Sampler sampler(PointSet::sobol, 9, 0, i);
+            const Vec3 p = 3.f * square_to_sphere(sampler.get_2d(1)) * sampler.get_1d(2);
+            const auto light = scene.scene->sample_light(p, 0.f, sampler.get_2d(0));
+            if (!light) continue;
+            const auto hit = scene.scene->intersect({p, light->wi});
+            ASSERT_TRUE(hit) << shape;
+            // Another part of the same light may stand before it, and at the rim of a sphere rays miss by rounding.
+            if (std::abs((hit->p - p).norm() - light->distance) > 1e-3f) continue;
+            ++found;
+            EXPECT_NEAR(scene.scene->light_pdf_w(p, *hit) / light->pdf_w, 1.f, 0.02f) << shape;
+            const Color Le = hit->Le(-light->wi);
+            found -= !Le.isApprox(light->Le, 1e-3f);  // next to an edge of a square
+        }
+        EXPECT_GT(found, 50) << shape;
+    }
+}
+
+/// Lights of every kind, each alone in a scene with the ball.
+std::vector<std::pair<std::string, std::string>> every_light(const TemporaryFolder& folder) {
+    const Image image =
+        image_of(9, 6, [](int x, int y) { return Color((x == 3 && y == 2 ? 30.f : 1.f) * noise(x, y)); });
+    return {{"point", "<emitter type='point'><point name='position' x='0' y='0' z='3'/></emitter>"},
+            {"spot", spot_xml(70, 20, "<rgb name='intensity' value='1 2 3'/>")},
+            {"slide", spot_xml(50, 20, checkers)},
+            {"directional", "<emitter type='directional'><rgb name='irradiance' value='1 2 3'/></emitter>"},
+            {"constant", "<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>"},
+            {"envmap", envmap_xml(folder, image)},
+            {"area", lamp + "<rgb name='radiance' value='1 2 3'/></emitter></shape>"},
+            {"textured area", lamp + checkered_radiance}};
+}
+
+TEST(EveryLight, MeanOfEmissionIsThePower) {
+    const TemporaryFolder folder;
+    for (const auto& [name, xml] : every_light(folder)) {
+        const auto scene = load(ball + xml);
+        const Colord power = scene.scene->emitted_power();
+        for (int c = 0; c < 3; ++c) {
+            const Mean mean = mean_over_samples(100'000, [&](const Sampler& sampler) {
+                const auto start =
+                    scene.scene->sample_emission(sampler.get_1d(0), sampler.get_2d(1), sampler.get_2d(2));
+                EXPECT_NEAR(start.ray.d.norm(), 1.f, 1e-5f);
+                return start.power[c];
+            });
+            // The power of textures is a sum over 65536 points: 2e-3.
+            EXPECT_NEAR(mean.value, power[c], 4 * mean.error + 2e-3 * power[c]) << name;
+        }
+    }
+}
+
+// Light that crosses the ball, followed from the lights, is what the ball's surface receives: power of the photons that
+// hit it against the irradiance of its points, integrated over it. The two know nothing of each other.
+TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
+    const TemporaryFolder folder;
+    const std::string above =
+        "<transform name='to_world'><lookat origin='0,0,3' target='0.5,0,0' up='0,1,0'/></transform>";
+    auto lights = every_light(folder);
+    lights[1].second = spot_xml(30, 10, above);
+    lights[2].second = spot_xml(30, 10, above + checkers);
+    for (const auto& [name, xml] : lights) {
+        const auto scene = load(ball + xml);
+        const Scene& s = *scene.scene;
+        // The scene is moved by the middle of its box, which a lamp above shifts.
+        const auto& sphere = std::get<Sphere>(s.shapes()[0]);
+        const auto hits_ball = [&](const Ray& ray) { return intersect(sphere, ray).has_value(); };
+        const Mean followed = mean_over_samples(200'000, [&](const Sampler& sampler) {
+            const auto start = s.sample_emission(sampler.get_1d(0), sampler.get_2d(1), sampler.get_2d(2));
+            return hits_ball(start.ray) ? start.power[1] : 0.0;
+        });
+        const Mean received = mean_over_samples(200'000, [&](const Sampler& sampler) {
+            const Vec3 n = square_to_sphere(sampler.get_2d(3));
+            const auto light = s.sample_light(sphere.center + n, sampler.get_1d(0), sampler.get_2d(1));
+            if (!light) return 0.0;
+            return 4 * pi_d * static_cast<double>(light->Le[1] * std::max(light->wi.dot(n), 0.f) / light->pdf_w);
+        });
+        EXPECT_GT(received.value, 0) << name;
+        EXPECT_NEAR(followed.value, received.value, 4 * std::hypot(followed.error, received.error)) << name;
+        EXPECT_LT(received.error + followed.error, 0.03 * received.value) << name;
+    }
+}
+
+TEST(EveryLight, DensitiesIncludeTheChoiceOfTheLight) {
+    const TemporaryFolder folder;
+    std::string all = ball;
+    // One environment and, in one place, one lamp: more are refused.
+    for (const auto& [name, xml] : every_light(folder))
+        if (name != "constant" && name != "area") all += xml;
+    const auto scene = load(all);
+    const Scene& s = *scene.scene;
+    ASSERT_TRUE(s.environment());
+    const Vec3 p(0, 0, -5);
+    int environment = 0;
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+        const Sampler sampler(PointSet::sobol, 2, 0, i);
+        const auto light = s.sample_light(p, sampler.get_1d(0), sampler.get_2d(1));
+        if (!light || light->delta) continue;
+        if (light->distance == infinity) {
+            ++environment;
+            EXPECT_NEAR(s.environment_pdf_w(p, light->wi) / light->pdf_w, 1.f, 1e-3f);
+            EXPECT_TRUE(s.environment_radiance(light->wi).isApprox(light->Le, 1e-3f));
+        }
+    }
+    EXPECT_GT(environment, 100);
+}
+
+TEST(BlackLights, AreNoLights) {
+    const TemporaryFolder folder, another;
+    const std::string black_squares =
+        " type='checkerboard'><rgb name='color0' value='0'/><rgb name='color1' value='0'/></texture>";
+    for (const std::string& xml :
+         {envmap_xml(folder, image_of(4, 3, [](int, int) { return Color(Color::Zero()); })),
+          envmap_xml(another, image_of(4, 3, noise), "<float name='scale' value='0'/>"),
+          std::string("<emitter type='constant'><rgb name='radiance' value='0'/></emitter>"),
+          std::string("<emitter type='directional'><rgb name='irradiance' value='0'/></emitter>"),
+          spot_xml(20, 10, "<rgb name='intensity' value='0'/>"),
+          spot_xml(20, 10, "<texture name='texture'" + black_squares),
+          lamp + "<texture name='radiance'" + black_squares + "</emitter></shape>"}) {
+        const auto scene = load(ball + xml);
+        EXPECT_FALSE(scene.scene->has_light()) << xml;
+        EXPECT_FALSE(scene.scene->environment()) << xml;
+        EXPECT_FALSE(scene.scene->sample_light(Vec3(0, 0, 2), 0.3f, Vec2(0.3f, 0.3f))) << xml;
+    }
+}
+
+TEST(Effects, EnvironmentsAndTexturedLightsAreFound) {
+    const auto effects = [](const std::string& light) {
+        return effects_of(*load("<shape type='sphere'/>" + light).scene);
+    };
+    EXPECT_TRUE(effects("<emitter type='constant'/>").has(Effect::environment_light));
+    EXPECT_TRUE(effects("<emitter type='constant'/>").has(Effect::direct_light));
+    EXPECT_TRUE(effects_of(*load(lamp + checkered_radiance).scene).has(Effect::textures));
+    EXPECT_TRUE(effects(spot_xml(20, 10, checkers)).has(Effect::textures));
+    EXPECT_FALSE(effects("<emitter type='spot'/>").has(Effect::textures));
+    for (const char* light : {"<emitter type='directional'/>", "<emitter type='spot'/>"}) {
+        EXPECT_FALSE(effects(light).has(Effect::environment_light)) << light;
+        EXPECT_TRUE(effects(light).has(Effect::direct_light)) << light;
+    }
+}
+
+TEST(PolarRamp, SamplesInvertTheIntegral) {
+    for (const PolarRamp& ramp :
+         {PolarRamp{0, std::numbers::pi, 1, 0}, PolarRamp{0, 0.1, 0, 1}, PolarRamp{0.5, 0.6, 0, 1},
+          PolarRamp{3.0, std::numbers::pi, 1, 5}, PolarRamp{0, 1e-6, 1, 0}, PolarRamp{1e-7, 2e-7, 1, 0},
+          PolarRamp{1, 1 + 1e-7, 1, 2}}) {
+        const double width = ramp.theta1 - ramp.theta0;
+        constexpr int n = 20'000;
+        double sum = 0;
+        for (int i = 0; i < n; ++i) {
+            const double t = (i + 0.5) / n;
+            sum += (ramp.f0 + (ramp.f1 - ramp.f0) * t) * std::sin(ramp.theta0 + t * width) * width / n;
+        }
+        EXPECT_NEAR(ramp.integral() / sum, 1, 1e-6) << ramp.theta0;
+        double last = ramp.theta0;
+        for (const double u : {0.0, 1e-9, 0.1, 0.5, 0.9, 1 - 1e-9, 1.0}) {
+            const double theta = ramp.sample(u);
+            EXPECT_GE(theta, last - 1e-12 * width);
+            EXPECT_LE(theta, ramp.theta1);
+            last = theta;
+            const PolarRamp part{ramp.theta0, theta, ramp.f0,
+                                 ramp.f0 + (ramp.f1 - ramp.f0) * (theta - ramp.theta0) / width};
+            EXPECT_NEAR(part.integral() / ramp.integral(), u, 1e-7) << ramp.theta0 << ' ' << u;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,246 @@
+#include "common/materials/rough_scattering.h"
+
+#include "tests/common/materials/scattering_fixtures.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+constexpr std::array<MicrofacetType, 2> types = {MicrofacetType::beckmann, MicrofacetType::ggx};
+
+RoughConductor mirror(const MicrofacetDistribution& d) { return {{}, d}; }
+RoughDielectric glass(const MicrofacetDistribution& d, float eta = 1.5f) { return {eta, 0.f, d}; }
+
+std::string name_of(const MicrofacetDistribution& d, double degrees) {
+    return std::string(microfacet_type_names[static_cast<std::size_t>(d.type)]) + ' ' + std::to_string(d.alpha_u) +
+           ' ' + std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
+}
+
+TEST(RoughScattering, SamplesCarryTheirOwnValueAndDensityAndWeighAtMostOne) {
+    for (auto type : types)
+        for (auto [au, av] : {std::pair(0.05f, 0.3f), std::pair(0.5f, 0.5f), std::pair(1.f, 0.2f)})
+            for (double degrees : {0.0, 30.0, 60.0, 80.0, 89.0, 89.9}) {
+                const MicrofacetDistribution d{type, au, av};
+                const Vec3 wo = direction_at(degrees, 0.8);
+                const float tolerance = degrees > 88 ? 5e-3f : 5e-4f;
+                expect_samples_agree(mirror(d), wo, tolerance, name_of(d, degrees));
+                expect_samples_agree(glass(d), wo, tolerance, name_of(d, degrees));
+                expect_samples_agree(glass(d), Vec3(wo.x(), wo.y(), -wo.z()), tolerance,
+                                     name_of(d, degrees) + " below");
+            }
+}
+
+// What is missing from 1 is what the facets send to the wrong side: the share of empty samples.
+TEST(RoughScattering, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
+    for (auto type : types)
+        for (auto [au, av] : {std::pair(0.2f, 0.2f), std::pair(0.6f, 0.6f), std::pair(1.f, 0.3f)})
+            for (double degrees : {0.0, 40.0, 75.0, 89.0}) {
+                const MicrofacetDistribution d{type, au, av};
+                const Vec3 wo = direction_at(degrees, 0.8);
+                const RoughConductor m = mirror(d);
+                EXPECT_NEAR(sphere_integral(mirrored_direction(wo),
+                                            [&](const Vec3& wi) { return m.pdf_w_local(wo, wi, Lobes::all); }),
+                            sampled_share(m, wo).valid, 3e-3)
+                    << name_of(d, degrees);
+                for (float side : {1.f, -1.f}) {
+                    const RoughDielectric g = glass(d);
+                    const Vec3 o(wo.x(), wo.y(), side * wo.z());
+                    const auto on_side = [&](float sign) {
+                        return [&, sign](const Vec3& wi) {
+                            return wi.z() * sign > 0 ? g.pdf_w_local(o, wi, Lobes::all) : 0.f;
+                        };
+                    };
+                    const double sum = sphere_integral(mirrored_direction(o), on_side(side)) +
+                                       sphere_integral(Vec3(-o), on_side(-side));
+                    EXPECT_NEAR(sum, sampled_share(g, o).valid, 3e-3) << name_of(d, degrees) << " side " << side;
+                }
+            }
+}
+
+// Veach 1997, equation 5.14: f(o, i) / eta_i^2 is symmetric for radiance; for power, f is that of radiance with its
+// arguments exchanged.
+TEST(RoughScattering, IsReciprocalWithTheSquaredIndex) {
+    for (auto type : types) {
+        const MicrofacetDistribution d{type, 0.7f, 0.4f};
+        const RoughConductor metal{ConductorIndex{Color(0.2f, 0.9f, 1.5f), Color(3.f, 2.f, 2.f)}, d,
+                                   Color(0.9f, 1.f, 0.5f)};
+        const RoughDielectric g{1.5f, 0.f, d, Color(0.9f, 0.5f, 1.f), Color(0.3f, 0.8f, 0.6f)};
+        int refracted = 0;
+        for (double a : {5.0, 40.0, 85.0, 110.0, 160.0})
+            for (double b : {10.0, 50.0, 88.0, 95.0, 150.0, 175.0}) {
+                const Vec3 o = direction_at(a, 0.4), i = direction_at(b, 2.9);
+                const auto close = [](const Color& x, const Color& y) {
+                    return ((x - y).abs() <= 1e-4f * (x + y)).all();
+                };
+                EXPECT_TRUE(close(metal.f_local(o, i, Transport::radiance).sum(),
+                                  metal.f_local(i, o, Transport::radiance).sum()));
+                const float eta_o = o.z() > 0 ? 1.f : 1.5f, eta_i = i.z() > 0 ? 1.f : 1.5f;
+                const Color there = g.f_local(o, i, Transport::radiance).sum(),
+                            back = g.f_local(i, o, Transport::radiance).sum();
+                EXPECT_TRUE(close(there * sqr(eta_i), back * sqr(eta_o))) << a << ' ' << b;
+                EXPECT_TRUE(close(g.f_local(o, i, Transport::power).sum(), back)) << a << ' ' << b;
+                refracted += o.z() * i.z() < 0 && there[0] > 0 ? 1 : 0;
+            }
+        EXPECT_GT(refracted, 5);
+    }
+}
+
+// The table at the head of common/materials/rough_scattering.h: the light that single scattering loses [percent].
+TEST(RoughScattering, LosesTheTabulatedShareOfLight) {
+    struct Row {
+        float alpha;
+        std::array<double, 20>
+            lost;  // dielectric: beckmann, ggx; conductor: beckmann, ggx; each at 0, 30, 60, 80, 89 degrees
+    };
+    const std::vector<Row> rows = {
+        {0.01f, {0.0, 0.0, 0.0, 0.0, 5.8, 0.0, 0.0, 0.0, 0.1, 9.2, 0.0, 0.0, 0.0, 0.0, 6.1, 0.0, 0.0, 0.0, 0.2, 9.9}},
+        {0.1f, {0.0, 0.0, 0.0, 3.9, 4.3, 0.1, 0.2, 0.8, 5.8, 7.7, 0.0, 0.0, 0.0, 6.2, 5.0, 1.2, 1.4, 3.1, 10.8, 8.8}},
+        {0.2f, {0.0, 0.0, 0.7, 5.6, 3.3, 0.5, 0.8, 2.8, 8.7, 11.8, 0.0, 0.0, 2.8, 9.2, 4.3, 5.2, 6.1, 10.6, 15.2, 9.9}},
+        {0.3f,
+         {0.0, 0.1, 2.1, 5.0, 2.9, 1.2, 1.7, 5.3, 12.5, 19.3, 0.0, 0.9, 7.7, 8.8, 4.2, 12.3, 13.7, 18.2, 17.9, 12.4}},
+        {0.5f,
+         {0.3, 0.9, 3.7, 4.8, 4.7, 3.2, 4.6, 11.8, 24.8, 36.6, 5.7, 9.7, 13.1, 8.2, 4.4, 31.2, 31.9, 31.4, 25.3, 19.4}},
+        {0.7f, {1.3,  2.3,  4.8,  8.9, 12.8, 5.9,  8.3,  19.9, 38.1, 51.5,
+                25.1, 23.4, 16.5, 8.8, 5.2,  49.7, 48.6, 43.4, 34.3, 27.5}},
+        {1.f, {3.3,  4.6,  9.4,  21.0, 29.8, 10.7, 15.1, 32.8, 54.1, 67.0,
+               53.9, 45.2, 24.4, 12.0, 7.7,  69.3, 67.1, 59.1, 47.7, 39.7}},
+    };
+    constexpr std::array<double, 5> degrees = {0, 30, 60, 80, 89};
+    for (const Row& row : rows)
+        for (std::size_t k = 0; k < 20; ++k) {
+            const MicrofacetDistribution d{types[k / 5 % 2], row.alpha, row.alpha};
+            const Vec3 wo = direction_at(degrees[k % 5], 0.4);
+            const double kept = k < 10 ? sampled_share(glass(d), wo).weight : sampled_share(mirror(d), wo).weight;
+            EXPECT_NEAR(100 - 100 * kept, row.lost[k], 0.2)
+                << name_of(d, degrees[k % 5]) << (k < 10 ? " glass" : " metal");
+        }
+}
+
+// The same shares by integrating f instead of sampling it.
+TEST(RoughScattering, LightOfSamplesIsTheIntegralOfTheFunction) {
+    for (auto type : types)
+        for (double degrees : {0.0, 45.0, 80.0}) {
+            const MicrofacetDistribution d{type, 0.5f, 0.3f};
+            const Vec3 wo = direction_at(degrees, 0.4);
+            const RoughDielectric g = glass(d);
+            const auto on_side = [&](float side) {
+                return [&, side](const Vec3& wi) {
+                    return wi.z() * side > 0 ? g.f_local(wo, wi, Transport::power).sum()[0] * std::abs(wi.z()) : 0.f;
+                };
+            };
+            const double sum =
+                sphere_integral(mirrored_direction(wo), on_side(1.f)) + sphere_integral(Vec3(-wo), on_side(-1.f));
+            EXPECT_NEAR(sum, sampled_share(g, wo).weight, 2e-3) << name_of(d, degrees);
+            EXPECT_NEAR(sampled_share(g, wo, Transport::radiance).weight,
+                        sphere_integral(mirrored_direction(wo), on_side(1.f)) +
+                            sphere_integral(Vec3(-wo), on_side(-1.f)) / sqr(1.5),
+                        2e-3);
+        }
+}
+
+TEST(RoughScattering, TendsToTheSmoothModel) {
+    for (auto type : types)
+        for (double degrees : {0.0, 30.0, 60.0, 80.0}) {
+            const MicrofacetDistribution d{type, 1e-3f, 1e-3f};
+            const Vec3 up = direction_at(degrees, 0.4);
+            for (float side : {1.f, -1.f}) {
+                const Vec3 wo(up.x(), up.y(), side * up.z());
+                EXPECT_NEAR(sampled_share(glass(d), wo).weight, 1, 1e-3) << name_of(d, degrees);
+                RoughDielectric reflecting = glass(d);
+                reflecting.specular_transmittance = Color::Zero();
+                EXPECT_NEAR(sampled_share(reflecting, wo).weight, fresnel_dielectric(wo.z(), 1.5f).reflectance, 1e-3)
+                    << name_of(d, degrees) << " side " << side;
+            }
+            const ConductorIndex gold{Color(0.2f, 0.9f, 1.5f), Color(3.f, 2.f, 2.f)};
+            EXPECT_NEAR(sampled_share(RoughConductor{gold, d}, up).weight,
+                        fresnel_conductor(up.z(), gold.eta, gold.k)[0], 1e-3);
+            // Where the light goes: around the directions of the smooth interface.
+            const auto reflected = glass(d).sample_local(up, 0.f, {0.3f, 0.3f}, Transport::radiance, Lobes::all);
+            const auto refracted = glass(d).sample_local(up, 0.999f, {0.3f, 0.3f}, Transport::radiance, Lobes::all);
+            ASSERT_TRUE(reflected && refracted);
+            EXPECT_LT((reflected->wi - mirrored_direction(up)).norm(), 5e-3f);
+            EXPECT_LT((refracted->wi.head<2>() + up.head<2>() / 1.5f).norm(), 5e-3f);
+            EXPECT_EQ(refracted->eta, 1.5f);
+            EXPECT_EQ(reflected->eta, 1.f);
+        }
+}
+
+TEST(RoughScattering, AnInterfaceWithoutAnIndexChangesNothing) {
+    const RoughDielectric none = glass({MicrofacetType::ggx, 0.5f, 0.5f}, 1.f);
+    EXPECT_TRUE(none.traits().delta);
+    EXPECT_FALSE(none.traits().rough || none.traits().glossy || none.traits().diffuse || none.traits().refraction);
+    for (double degrees : {0.0, 50.0, 89.999, 130.0}) {
+        const Vec3 wo = direction_at(degrees, 1);
+        const auto s = none.sample_local(wo, 0.5f, {0.2f, 0.7f}, Transport::radiance, Lobes::all);
+        ASSERT_TRUE(s && s->delta);
+        EXPECT_EQ(s->wi, Vec3(-wo));
+        EXPECT_NEAR(s->f[0] * std::abs(wo.z()) / s->pdf_w, 1.f, 1e-6f);
+        EXPECT_EQ(none.pdf_w_local(wo, -wo, Lobes::all), 0.f);
+        EXPECT_TRUE(is_black(none.f_local(wo, -wo, Transport::radiance).sum()));
+        EXPECT_FALSE(none.sample_local(wo, 0.5f, {0.2f, 0.7f}, Transport::radiance, Lobes::diffuse));
+    }
+    // Its neighbours are no special case.
+    for (float eta : {1.f + 1e-6f, 1.f - 1e-6f, 1.001f})
+        EXPECT_NEAR(sampled_share(glass({MicrofacetType::ggx, 0.1f, 0.1f}, eta), direction_at(40, 1)).weight, 1, 5e-3)
+            << eta;
+}
+
+TEST(RoughScattering, NothingIsEverNaN) {
+    for (auto type : types)
+        for (float alpha : {0.f, 1e-4f, 0.01f, 1.f}) {
+            const MicrofacetDistribution d{type, alpha, alpha};
+            expect_finite(mirror(d), name_of(d, 0));
+            expect_finite(RoughConductor{ConductorIndex{Color::Zero(), Color::Zero()}, d}, name_of(d, 0));
+            for (float eta : {1.5f, 0.5f, 1.f, 1.0001f, 1.f + 1e-7f})
+                expect_finite(glass(d, eta), name_of(d, 0) + " eta " + std::to_string(eta));
+        }
+}
+
+TEST(RoughScattering, ItsLobeIsDiffuseOrSpecularByTheLargerRoughness) {
+    const Vec3 wo = direction_at(30, 0), wi = direction_at(30, 3.1);
+    const auto check = [&](const auto& model, LobeKind kind) {
+        const bool diffuse = kind == LobeKind::diffuse;
+        EXPECT_EQ(model.traits().diffuse, diffuse);
+        EXPECT_EQ(model.traits().glossy, !diffuse);
+        EXPECT_TRUE(model.traits().rough);
+        EXPECT_FALSE(model.traits().delta);
+        const Lobes own = diffuse ? Lobes::diffuse : Lobes::specular,
+                    other = diffuse ? Lobes::specular : Lobes::diffuse;
+        EXPECT_GT(model.f_local(wo, wi, Transport::radiance).of(own)[0], 0.f);
+        EXPECT_EQ(model.f_local(wo, wi, Transport::radiance).of(other)[0], 0.f);
+        EXPECT_EQ(model.pdf_w_local(wo, wi, own), model.pdf_w_local(wo, wi, Lobes::all));
+        EXPECT_EQ(model.pdf_w_local(wo, wi, other), 0.f);
+        EXPECT_FALSE(model.sample_local(wo, 0.2f, {0.3f, 0.3f}, Transport::radiance, other));
+        EXPECT_EQ(model.sample_local(wo, 0.2f, {0.3f, 0.3f}, Transport::radiance, own)->lobe, kind);
+        EXPECT_GT(model.coefficients_local(wo).of(own)[0], 0.f);
+        EXPECT_EQ(model.coefficients_local(wo).of(other)[0], 0.f);
+    };
+    const MicrofacetDistribution narrow{MicrofacetType::ggx, 0.1f, 0.05f}, wide{MicrofacetType::ggx, 0.05f, 0.11f};
+    check(mirror(narrow), LobeKind::specular);
+    check(mirror(wide), LobeKind::diffuse);
+    check(glass(narrow), LobeKind::specular);
+    check(glass(wide), LobeKind::diffuse);
+    EXPECT_TRUE(glass(wide).traits().refraction && glass(wide).traits().transmission);
+    RoughConductor black = mirror(wide);
+    black.specular_reflectance = Color::Zero();
+    EXPECT_FALSE(black.traits().scatters());
+}
+
+TEST(RoughScattering, AConductorHasNoBackAndADielectricIsTheInverseOneFromBehind) {
+    const MicrofacetDistribution d{MicrofacetType::beckmann, 0.4f, 0.2f};
+    const Vec3 up = direction_at(30, 0.3), up2 = direction_at(50, 2.0), down(up.x(), up.y(), -up.z()),
+               down2(up2.x(), up2.y(), -up2.z());
+    EXPECT_TRUE(is_black(mirror(d).f_local(down, down2, Transport::radiance).sum()));
+    EXPECT_EQ(mirror(d).pdf_w_local(down, down2, Lobes::all), 0.f);
+    EXPECT_FALSE(mirror(d).sample_local(down, 0.5f, {0.5f, 0.5f}, Transport::radiance, Lobes::all));
+    EXPECT_EQ(mirror(d).coefficients_local(down).of(Lobes::all)[0], 0.f);
+    const RoughDielectric in = glass(d, 1.5f), out = glass(d, 1.f / 1.5f);
+    EXPECT_NEAR(in.f_local(down, down2, Transport::radiance).sum()[0],
+                out.f_local(up, up2, Transport::radiance).sum()[0], 1e-6f);
+    EXPECT_NEAR(in.f_local(down, up2, Transport::radiance).sum()[0],
+                out.f_local(up, down2, Transport::radiance).sum()[0], 1e-5f);
+}
+
+}  // namespace
+}  // namespace gib

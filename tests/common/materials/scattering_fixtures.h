@@ -1,0 +1,120 @@
+#pragma once
+// What tests of scattering models share: directions, integrals over the sphere, shares of light by sampling.
+
+#include "common/materials/scattering.h"
+#include "common/sampling/sampler.h"
+
+#include <gtest/gtest.h>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+inline Vec3 direction_at(double degrees, double phi) {
+    const double theta = degrees * std::numbers::pi / 180;
+    return Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)).cast<float>();
+}
+
+inline Vec3 mirrored_direction(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
+
+/// The integral over the sphere by the midpoint rule in polar coordinates around `axis`, whose rings crowd there:
+/// (1 - cos theta) / 2 = t^3.
+template <typename F>
+double sphere_integral(const Vec3& axis, F&& f, int rings = 600, int sectors = 240) {
+    const Frame frame(axis.normalized());
+    double sum = 0;
+    for (int r = 0; r < rings; ++r) {
+        const double t = (r + 0.5) / rings, half_versine = t * t * t;
+        const double cos_theta = 1 - 2 * half_versine, sin_theta = 2 * std::sqrt(half_versine * (1 - half_versine));
+        double ring = 0;
+        for (int s = 0; s < sectors; ++s) {
+            const double phi = 2 * std::numbers::pi * (s + 0.5) / sectors;
+            const Vec3d w(sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta);
+            ring += static_cast<double>(f(Vec3(frame.to_world(w.cast<float>()).normalized())));
+        }
+        sum += ring * 6 * t * t;
+    }
+    return sum / rings * 2 * std::numbers::pi / sectors;
+}
+
+struct SampledShare {
+    double weight = 0;  ///< mean of f |cos| / pdf_w, first channel
+    double valid = 0;   ///< the share of the samples that are not empty
+};
+
+/// With 2^16 points, one in each of 64 x 32 x 32 boxes of what chooses the lobe and what the direction. A jump of the
+/// weight crosses some 3000 of them, each with a variance of 1/4 at most: the standard error is below 4e-4.
+template <typename Model>
+SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transport = Transport::power,
+                           Lobes which = Lobes::all) {
+    constexpr std::uint32_t n = 1u << 16;
+    SampledShare share;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Sampler jitter(PointSet::independent, 3, 7, i);
+        const Vec2 j = jitter.get_2d(1);
+        const auto within = [](std::uint32_t box, std::uint32_t boxes, float u) {
+            return std::min((static_cast<float>(box) + u) / static_cast<float>(boxes), 1.f - unit_roundoff);
+        };
+        const Vec2 u(within(i % 32, 32, j.x()), within(i / 32 % 32, 32, j.y()));
+        if (const auto s = model.sample_local(wo, within(i / 1024, 64, jitter.get_1d(0)), u, transport, which)) {
+            share.weight += static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w);
+            share.valid += 1;
+        }
+    }
+    share.weight /= n;
+    share.valid /= n;
+    return share;
+}
+
+/// A sample's own figures are those of f_local and pdf_w_local, and its weight is at most `largest_weight`.
+template <typename Model>
+void expect_samples_agree(const Model& model, const Vec3& wo, float tolerance, const std::string& name,
+                          float largest_weight = 1.f) {
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+        const Sampler u(PointSet::sobol, 9, 2, i);
+        const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), Transport::power, Lobes::all);
+        if (!s) continue;
+        if (s->delta) continue;
+        const float pdf = model.pdf_w_local(wo, s->wi, Lobes::all);
+        ASSERT_GT(pdf, 0.f) << name;
+        EXPECT_NEAR(s->wi.norm(), 1.f, 1e-6f);
+        EXPECT_NEAR(pdf / s->pdf_w, 1.f, tolerance) << name << " u " << u.get_2d(1).transpose();
+        const float weight = s->f[0] * std::abs(s->wi.z()) / s->pdf_w;
+        EXPECT_NEAR(model.f_local(wo, s->wi, Transport::power).sum()[0] * std::abs(s->wi.z()) / pdf, weight, 1e-4f)
+            << name;
+        EXPECT_LE(weight, largest_weight + 1e-5f) << name;
+    }
+}
+
+/// No value, density or sample is NaN, infinite or negative, whatever the directions.
+template <typename Model>
+void expect_finite(const Model& model, const std::string& name) {
+    std::vector<Vec3> directions = {Vec3(0, 0, 1),  Vec3(0, 0, -1),     Vec3(1, 0, 0),
+                                    Vec3(0, -1, 0), Vec3(1, 0, 1e-30f), Vec3(-1, 0, -1e-38f)};
+    for (double degrees : {1e-3, 45.0, 89.0, 89.999, 90.001, 135.0, 179.999})
+        for (double phi : {0.0, 2.0, std::numbers::pi})
+            directions.push_back(direction_at(degrees, phi));
+    for (const Vec3& wo : directions) {
+        EXPECT_TRUE(model.coefficients_local(wo).of(Lobes::all).allFinite());
+        std::vector<Vec3> others = directions;
+        others.insert(others.end(), {wo, Vec3(-wo), mirrored_direction(wo)});
+        for (const Vec3& wi : others) {
+            const Color f = model.f_local(wo, wi, Transport::radiance).sum();
+            const float pdf = model.pdf_w_local(wo, wi, Lobes::all);
+            EXPECT_TRUE(f.allFinite() && (f >= 0.f).all() && std::isfinite(pdf) && pdf >= 0.f)
+                << name << ": " << wo.transpose() << ", " << wi.transpose();
+        }
+        for (std::uint32_t i = 0; i < 200; ++i) {
+            const Sampler u(PointSet::independent, 4, 4, i);
+            const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), Transport::radiance, Lobes::all);
+            if (!s) continue;
+            EXPECT_TRUE(s->wi.allFinite() && s->f.allFinite() && std::isfinite(s->pdf_w))
+                << name << ": " << wo.transpose();
+            EXPECT_GT(s->pdf_w, 0.f);
+            EXPECT_NE(s->wi.z(), 0.f);
+        }
+    }
+}
+
+}  // namespace gib

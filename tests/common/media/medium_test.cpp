@@ -1,0 +1,243 @@
+#include "common/media/medium.h"
+
+#include "common/core/parallel.h"
+#include "tests/support/moments.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numbers>
+
+namespace gib {
+namespace {
+
+using test::Moments;
+
+constexpr double pi_d = std::numbers::pi;
+/// Means are tested at this many standard errors: with some 100 comparisons in this file, a false alarm in 1 of 10,000
+/// seeds.
+constexpr double sigmas = 5;
+
+TEST(PhaseFunction, HasItsMeanCosine) {
+    const Vec3 wo = Vec3(1, -2, 0.5f).normalized();
+    for (float g : {-0.95f, -0.4f, 0.f, 0.3f, 0.99f}) {
+        Moments cosine;
+        for (std::uint32_t i = 0; i < 100000; ++i)
+            cosine.add(-static_cast<double>(
+                wo.dot(PhaseFunction{g}.sample(wo, Sampler(PointSet::independent, 1, i, 0).get_2d(0)))));
+        EXPECT_NEAR(cosine.mean(), static_cast<double>(g), sigmas * cosine.standard_error()) << g;
+    }
+}
+
+TEST(PhaseFunction, IsIsotropicWithoutAMeanCosine) {
+    EXPECT_FLOAT_EQ(PhaseFunction{0.f}.value(Vec3::UnitX(), Vec3::UnitZ()), 0.25f * inv_pi);
+    EXPECT_FLOAT_EQ(PhaseFunction{0.f}.value(Vec3::UnitX(), -Vec3::UnitX()), 0.25f * inv_pi);
+}
+
+TEST(PhaseFunction, PrefersToGoOnForwards) {
+    const Vec3 wo = Vec3::UnitX();
+    EXPECT_GT(PhaseFunction{0.5f}.value(wo, -wo), PhaseFunction{0.5f}.value(wo, wo));
+    // (1 - g^2) / (4 pi (1 -+ g)^3)
+    EXPECT_NEAR(PhaseFunction{0.5f}.value(wo, -wo), 0.75 / (4 * pi_d * 0.125), 1e-6);
+    EXPECT_NEAR(PhaseFunction{0.5f}.value(wo, wo), 0.75 / (4 * pi_d * 3.375), 1e-6);
+}
+
+/// A grid of n voxels along x over [0, 1]^3, moved and stretched: x in [at, at + length].
+GridVolume layers(const std::vector<float>& values, int channels, double at, double length,
+                  VolumeFilter filter = VolumeFilter::trilinear) {
+    GridVolume::Data data{{static_cast<int>(values.size()) / channels, 1, 1}, channels, values, {}};
+    const Eigen::Affine3d from_grid = Eigen::Translation3d(at, -1, -1) * Eigen::Scaling(length, 2.0, 2.0);
+    return {std::move(data), from_grid.inverse(), filter, VolumeWrap::clamp};
+}
+
+TEST(GridVolume, InterpolatesBetweenTheCentresOfVoxels) {
+    const GridVolume volume = layers({1, 3, 2}, 1, 10, 6);  // centres at 11, 13, 15
+    const auto at = [&](float x) { return volume.at(Vec3(x, 0, 0))[1]; };
+    EXPECT_FLOAT_EQ(at(11), 1);
+    EXPECT_FLOAT_EQ(at(12), 2);
+    EXPECT_FLOAT_EQ(at(13), 3);
+    EXPECT_FLOAT_EQ(at(14.5f), 2.25f);
+    EXPECT_FLOAT_EQ(at(10.2f), 1);
+    EXPECT_FLOAT_EQ(at(20), 2);
+    EXPECT_FLOAT_EQ(volume.lowest()[0], 1);
+    EXPECT_FLOAT_EQ(volume.highest()[0], 3);
+    const GridVolume steps = layers({1, 3, 2}, 1, 10, 6, VolumeFilter::nearest);
+    EXPECT_FLOAT_EQ(steps.at(Vec3(11.9f, 0, 0))[0], 1);
+    EXPECT_FLOAT_EQ(steps.at(Vec3(12.1f, 0, 0))[0], 3);
+}
+
+TEST(GridVolume, RepeatsAndMirrors) {
+    const auto wrapped = [](VolumeWrap wrap, float x) {
+        const GridVolume::Data data{{3, 1, 1}, 1, {1, 3, 2}, {}};
+        return GridVolume(data, Eigen::Affine3d::Identity(), VolumeFilter::nearest, wrap).at(Vec3(x, 0, 0))[0];
+    };
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::repeat, 1.1f), 1);
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::repeat, -0.1f), 2);
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, 1.1f), 2);
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, 1.5f), 3);
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, -0.1f), 1);
+    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::clamp, 1.1f), 2);
+}
+
+/// What a medium does to light on a stretch along x: the optical depth up to x, and extinction and albedo there.
+struct Stretch {
+    std::string name;
+    Medium medium;
+    std::function<Color(double)> depth, extinction, albedo;
+};
+
+std::vector<Stretch> stretches() {
+    const Color sigma(0.5f, 1.5f, 3.f), grey(0.8f, 0.8f, 0.8f), albedo(0.9f, 0.5f, 0.2f);
+    const auto constant = [](const Color& c) { return [c](double) { return c; }; };
+    const auto times_x = [](const Color& c) { return [c](double x) { return Color(c * static_cast<float>(x)); }; };
+    // From 0 to 2: 0.2 up to the first centre at 0.5, a line to 2.2 at 1.5, 2.2 up to the end.
+    const auto ramp = [](double x) { return static_cast<float>(0.2 + 2 * std::clamp(x - 0.5, 0.0, 1.0)); };
+    const auto ramp_depth = [](double x) {
+        const double y = std::clamp(x - 0.5, 0.0, 1.0);
+        return static_cast<float>(0.2 * x + y * y + 2 * std::max(x - 1.5, 0.0));
+    };
+    const Color tint(1.f, 0.5f, 0.1f);
+    std::vector<Stretch> all;
+    all.push_back({"coloured", Medium(GridVolume(sigma), 1.f, GridVolume(albedo), {}), times_x(sigma), constant(sigma),
+                   constant(albedo)});
+    all.push_back({"scaled", Medium(GridVolume(sigma), 0.5f, GridVolume(grey), {}), times_x(0.5f * sigma),
+                   constant(0.5f * sigma), constant(grey)});
+    all.push_back({"one channel passes", Medium(GridVolume(Color(0, 1, 2)), 1.f, GridVolume(grey), {}),
+                   times_x(Color(0, 1, 2)), constant(Color(0, 1, 2)), constant(grey)});
+    all.push_back({"absorbing", Medium(GridVolume(sigma), 1.f, GridVolume(Color::Zero()), {}), times_x(sigma),
+                   constant(sigma), constant(Color::Zero())});
+    all.push_back({"ramp", Medium(layers({0.2f, 2.2f}, 1, 0, 2), 1.f, GridVolume(albedo), {}),
+                   [=](double x) { return Color::Constant(ramp_depth(x)); },
+                   [=](double x) { return Color::Constant(ramp(x)); }, constant(albedo)});
+    all.push_back({"coloured ramp",
+                   Medium(layers({0.2f, 0.1f, 0.02f, 2.2f, 1.1f, 0.22f}, 3, 0, 2), 1.f, GridVolume(albedo), {}),
+                   [=](double x) { return Color(tint * ramp_depth(x)); },
+                   [=](double x) { return Color(tint * ramp(x)); }, constant(albedo)});
+    all.push_back({"absorbing ramp", Medium(layers({0.2f, 2.2f}, 1, 0, 2), 1.f, GridVolume(Color::Zero()), {}),
+                   [=](double x) { return Color::Constant(ramp_depth(x)); },
+                   [=](double x) { return Color::Constant(ramp(x)); }, constant(Color::Zero())});
+    all.push_back({"grid of one value", Medium(layers({1.5f, 1.5f, 1.5f}, 1, 0, 2), 2.f, GridVolume(grey), {}),
+                   times_x(Color::Constant(3)), constant(Color::Constant(3)), constant(grey)});
+    return all;
+}
+
+// What passes, and the scattered light weighted by 1 and by the place, in each channel.
+TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
+    constexpr double length = 2;
+    const Color before(0.5f, 1.f, 3.f);
+    for (const Stretch& stretch : stretches()) {
+        std::array<Moments, 3> passed, scattered, place;
+        for (std::uint32_t i = 0; i < 200000; ++i) {
+            const Sampler sampler(PointSet::independent, 2, i, 0);
+            NumberStream u(sampler);
+            Color throughput = before;
+            const auto t =
+                stretch.medium.sample_flight(Vec3::Zero(), Vec3::UnitX(), static_cast<float>(length), u, throughput);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const auto weight = static_cast<double>((throughput / before)[static_cast<int>(c)]);
+                passed[c].add(t ? 0 : weight);
+                scattered[c].add(t ? weight : 0);
+                place[c].add(t ? weight * static_cast<double>(*t) : 0);
+            }
+        }
+        for (int c = 0; c < 3; ++c) {
+            const auto at = [c](const auto& f, double x) { return static_cast<double>(f(x)[c]); };
+            double sum = 0, first = 0;
+            constexpr int steps = 20000;
+            for (int i = 0; i < steps; ++i) {
+                const double x = (i + 0.5) * length / steps;
+                const double light =
+                    at(stretch.extinction, x) * at(stretch.albedo, x) * std::exp(-at(stretch.depth, x));
+                sum += light * length / steps;
+                first += light * x * length / steps;
+            }
+            const auto k = static_cast<std::size_t>(c);
+            const auto expect = [&](const char* what, const Moments& found, double value) {
+                EXPECT_NEAR(found.mean(), value, sigmas * found.standard_error() + 2e-6)
+                    << stretch.name << ", " << what << ", channel " << c;
+            };
+            expect("passed", passed[k], std::exp(-at(stretch.depth, length)));
+            expect("scattered", scattered[k], sum);
+            expect("place", place[k], first);
+        }
+    }
+}
+
+// The chance of an event is the optical depth, here 1e-11; of 5e7 flights none ends (alpha = 5e-4). Were it made of one
+// number of 24 bits, three would.
+TEST(Medium, ThinOnesScatterAsRarelyAsTheyShould) {
+    const Medium medium(GridVolume(Color::Constant(1e-11f)), 1.f, GridVolume(Color::Ones()), {});
+    std::atomic<int> events = 0;
+    parallel_blocks(50000000, 1 << 16, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Sampler sampler(PointSet::independent, 5, i, 0);
+            NumberStream u(sampler);
+            Color throughput = Color::Ones();
+            if (medium.sample_flight(Vec3::Zero(), Vec3::UnitX(), 1.f, u, throughput)) ++events;
+        }
+    });
+    EXPECT_EQ(events, 0);
+}
+
+TEST(Medium, TransmittanceHasItsMean) {
+    for (const Stretch& stretch : stretches())
+        for (double length : {0.3, 2.0}) {
+            std::array<Moments, 3> moments;
+            for (std::uint32_t i = 0; i < 100000; ++i) {
+                const Sampler sampler(PointSet::independent, 3, i, 0);
+                NumberStream u(sampler);
+                const Color t =
+                    stretch.medium.transmittance(Vec3::Zero(), Vec3::UnitX(), static_cast<float>(length), u);
+                for (std::size_t c = 0; c < 3; ++c)
+                    moments[c].add(static_cast<double>(t[static_cast<int>(c)]));
+            }
+            for (int c = 0; c < 3; ++c) {
+                const Moments& found = moments[static_cast<std::size_t>(c)];
+                EXPECT_NEAR(found.mean(), std::exp(-static_cast<double>(stretch.depth(length)[c])),
+                            sigmas * found.standard_error() + 1e-6)
+                    << stretch.name << ' ' << length << ' ' << c;
+            }
+        }
+}
+
+// A grid's medium ends with its cube, from whichever side a ray comes.
+TEST(Medium, OnAGridEndsWithTheGrid) {
+    const Medium medium(layers({1, 1}, 1, 3, 2), 1.f, GridVolume(Color::Ones()), {});
+    const Sampler sampler(PointSet::independent, 1, 0, 0);
+    const auto passes = [&](const Vec3& from, const Vec3& w) {
+        NumberStream u(sampler);
+        return (medium.transmittance(from, w, infinity, u) == 1.f).all();
+    };
+    EXPECT_TRUE(passes(Vec3(0, 0, 0), -Vec3::UnitX()));
+    EXPECT_TRUE(passes(Vec3(0, 2, 0), Vec3::UnitX()));
+    EXPECT_TRUE(passes(Vec3(0, 0, 0), Vec3::UnitY()));
+    Moments through;
+    for (std::uint32_t i = 0; i < 100000; ++i) {
+        const Sampler own(PointSet::independent, 4, i, 0);
+        NumberStream u(own);
+        through.add(static_cast<double>(medium.transmittance(Vec3(9, 0, 0), -Vec3::UnitX(), infinity, u)[0]));
+    }
+    EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error());
+}
+
+// An ulp of the way to the grid is longer than a flight between collisions.
+TEST(Medium, OfAFarGridIsThatOfANearOne) {
+    const Medium medium(layers({1, 1000}, 1, 0, 2, VolumeFilter::nearest), 1.f, GridVolume(Color::Ones()), {});
+    for (const float distance : {0.f, 1e5f}) {
+        Moments through, scattered;
+        for (std::uint32_t i = 0; i < 20000; ++i) {
+            const Sampler own(PointSet::independent, 5, i, 0);
+            NumberStream u(own);
+            const Vec3 from(0.5f, -1 - distance, 0);
+            through.add(static_cast<double>(medium.transmittance(from, Vec3::UnitY(), infinity, u)[0]));
+            Color throughput = Color::Ones();
+            scattered.add(medium.sample_flight(from, Vec3::UnitY(), infinity, u, throughput) ? 1 : 0);
+        }
+        EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error()) << distance;
+        EXPECT_NEAR(scattered.mean(), 1 - std::exp(-2.0), sigmas * scattered.standard_error()) << distance;
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,237 @@
+// OBJ and PLY files: what they mean and where they are wrong.
+
+#include "common/core/error.h"
+#include "common/mesh_files/mesh_data.h"
+#include "tests/support/input_error.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+#include <bit>
+#include <ctime>
+
+namespace gib {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+double area_of(const MeshData& mesh) {
+    double area = 0;
+    for (const auto& t : mesh.triangles)
+        area += 0.5 *
+                (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).norm();
+    return area;
+}
+
+std::string obj_error(const std::string& text) {
+    return test::input_error_of([&] { parse_obj(text, "m.obj"); });
+}
+std::string ply_error(const std::string& text) {
+    return test::input_error_of([&] { parse_ply(text, "m.ply"); });
+}
+
+TEST(ObjFile, FansPolygonsAndSharesVertices) {
+    const MeshData mesh = parse_obj("# a square\no square\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n", "m.obj");
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(mesh.positions.size(), 4u);
+    EXPECT_EQ(mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+    EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+    EXPECT_DOUBLE_EQ(area_of(mesh), 4);
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(mesh.uvs.empty());
+}
+
+TEST(ObjFile, ReadsEveryFormOfACorner) {
+    const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.75\nvn 0 0 2\n";
+    const MeshData all = parse_obj(head + "f 1/1/1 2/1/1 3/1/1\n", "m.obj");
+    EXPECT_EQ(all.uvs[0], Vec2(0.25f, 0.75f));
+    EXPECT_EQ(all.normals[2], Vec3(0, 0, 2));
+    EXPECT_TRUE(parse_obj(head + "f 1/1 2/1 3/1\n", "m.obj").normals.empty());
+    EXPECT_TRUE(parse_obj(head + "f 1//1 2//1 3//1\n", "m.obj").uvs.empty());
+    const MeshData relative = parse_obj(head + "f -3 -2 -1\n", "m.obj");
+    EXPECT_EQ(relative.positions[0], Vec3d(0, 0, 0));
+    EXPECT_EQ(relative.positions[2], Vec3d(0, 1, 0));
+}
+
+TEST(ObjFile, SplitsAVertexWithTwoNormals) {
+    const MeshData mesh = parse_obj(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n", "m.obj");
+    EXPECT_EQ(mesh.positions.size(), 6u);
+    EXPECT_EQ(mesh.normals[mesh.triangles[0][0]], Vec3(0, 0, 1));
+    EXPECT_EQ(mesh.normals[mesh.triangles[1][0]], Vec3(1, 0, 0));
+}
+
+/// `count` normals and as many triangles with one of them at the first corner: all at one vertex, or each at its own.
+std::string many_normals(std::uint32_t count, bool one_vertex, int times = 1) {
+    std::string text, faces;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+        const std::string n = std::to_string(i);
+        text += "v 0 " + std::string(one_vertex ? "0" : n) + " 0\nvn 0 " + n + " 1\n";
+        faces += "f " + (one_vertex ? "1" : n) + "//" + n + " 2//1 3//1\n";
+    }
+    for (int i = 0; i < times; ++i)
+        text += faces;
+    return text;
+}
+
+// So many that those beyond the first few are kept apart.
+TEST(ObjFile, SplitsAVertexWithManyNormals) {
+    constexpr std::uint32_t count = 1000;
+    const MeshData mesh = parse_obj(many_normals(count, true, 2), "m.obj");
+    EXPECT_EQ(mesh.positions.size(), count + 2);
+    ASSERT_EQ(mesh.triangles.size(), 2 * count);
+    for (std::uint32_t i = 0; i < 2 * count; ++i) {
+        const std::uint32_t first = mesh.triangles[i][0];
+        EXPECT_EQ(mesh.normals[first], Vec3(0, static_cast<float>(i % count + 1), 1)) << i;
+        EXPECT_EQ(mesh.positions[first], Vec3d(0, 0, 0)) << i;
+        EXPECT_EQ(mesh.triangles[i], mesh.triangles[i % count]) << i;
+    }
+}
+
+// With the normals of a vertex in one list, which is searched for each corner, 1e5 of them take a hundred times as long
+// as where each has its own vertex, and 1e6 take hours. 20 lies far from both that and 1.
+TEST(ObjFile, ManyNormalsAtOneVertexTakeNoLongerThanElsewhere) {
+    const auto clocks_of = [](const std::string& text) {
+        const std::clock_t begin = std::clock();
+        EXPECT_EQ(parse_obj(text, "m.obj").triangles.size(), 100000u);
+        return static_cast<double>(std::clock() - begin);
+    };
+    const std::string crowded = many_normals(100000, true), spread = many_normals(100000, false);
+    EXPECT_LT(clocks_of(crowded), 20 * clocks_of(spread));
+}
+
+TEST(ObjFile, ReadsCarriageReturnsAndNoLastLineEnd) {
+    EXPECT_EQ(parse_obj("v 0 0 0\r\nv +1 0 0\r\nv 0 1e0 0\r\nf 1 2 3", "m.obj").triangles.size(), 1u);
+}
+
+TEST(ObjFile, ErrorsNameThePlace) {
+    EXPECT_THAT(obj_error("v 0 0\nf 1 1 1\n"), StartsWith("m.obj:1:6: a number is missing"));
+    EXPECT_THAT(obj_error("v 0 0 0\nv 0 x 0\n"), StartsWith("m.obj:2:5: bad number 'x'"));
+    EXPECT_THAT(obj_error("v 0 0 1.5y\n"), StartsWith("m.obj:1:7: bad number '1.5y'"));
+    EXPECT_THAT(obj_error("v 0 nan 0\n"), StartsWith("m.obj:1:5: a vertex is not finite"));
+    EXPECT_THAT(obj_error("v 0 0 inf\n"), StartsWith("m.obj:1:7: a vertex is not finite"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1 2\n"), StartsWith("m.obj:2:7: vertex index 2 is out of range"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 0 1 1\n"), StartsWith("m.obj:2:3: vertex index 0 is out of range"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 1/1 1 1\n"), StartsWith("m.obj:2:5: texture coordinate index 1 is out of range"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1\n"), StartsWith("m.obj:2:6: a face has only 2 vertices"));
+    EXPECT_THAT(obj_error("v 0 0 0\n"), HasSubstr("the mesh is empty"));
+    EXPECT_THAT(obj_error(""), StartsWith("m.obj:1:1: the mesh is empty"));
+}
+
+const std::string square_header =
+    "element vertex 4\nproperty float x\nproperty uchar red\nproperty double y\nproperty float z\n"
+    "element edge 1\nproperty list uchar int ends\n"
+    "element face 1\nproperty list uchar uint vertex_indices\nproperty short tag\nend_header\n";
+
+template <typename T>
+void append(std::string& bytes, T value, bool big) {
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
+    if (big != (std::endian::native == std::endian::big)) raw = std::string(raw.rbegin(), raw.rend());
+    bytes += raw;
+}
+
+/// The square [0, 3]^2 with a property in between that means nothing.
+std::string binary_square(bool big) {
+    std::string ply =
+        std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\ncomment c\n" + square_header;
+    for (const auto& [x, y] : {std::pair(0.f, 0.), std::pair(3.f, 0.), std::pair(3.f, 3.), std::pair(0.f, 3.)}) {
+        append(ply, x, big);
+        append<std::uint8_t>(ply, 200, big);
+        append(ply, y, big);
+        append(ply, 1.f, big);
+    }
+    append<std::uint8_t>(ply, 2, big);
+    append<std::int32_t>(ply, 0, big);
+    append<std::int32_t>(ply, 1, big);
+    append<std::uint8_t>(ply, 4, big);
+    for (std::uint32_t i = 0; i < 4; ++i)
+        append(ply, i, big);
+    append<std::int16_t>(ply, -1, big);
+    return ply;
+}
+
+TEST(PlyFile, AllFormatsMeanTheSame) {
+    const std::string ascii =
+        "ply\nformat ascii 1.0\n" + square_header + "0 200 0 1\n3 200 0 1\n3 200 3 1 0 200 3 1\n2 0 1\n4 0 1 2 3 -1\n";
+    for (const std::string& ply : {ascii, binary_square(false), binary_square(true)}) {
+        const MeshData mesh = parse_ply(ply, "m.ply");
+        ASSERT_EQ(mesh.positions.size(), 4u);
+        ASSERT_EQ(mesh.triangles.size(), 2u);
+        EXPECT_EQ(mesh.positions[2], Vec3d(3, 3, 1));
+        EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+        EXPECT_DOUBLE_EQ(area_of(mesh), 9);
+    }
+}
+
+TEST(PlyFile, ReadsNormalsAndTextureCoordinates) {
+    const MeshData mesh = parse_ply(
+        "ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
+        "property float nx\r\nproperty float ny\r\nproperty float nz\r\nproperty float s\r\nproperty float t\r\n"
+        "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n"
+        "0 0 0 0 0 1 0 0\r\n1 0 0 0 0 1 1 0\r\n0 1 0 0 1 0 0 0.5\r\n3 0 1 2\r\n",
+        "m.ply");
+    EXPECT_EQ(mesh.normals[2], Vec3(0, 1, 0));
+    EXPECT_EQ(mesh.uvs[2], Vec2(0, 0.5f));
+}
+
+TEST(PlyFile, TruncatedFilesAreErrorsAtEveryLength) {
+    const std::string whole = binary_square(false);
+    for (std::size_t size = 0; size < whole.size(); ++size)
+        EXPECT_THROW(parse_ply(whole.substr(0, size), "m.ply"), InputError) << size;
+    EXPECT_THAT(ply_error(whole.substr(0, whole.size() - 3)),
+                StartsWith("m.ply:14:1: truncated: the file ends at byte " + std::to_string(whole.size() - 3)));
+    EXPECT_THAT(ply_error(whole + "x"), StartsWith("m.ply:14:1: more data than the PLY header says"));
+}
+
+TEST(PlyFile, AHugeCountReservesNoMemory) {
+    EXPECT_THAT(
+        ply_error("ply\nformat binary_little_endian 1.0\nelement vertex 4000000000000\nproperty float x\nproperty "
+                  "float y\nproperty float z\nend_header\n"),
+        StartsWith("m.ply:7:1: truncated"));
+}
+
+TEST(PlyFile, ErrorsNameThePlace) {
+    const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
+                             "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    std::string elements;
+    for (int i = 0; i <= 1000; ++i)
+        elements += "element e" + std::to_string(i) + " 0\n";
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\n" + elements + "end_header\n"),
+                StartsWith("m.ply:1003:15: the PLY header has more than 1000 elements"));
+    EXPECT_THAT(ply_error("play\n"), StartsWith("m.ply:1:1: not a PLY file"));
+    EXPECT_THAT(ply_error("ply\nformat text 1.0\n"), StartsWith("m.ply:2:8: unknown PLY format 'text'"));
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex x\n"), StartsWith("m.ply:3:16: bad number 'x'"));
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n"),
+                HasSubstr("unknown PLY type 'half'"));
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nvertices 3\n"), StartsWith("m.ply:3:1: unknown word 'vertices'"));
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 3\n"), HasSubstr("there is no 'end_header'"));
+    EXPECT_THAT(ply_error("ply\nelement vertex 0\n" + xyz + "end_header\n"),
+                StartsWith("m.ply:6:1: the PLY header has no"));
+    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n"),
+                HasSubstr("the mesh is empty"));
+    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+                StartsWith("m.ply:13:7: vertex index 3 is out of range"));
+    EXPECT_THAT(ply_error(head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), StartsWith("m.ply:11:3: vertex 1 is not finite"));
+    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n"), StartsWith("m.ply:13:1: face 0 has only 2 vertices"));
+    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n"), StartsWith("m.ply:14:1: truncated"));
+}
+
+TEST(MeshNormals, AreWeightedWithTheAngleAtTheVertex) {
+    // A corner of a box whose side x = 0 is split in two and whose other sides are not: each side counts for its right
+    // angle.
+    MeshData mesh =
+        parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 3 2\nf 1 2 4\nf 1 4 5\nf 1 5 3\n", "m.obj");
+    compute_normals(mesh);
+    EXPECT_LT((mesh.normals[0] - Vec3(-1, -1, -1).normalized()).norm(), 1e-6f);
+}
+
+TEST(MeshNormals, OnlyThoseThatAreMissingAreComputed) {
+    MeshData mesh = parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2 3\n", "m.obj");
+    compute_normals(mesh);
+    EXPECT_EQ(mesh.normals[0], Vec3(1, 0, 0));
+    EXPECT_LT((mesh.normals[1] - Vec3(0, 0, 1)).norm(), 1e-6f);
+}
+
+}  // namespace
+}  // namespace gib

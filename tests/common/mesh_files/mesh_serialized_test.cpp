@@ -1,0 +1,266 @@
+// Mitsuba's serialized meshes: what they mean, and that no kind of damage goes unnoticed.
+
+#include "common/core/error.h"
+#include "common/mesh_files/mesh_data.h"
+#include "tests/support/input_error.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+#include <zlib.h>
+
+namespace gib {
+namespace {
+
+using test::scene_with;
+using test::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+template <typename T>
+void append(std::string& bytes, T value) {
+    static_assert(std::endian::native == std::endian::little);
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+std::string compressed(const std::string& raw) {
+    std::string out(compressBound(raw.size()), '\0');
+    uLongf size = out.size();
+    EXPECT_EQ(
+        compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), raw.size()),
+        Z_OK);
+    out.resize(size);
+    return out;
+}
+
+/// The square [0, side]^2 in two triangles, with everything that a mesh may have.
+struct Square {
+    int version = 4;
+    std::uint32_t flags = 0x1000;
+    double side = 2;
+    std::uint64_t vertices = 4, triangles = 2;
+    std::uint32_t last_index = 3;
+    double bad_coordinate = 0;  ///< z of the last vertex
+    std::string extra = "";     ///< at the end of the compressed data
+
+    std::string raw() const {
+        std::string bytes;
+        append(bytes, flags);
+        if (version == 4) bytes += std::string("square\0", 7);
+        append(bytes, vertices);
+        append(bytes, triangles);
+        const auto number = [&](double x) {
+            if (flags & 0x2000) append(bytes, x);
+            else append(bytes, static_cast<float>(x));
+        };
+        const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        for (const auto& c : corners) {
+            number(side * c[0]);
+            number(side * c[1]);
+            number(&c == &corners[3] ? bad_coordinate : 0);
+        }
+        if (flags & 0x1)
+            for (int i = 0; i < 4; ++i)
+                for (const double x : {0., 0.6, 0.8})
+                    number(x);
+        if (flags & 0x2)
+            for (const auto& c : corners) {
+                number(c[0] / 4);
+                number(c[1]);
+            }
+        if (flags & 0x8)
+            for (int i = 0; i < 12; ++i)
+                number(0.5);
+        for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, last_index})
+            append(bytes, i);
+        return bytes + extra;
+    }
+    /// With its uncompressed header.
+    std::string stream() const {
+        std::string bytes;
+        append<std::uint16_t>(bytes, 0x041c);
+        append(bytes, static_cast<std::uint16_t>(version));
+        return bytes + compressed(raw());
+    }
+};
+
+std::string file_of(const std::vector<Square>& meshes) {
+    std::string bytes;
+    std::vector<std::uint64_t> offsets;
+    for (const auto& mesh : meshes) {
+        offsets.push_back(bytes.size());
+        bytes += mesh.stream();
+    }
+    for (const std::uint64_t offset : offsets) {
+        if (meshes[0].version == 4) append(bytes, offset);
+        else append(bytes, static_cast<std::uint32_t>(offset));
+    }
+    append(bytes, static_cast<std::uint32_t>(meshes.size()));
+    return bytes;
+}
+
+std::string error_of(const std::string& content, int index = 0) {
+    return test::input_error_of([&] { parse_serialized(content, "m.serialized", index); });
+}
+
+TEST(SerializedMesh, BothVersionsAndPrecisionsMeanTheSame) {
+    for (const int version : {3, 4})
+        for (const std::uint32_t precision : {0x1000u, 0x2000u, 0u}) {
+            Square square{version, precision | 0x1 | 0x2 | 0x8};
+            const SerializedMesh mesh = parse_serialized(file_of({square}), "m.serialized", 0);
+            EXPECT_FALSE(mesh.face_normals);
+            ASSERT_EQ(mesh.data.positions.size(), 4u);
+            EXPECT_EQ(mesh.data.positions[2], Vec3d(2, 2, 0));
+            EXPECT_EQ(mesh.data.normals[1], Vec3(0, 0.6f, 0.8f));
+            EXPECT_EQ(mesh.data.uvs[2], Vec2(0.25f, 1));
+            ASSERT_EQ(mesh.data.triangles.size(), 2u);
+            EXPECT_EQ(mesh.data.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+        }
+    const SerializedMesh bare = parse_serialized(file_of({Square{4, 0x1010}}), "m.serialized", 0);
+    EXPECT_TRUE(bare.face_normals);
+    EXPECT_TRUE(bare.data.normals.empty());
+    EXPECT_TRUE(bare.data.uvs.empty());
+}
+
+TEST(SerializedMesh, DoublesKeepTheirDigits) {
+    Square square{4, 0x2000};
+    square.side = 1 + 1e-12;
+    EXPECT_EQ(parse_serialized(file_of({square}), "m", 0).data.positions[1].x(), 1 + 1e-12);
+}
+
+TEST(SerializedMesh, ShapeIndexChoosesTheMesh) {
+    for (const int version : {3, 4}) {
+        std::vector<Square> meshes;
+        for (const double side : {1., 2., 3.})
+            meshes.push_back({version, 0x1000, side});
+        const std::string file = file_of(meshes);
+        for (int i = 0; i < 3; ++i)
+            EXPECT_EQ(parse_serialized(file, "m", i).data.positions[1].x(), i + 1);
+        EXPECT_THAT(error_of(file, 3),
+                    StartsWith("m.serialized:1:1: shape_index 3 is out of range: there are 3 meshes"));
+    }
+    // The first mesh needs no dictionary.
+    EXPECT_EQ(parse_serialized(Square().stream(), "m", 0).data.triangles.size(), 2u);
+}
+
+TEST(SerializedMesh, BlocksFollowEachOther) {
+    // More items than are read at once.
+    constexpr std::uint32_t n = 10'000;
+    std::string raw;
+    append<std::uint32_t>(raw, 0x1000);
+    raw += '\0';
+    append<std::uint64_t>(raw, n);
+    append<std::uint64_t>(raw, n);
+    for (std::uint32_t i = 0; i < 3 * n; ++i)
+        append(raw, static_cast<float>(i));
+    for (std::uint32_t i = 0; i < 3 * n; ++i)
+        append(raw, i / 3);
+    std::string file;
+    append<std::uint32_t>(file, 0x0004041c);
+    const SerializedMesh mesh = parse_serialized(file + compressed(raw), "m", 0);
+    ASSERT_EQ(mesh.data.positions.size(), n);
+    ASSERT_EQ(mesh.data.triangles.size(), n);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        EXPECT_EQ(mesh.data.positions[i].y(), 3 * i + 1);
+        EXPECT_EQ(mesh.data.triangles[i][2], i);
+    }
+}
+
+TEST(SerializedMesh, TruncatedFilesAreErrorsAtEveryLength) {
+    const std::string whole = file_of({Square{4, 0x1003}, Square{4, 0x1003}});
+    const std::string first = Square{4, 0x1003}.stream();
+    for (std::size_t size = 0; size < first.size(); ++size)
+        EXPECT_THAT(error_of(first.substr(0, size)), HasSubstr("truncated")) << size;
+    for (std::size_t size = 0; size < whole.size(); ++size)
+        EXPECT_NE(error_of(whole.substr(0, size), 1), "no error") << size;
+}
+
+/// A few bits of a deflate stream mean nothing (padding, codes that do not occur): all others are noticed.
+TEST(SerializedMesh, NoFlippedBitOfTheCompressedDataChangesTheMesh) {
+    const std::string whole = Square{4, 0x1003}.stream();
+    const MeshData right = parse_serialized(whole, "m", 0).data;
+    std::size_t accepted = 0;
+    for (std::size_t bit = 32; bit < 8 * whole.size(); ++bit) {
+        std::string damaged = whole;
+        damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+        try {
+            const MeshData mesh = parse_serialized(damaged, "m", 0).data;
+            ++accepted;
+            EXPECT_EQ(mesh.positions, right.positions) << bit;
+            EXPECT_EQ(mesh.normals, right.normals) << bit;
+            EXPECT_EQ(mesh.uvs, right.uvs) << bit;
+            EXPECT_EQ(mesh.triangles, right.triangles) << bit;
+        } catch (const InputError&) {
+        }
+    }
+    EXPECT_LT(accepted, whole.size() / 2);
+}
+
+TEST(SerializedMesh, EveryFlippedBitOfTheDictionaryIsSurvived) {
+    const std::string whole = file_of({Square{}, Square{}, Square{}});
+    for (std::size_t bit = 8 * (whole.size() - 28); bit < 8 * whole.size(); ++bit) {
+        std::string damaged = whole;
+        damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+        for (int index = 0; index < 4; ++index)
+            error_of(damaged, index);
+    }
+}
+
+TEST(SerializedMesh, ErrorsSayWhatIsWrong) {
+    const auto with = [](const auto& change) {
+        Square square;
+        change(square);
+        return error_of(file_of({square}));
+    };
+    EXPECT_THAT(error_of(""), StartsWith("m.serialized:1:1: truncated"));
+    EXPECT_THAT(error_of("ply\nformat"), StartsWith("m.serialized:1:1: not a serialized mesh"));
+    EXPECT_THAT(with([](Square& s) { s.version = 5; }), HasSubstr("version 5 of the serialized format"));
+    EXPECT_THAT(with([](Square& s) { s.last_index = 4; }),
+                HasSubstr("vertex index 4 of triangle 1 is out of range: there are 4 vertices"));
+    EXPECT_THAT(with([](Square& s) { s.bad_coordinate = std::nan(""); }),
+                HasSubstr("the position of vertex 3 is not finite"));
+    EXPECT_THAT(with([](Square& s) { s.triangles = 0; }), HasSubstr("the mesh is empty"));
+    EXPECT_THAT(with([](Square& s) { s.extra = "x"; }), HasSubstr("more data than its header says"));
+    // Counts that the data cannot fill must not take memory.
+    EXPECT_THAT(with([](Square& s) { s.triangles = 1ull << 60; }), HasSubstr("less data than its header says"));
+    EXPECT_THAT(with([](Square& s) { s.triangles = ~0ull; }), HasSubstr("less data than its header says"));
+    EXPECT_THAT(with([](Square& s) { s.vertices = 0xffffffffull; }), HasSubstr("less data than its header says"));
+    EXPECT_THAT(with([](Square& s) { s.vertices = 1ull << 32; }), HasSubstr("more than 2^32 - 1"));
+    std::string file = file_of({Square(), Square()});
+    file[4] = 'y';
+    EXPECT_THAT(error_of(file), HasSubstr("bad compressed data"));
+    file = file_of({Square(), Square()});
+    file.replace(file.size() - 4, 4, "\xff\xff\xff\x7f");
+    EXPECT_THAT(error_of(file, 1), HasSubstr("a dictionary of 2147483647 meshes does not fit"));
+    file = file_of({Square(), Square()});
+    file.replace(file.size() - 12, 8, "\xff\xff\xff\xff\xff\xff\xff\xff");
+    EXPECT_THAT(error_of(file, 1), HasSubstr("there is no mesh at byte 18446744073709551615"));
+    EXPECT_THAT(error_of(file_of({Square{4}, Square{3}}), 1), HasSubstr("different versions"));
+}
+
+TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
+    const TemporaryFolder folder;
+    folder.write("m.serialized", file_of({Square{4, 0x1000}, Square{4, 0x1003}, Square{4, 0x1011}}));
+    const auto load = [&](const std::string& body) {
+        return load_scene(folder.write("s.xml", scene_with("<shape type=\"serialized\"><string name=\"filename\" "
+                                                           "value=\"m.serialized\"/>" +
+                                                           body + "</shape>")));
+    };
+    const auto mesh = [&](const std::string& body) { return std::get<Mesh>(load(body).scene->shapes()[0]); };
+    const auto index = [](int i) { return "<integer name=\"shape_index\" value=\"" + std::to_string(i) + "\"/>"; };
+    EXPECT_EQ(mesh("").normals.at(0), Vec3(0, 0, 1));  // computed
+    EXPECT_LT((mesh(index(1)).normals.at(0) - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f);
+    EXPECT_EQ(mesh(index(1)).uvs.at(2), Vec2(0.25f, 1));  // as stored
+    EXPECT_TRUE(mesh(index(2)).normals.empty());
+    EXPECT_TRUE(mesh(index(1) + "<boolean name=\"face_normals\" value=\"true\"/>").normals.empty());
+    EXPECT_TRUE(mesh("<boolean name=\"flip_normals\" value=\"true\"/>").flip_normals);
+    const auto error = [&](const std::string& body) { return test::input_error_of([&] { load(body); }); };
+    EXPECT_THAT(error(index(-1)), HasSubstr("'shape_index' must be between 0 and"));
+    EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ":1:1: shape_index 7 is out of range"));
+    EXPECT_THAT(error("<boolean name=\"flip_tex_coords\" value=\"true\"/>"),
+                HasSubstr("shape 'serialized' does not take a parameter 'flip_tex_coords'"));
+    EXPECT_THAT(error("<float name=\"shape_index\" value=\"1\"/>"), HasSubstr("'shape_index' cannot be a <float>"));
+}
+
+}  // namespace
+}  // namespace gib

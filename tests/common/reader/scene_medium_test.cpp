@@ -1,0 +1,148 @@
+// The reader of media: what it accepts means what Mitsuba means by it, and what is wrong is an error at its place.
+
+#include "common/core/error.h"
+#include "common/scene/effects.h"
+#include "tests/support/input_error.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/volume_file.h"
+
+#include <gmock/gmock.h>
+
+namespace gib {
+namespace {
+
+using test::load;
+using test::scene_with;
+using test::TemporaryFolder;
+using test::volume_bytes;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string error_of(const std::string& body) {
+    return test::input_error_of([&] { parse_scene(scene_with(body), "t.xml", {}); });
+}
+
+/// A shape with a medium inside, whose parameters are on line 3.
+std::string in_ball(const std::string& type, const std::string& parameters) {
+    return "<shape type='sphere'><medium name='interior' type='" + type + "'>\n" + parameters + "</medium></shape>";
+}
+
+struct Row {
+    std::string type, parameters, place, message;
+};
+
+void expect_errors(const std::vector<Row>& rows) {
+    for (const Row& row : rows) {
+        const std::string error = error_of(in_ball(row.type, row.parameters));
+        EXPECT_THAT(error, StartsWith("t.xml:" + row.place + ": ")) << row.parameters;
+        EXPECT_THAT(error, HasSubstr(row.message)) << row.parameters;
+    }
+}
+
+TEST(MediumErrors, Parameters) {
+    expect_errors({
+        {"fog", "", "2:46", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
+        {"homogeneous", "<float name='sigma' value='1'/>", "3:1",
+         "medium 'homogeneous' does not take a parameter 'sigma'"},
+        {"homogeneous", "<bsdf type='diffuse'/>", "3:1", "does not take a <bsdf>"},
+        {"homogeneous", "<float name='sigma_t' value='-1'/>", "3:23", "-1"},
+        {"homogeneous", "<float name='sigma_t' value='nan'/>", "3:23", "bad number 'nan'"},
+        {"homogeneous", "<rgb name='albedo' value='0.5, 1.5, 0'/>", "3:20", "1.5"},
+        {"homogeneous", "<float name='scale' value='-2'/>", "3:21", "'scale' must not be negative"},
+        {"homogeneous", "<float name='scale' value='1e10'/>", "3:21", "an extinction above 1e+09"},
+        {"homogeneous", "<float name='sigma_t' value='1e10'/>", "3:23", "an extinction above 1e+09"},
+        {"homogeneous", "<float name='sigma_a' value='6e8'/><float name='sigma_s' value='6e8'/>", "3:23",
+         "an extinction above 1e+09"},
+        {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:56",
+         "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
+        {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "'sigma_t' cannot be a <volume>"},
+        {"homogeneous", "<phase type='rayleigh'/>", "3:8",
+         "the phase 'rayleigh' is not supported; supported are: isotropic, hg"},
+        {"homogeneous", "<phase type='hg'><float name='g' value='1'/></phase>", "3:34",
+         "'g' must be between -0.999 and 0.999, not 1"},
+        {"homogeneous", "<phase type='isotropic'><float name='g' value='0.5'/></phase>", "3:25",
+         "phase 'isotropic' does not take a parameter 'g'"},
+        {"homogeneous", "<phase type='hg'/><phase type='hg'/>", "3:19", "only one <phase>"},
+        {"heterogeneous", "<float name='sigma_s' value='1'/>", "3:1", "does not take a parameter 'sigma_s'"},
+        {"heterogeneous", "<volume name='sigma_t' type='vdb'/>", "3:24",
+         "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
+        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs a 'filename'"},
+        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
+         "3:42", "no.vol"},
+        {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",
+         "2"},
+    });
+}
+
+TEST(MediumErrors, Grids) {
+    const TemporaryFolder folder;
+    const std::string good = folder.write("good.vol", volume_bytes({2, 1, 1}, 1, {0.5f, 3.f}));
+    const std::string negative = folder.write("negative.vol", volume_bytes({1, 1, 1}, 1, {-0.5f}));
+    const auto grid = [](const std::string& name, const std::string& file, const std::string& more = "") {
+        return "<volume name='" + name + "' type='gridvolume'><string name='filename' value='" + file + "'/>" + more +
+               "</volume>";
+    };
+    const auto error = [&](const std::string& parameters) { return error_of(in_ball("heterogeneous", parameters)); };
+    EXPECT_EQ(error(grid("sigma_t", good)), "no error");
+    EXPECT_THAT(error(grid("albedo", good)),
+                HasSubstr("t.xml:3:1: 'albedo' must be between 0 and 1, but its volume has 3"));
+    EXPECT_THAT(error(grid("sigma_t", negative)),
+                HasSubstr("t.xml:3:1: 'sigma_t' must not be negative, but its volume has -0.5"));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='filter_type' value='cubic'/>")),
+                HasSubstr("t.xml:4:28: "));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='wrap_type' value='zero'/>")), HasSubstr("t.xml:4:26: "));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n<transform name='to_world'><scale x='0'/></transform>")),
+                HasSubstr("t.xml:4:"));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n<float name='value' value='1'/>")),
+                HasSubstr("t.xml:4:1: volume 'gridvolume' does not take a parameter 'value'"));
+}
+
+// A file that is wrong is named itself, for it has neither lines nor columns.
+TEST(MediumErrors, VolumeFiles) {
+    const TemporaryFolder folder;
+    const std::string good = volume_bytes({2, 1, 1}, 1, {1, 2});
+    const auto with = [&](std::size_t at, auto value) {
+        std::string bytes = good;
+        bytes.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+        return bytes;
+    };
+    const std::vector<std::pair<std::string, std::string>> rows = {
+        {"", "the file ends in its first bytes"},
+        {good.substr(0, 3), "the file ends in its version"},
+        {good.substr(0, 20), "the file ends in its number of channels"},
+        {good.substr(0, 30), "the file ends in its box"},
+        {"PLY" + good.substr(3), "it does not start with VOL"},
+        {with(3, std::uint8_t{2}), "version 2 is not supported"},
+        {with(4, std::int32_t{3}), "encoding 3 is not supported"},
+        {with(8, std::int32_t{0}), "a side of 0 voxels"},
+        {with(12, std::int32_t{-4}), "a side of -4 voxels"},
+        {with(16, std::int32_t{100000}), "a side of 100000 voxels"},
+        {with(20, std::int32_t{2}), "2 channels; 1 or 3 are supported"},
+        {good.substr(0, good.size() - 1), "7 bytes of values where its size asks for 8"},
+        {good + "x", "9 bytes of values where its size asks for 8"},
+        {with(48, std::numeric_limits<float>::quiet_NaN()), "a value is not finite"},
+        {with(52, std::numeric_limits<float>::infinity()), "a value is not finite"},
+    };
+    for (const auto& [bytes, message] : rows) {
+        const std::string file = folder.write("v.vol", bytes);
+        const std::string error = error_of(in_ball(
+            "heterogeneous",
+            "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
+        EXPECT_THAT(error, StartsWith(file + ":1:1: ")) << message;
+        EXPECT_THAT(error, HasSubstr(message));
+    }
+}
+
+// A medium may stand in the scene, and shapes and the camera refer to it; in a shape it needs the name of a side.
+TEST(MediumReader, TakesReferences) {
+    const std::string fog = "<medium type='homogeneous' id='fog'/>";
+    EXPECT_EQ(error_of(fog + "<shape type='sphere'><ref name='exterior' id='fog'/></shape>"), "no error");
+    EXPECT_THAT(error_of("<shape type='sphere'>\n<medium type='homogeneous'/></shape>"),
+                StartsWith("t.xml:3:1: shape 'sphere' does not take a <medium>"));
+    EXPECT_FALSE(effects_of(*load(fog + "<shape type='sphere'/>").scene).has(Effect::participating_media));
+    EXPECT_TRUE(effects_of(*load(fog + "<shape type='sphere'><ref name='interior' id='fog'/></shape>").scene)
+                    .has(Effect::participating_media));
+}
+
+}  // namespace
+}  // namespace gib

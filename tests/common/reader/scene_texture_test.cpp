@@ -1,0 +1,332 @@
+// <texture> elements: what they mean, and what is wrong with them at which place.
+
+#include "common/reader/scene_texture.h"
+
+#include "common/images/linear_file.h"
+#include "common/materials/material.h"
+#include "tests/support/input_error.h"
+#include "tests/support/texture_fixtures.h"
+
+#include <gmock/gmock.h>
+#include <fstream>
+
+namespace gib {
+namespace {
+
+using test::byte;
+using test::TemporaryFolder;
+using test::write_image;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr float decoded_128 = 0.21586050f;  ///< what the byte 128 means in sRGB
+const test::FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
+
+class SceneTextures : public ::testing::Test {
+protected:
+    SceneTextures() {
+        write_image(folder_ / "two.png", 2, 1, 3, {0, 0, 0, 1, byte(128), byte(64)}, bytes);
+        write_image(folder_ / "bright.exr", 2, 1, 1, {0.5f, 1.5f});
+        write_image(folder_ / "below.exr", 2, 1, 1, {0.5f, -0.25f});
+    }
+
+    struct Parsed {
+        Texture texture;
+        std::string hash;
+    };
+    enum class Kind { color, number };
+    /// The reflectance of the first bsdf of `body`, which starts on line 2.
+    Parsed parse(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
+        ContentHash hash;
+        const ExpandedXml xml = expand_xml("<scene version=\"3.0.0\">\n" + body + "</scene>", main_, {}, hash);
+        const XmlIds ids(xml.root);
+        TextureFiles files(xml.files, hash, ids);
+        const auto bsdf = std::find_if(xml.root.children.begin(), xml.root.children.end(),
+                                       [](const XmlElement& e) { return e.tag == "bsdf"; });
+        Properties properties(*bsdf, ids);
+        const Texture texture = kind == Kind::color
+                                    ? parse_textured(properties, "reflectance", 0.5f, range, files)
+                                    : parse_textured_number(properties, "reflectance", 0.5f, range, files);
+        properties.finish();
+        return {texture, hash.hex()};
+    }
+    /// The reflectance of a bsdf that holds `property`, on line 2.
+    Texture reflectance(const std::string& property) const {
+        return parse("<bsdf type=\"diffuse\">" + property + "</bsdf>").texture;
+    }
+    std::string error_of(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
+        return test::input_error_of([&] { parse(body, range, kind); });
+    }
+    /// Of a bsdf whose content starts on line 3.
+    std::string error_in(const std::string& content, ColorRange range = ColorRange::unit) const {
+        return error_of("<bsdf type=\"diffuse\">\n" + content + "</bsdf>", range);
+    }
+    static std::string bitmap(const std::string& file, const std::string& more = "") {
+        return "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"" + file + "\"/>" +
+               more + "</texture>";
+    }
+
+    TemporaryFolder folder_;
+    std::string main_ = folder_ / "main.xml";
+};
+
+TEST_F(SceneTextures, TakeValuesAsBefore) {
+    EXPECT_TRUE((reflectance("").color({0, 0}) == 0.5f).all());
+    const Texture rgb = reflectance("<rgb name=\"reflectance\" value=\"0.1 0.2 0.3\"/>");
+    EXPECT_TRUE(rgb.constant());
+    EXPECT_TRUE((rgb.color({0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
+    EXPECT_THAT(error_in("<rgb name=\"reflectance\" value=\"2\"/>"), StartsWith(main_ + ":3:25: "));
+}
+
+TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
+    const Texture texture = reflectance(bitmap("two.png"));
+    EXPECT_FALSE(texture.constant());
+    EXPECT_NEAR(texture.color({0.5f, 0.5f})[0], 0.5f, 1e-6);
+    EXPECT_NEAR(texture.color({0.75f, 0.5f})[1], decoded_128, 1e-6);
+    EXPECT_NEAR(texture.color({0, 0.5f})[0], 0.5f, 1e-6);
+    EXPECT_NEAR(texture.color({1.75f, 0.5f})[0], 1, 1e-6);
+}
+
+TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
+    const auto red = [&](const std::string& more, float u) {
+        return reflectance(bitmap("two.png", more)).color({u, 0.5f})[0];
+    };
+    const std::string nearest = "<string name=\"filter_type\" value=\"nearest\"/>";
+    EXPECT_EQ(red(nearest, 0.4f), 0);
+    EXPECT_EQ(red(nearest, 0.6f), 1);
+    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"repeat\"/>", 1.3f), 0);
+    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"mirror\"/>", 1.3f), 1);
+    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", -5), 0);
+    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", 5), 1);
+    const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
+    EXPECT_NEAR(raw.color({0.75f, 0.5f})[1], byte(128), 1e-6);
+    EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,
+                1e-6);
+    EXPECT_NEAR(red("<transform name=\"to_uv\"><rotate z=\"1\" angle=\"180\"/></transform>", 0.25f), 1, 1e-6);
+    EXPECT_NEAR(
+        red("<transform name=\"to_uv\"><matrix value=\"1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1\"/></transform>", 0.25f), 1,
+        1e-6);
+    EXPECT_NEAR(red("<string name=\"format\" value=\"fp16\"/><boolean name=\"accel\" value=\"false\"/>", 0.75f), 1,
+                1e-6);
+}
+
+TEST_F(SceneTextures, MayBeReferredTo) {
+    const std::string shared =
+        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"two.png\"/></texture>\n";
+    const std::string refers = "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>";
+    EXPECT_NEAR(parse(shared + refers).texture.color({0.75f, 0.5f})[0], 1, 1e-6);
+    EXPECT_NEAR(parse(refers + shared).texture.color({0.75f, 0.5f})[0], 1, 1e-6);
+    EXPECT_THAT(error_of(refers), StartsWith(main_ + ":2:46: there is no object with the id 't'"));
+}
+
+TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
+    const std::string board = "<texture name=\"reflectance\" type=\"checkerboard\">";
+    const Texture plain = reflectance(board + "</texture>");
+    EXPECT_EQ(plain.color({0.2f, 0.2f})[0], 0.4f);
+    EXPECT_EQ(plain.color({0.2f, 0.7f})[0], 0.2f);
+    const Texture nested = reflectance(
+        board +
+        "<rgb name=\"color0\" value=\"0.1 0.2 0.3\"/><texture name=\"color1\" type=\"bitmap\"><string "
+        "name=\"filename\" "
+        "value=\"two.png\"/></texture><transform name=\"to_uv\"><scale x=\"2\" y=\"2\"/></transform></texture>");
+    EXPECT_EQ(nested.color({0.1f, 0.1f})[2], 0.3f);
+    EXPECT_EQ(nested.color({0.6f, 0.6f})[2], 0.3f);
+    EXPECT_NEAR(nested.color({0.75f, 0.4f})[1], decoded_128, 1e-6) << "the bitmap keeps the surface's own uv";
+    EXPECT_TRUE(nested.maximum().isApprox(Color(1, decoded_128, 0.3f), 1e-5f));
+}
+
+TEST_F(SceneTextures, AsNumbersTakeFloatsAndTextures) {
+    const auto number = [&](const std::string& property) {
+        return parse("<bsdf type=\"mask\">" + property + "</bsdf>", ColorRange::unit, Kind::number).texture;
+    };
+    EXPECT_EQ(number("").value({0, 0}), 0.5f);
+    EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value({0, 0}), 0.3f);
+    EXPECT_NEAR(number(bitmap("two.png")).value({0.25f, 0.5f}), 0, 1e-6);
+    // Mitsuba's eval_1 of a constant colour is the mean of its channels, also within a texture.
+    const Texture colour = number("<rgb name=\"reflectance\" value=\"0.1 0.2 0.6\"/>");
+    EXPECT_NEAR(colour.value({0, 0}), 0.3f, 1e-7f);
+    EXPECT_EQ(colour.value({0, 0}), colour.maximum()[0]);
+    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value({0, 0}), 0.25f);
+    const std::string board = "<rgb name=\"color1\" value=\"0.1 0.2 0.6\"/></texture>";
+    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value({0.25f, 0.25f}), 0.3f,
+                1e-7f);
+    const auto error = [&](const std::string& property) {
+        return error_of("<bsdf type=\"mask\">\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
+    };
+    EXPECT_THAT(error("<float name=\"reflectance\" value=\"1.5\"/>"),
+                StartsWith(main_ + ":3:27: 'reflectance' must be between 0 and 1, not 1.5"));
+    EXPECT_THAT(error("<rgb name=\"reflectance\" value=\"0.5 0.5 1.5\"/>"),
+                StartsWith(main_ + ":3:25: 'reflectance' must be between 0 and 1, not 1.5"));
+    EXPECT_THAT(error("<string name=\"reflectance\" value=\"0.5\"/>"),
+                StartsWith(main_ + ":3:1: 'reflectance' cannot be a <string>; it takes: <rgb>, <float>, <integer>, "
+                                   "<spectrum>"));
+}
+
+// In Mitsuba both tags make objects of one class.
+TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
+    const std::string colour = "<rgb name=\"color\" value=\"0.4 0.2 0.1\"/>";
+    for (const std::string tag : {"texture", "spectrum"}) {
+        const auto object = [&](const std::string& attributes, const std::string& inside) {
+            return "<" + tag + " " + attributes + ">" + inside + "</" + tag + ">";
+        };
+        const Texture srgb = reflectance(object("name=\"reflectance\" type=\"srgb\"", colour));
+        EXPECT_TRUE((srgb.color({0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
+        const Texture uniform =
+            reflectance(object("name=\"reflectance\" type=\"uniform\"", "<float name=\"value\" value=\"0.3\"/>"));
+        EXPECT_TRUE((uniform.color({0, 0}) == 0.3f).all());
+        EXPECT_FALSE(reflectance(object("name=\"reflectance\" type=\"checkerboard\"", "")).constant());
+        const Texture nested = reflectance("<texture name=\"reflectance\" type=\"checkerboard\">" +
+                                           object("name=\"color0\" type=\"srgb\"", colour) + "</texture>");
+        EXPECT_EQ(nested.color({0.25f, 0.25f})[0], 0.4f);
+        const std::string shared = object("id=\"s\" type=\"srgb\"", colour);
+        EXPECT_EQ(
+            parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],
+            0.2f);
+        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"srgb\"", "")),
+                    StartsWith(main_ + ":3:1: the spectrum 'srgb' needs 'color'"));
+        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"marble\"", "")),
+                    StartsWith(main_ + ":3:" + (tag == "texture" ? "29" : "30") + ": the " + tag +
+                               " 'marble' is not supported"));
+    }
+}
+
+TEST_F(SceneTextures, AddTheBytesOfTheirImagesToTheHash) {
+    const std::string body = "<bsdf type=\"diffuse\">" + bitmap("two.png") + "</bsdf>";
+    const std::string first = parse(body).hash;
+    EXPECT_EQ(parse(body).hash, first);
+    write_image(folder_ / "two.png", 2, 1, 3, {0, 0, 0, 1, byte(128), byte(65)}, bytes);
+    EXPECT_NE(parse(body).hash, first);
+}
+
+TEST_F(SceneTextures, OutsideOfTheirRangeAreRefused) {
+    EXPECT_THAT(error_in(bitmap("bright.exr")),
+                StartsWith(main_ + ":3:1: 'reflectance' must be between 0 and 1, but its texture has 1.5"));
+    EXPECT_EQ(error_in(bitmap("bright.exr"), ColorRange::non_negative), "no error");
+    EXPECT_THAT(error_in(bitmap("below.exr")), StartsWith(main_ + ":3:1: 'reflectance' must be between 0 and 1"));
+    EXPECT_THAT(error_in(bitmap("below.exr"), ColorRange::non_negative),
+                StartsWith(main_ + ":3:1: 'reflectance' must not be negative, but its texture has -0.25"));
+    const std::string shared =
+        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"bright.exr\"/></texture>\n";
+    EXPECT_THAT(error_of(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>"),
+                StartsWith(main_ + ":3:22: 'reflectance' must be between 0 and 1"));
+    EXPECT_THAT(error_in("<texture name=\"reflectance\" type=\"checkerboard\">\n<float name=\"color1\" value=\"1.5\"/>"
+                         "</texture>"),
+                StartsWith(main_ + ":4:22: 'color1' must be between 0 and 1"));
+}
+
+TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
+    const struct {
+        std::string content, place, message;
+    } rows[] = {
+        {"<texture name=\"reflectance\" type=\"marble\"/>", "3:29",
+         "the texture 'marble' is not supported; supported are: bitmap, checkerboard"},
+        {"<texture name=\"reflectance\"/>", "3:1", "needs the attribute 'type'"},
+        {"<texture name=\"reflectance\" type=\"bitmap\"/>", "3:1", "'bitmap' needs a 'filename'"},
+        {bitmap("no.png"), "3:43", "there is no file 'no.png'; searched: "},
+        {bitmap("two.png", "\n<string name=\"wrap_mode\" value=\"wide\"/>"), "4:26",
+         "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},
+        {bitmap("two.png", "\n<string name=\"filter_type\" value=\"cubic\"/>"), "4:28",
+         "'filter_type' cannot be 'cubic'; it takes: nearest, bilinear"},
+        {bitmap("two.png", "\n<string name=\"format\" value=\"fp8\"/>"), "4:23", "'format' cannot be 'fp8'"},
+        {bitmap("two.png", "\n<boolean name=\"raw\" value=\"1\"/>"), "4:21", "'1' is neither true nor false"},
+        {bitmap("two.png", "\n<float name=\"uscale\" value=\"2\"/>"), "4:1",
+         "texture 'bitmap' does not take a parameter 'uscale'; it takes: filename, filter_type, wrap_mode, to_uv, raw"},
+        {bitmap("two.png", "\n<string name=\"filename\" value=\"two.png\"/>"), "4:1", "'filename' is given twice"},
+        {bitmap("two.png", "\n<transform name=\"to_uv\"><scale value=\"0\"/></transform>"), "4:1", "singular"},
+        {bitmap("two.png", "\n<transform name=\"to_uv\"><matrix value=\"1 0 0.5 0 1 0 0 0 1\"/></transform>"), "4:1",
+         "'to_uv' must map u and v alone"},
+        {bitmap("two.png", "\n<float name=\"to_uv\" value=\"2\"/>"), "4:1", "'to_uv' cannot be a <float>"},
+        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<rgb name=\"colour0\" value=\"0\"/></texture>", "4:1",
+         "texture 'checkerboard' does not take a parameter 'colour0'; it takes: color0, color1, to_uv"},
+        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<bsdf name=\"color0\" type=\"null\"/></texture>", "4:1",
+         "'color0' cannot be a <bsdf>"},
+        {"<texture name=\"reflectance\" type=\"checkerboard\" id=\"a\">\n<ref name=\"color0\" id=\"a\"/></texture>",
+         "4:1", "the texture holds itself"},
+        {"<bsdf name=\"reflectance\" type=\"null\"/>", "3:1", "'reflectance' cannot be a <bsdf>"},
+        {"<texture type=\"bitmap\"/>", "3:1", "bsdf 'diffuse' does not take a <texture>"},
+    };
+    for (const auto& row : rows)
+        EXPECT_THAT(error_in(row.content), AllOf(StartsWith(main_ + ":" + row.place + ": "), HasSubstr(row.message)))
+            << row.content;
+}
+
+TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
+    const auto error = [&](const std::string& name) { return error_in(bitmap(name)); };
+    const auto expect = [&](const std::string& name, const std::string& message) {
+        EXPECT_THAT(error(name), AllOf(StartsWith((folder_ / name) + ":1:1: "), HasSubstr(message)));
+    };
+    folder_.write("text.png", "this is no image");
+    expect("text.png", "not an image that can be read");
+    folder_.write("empty.exr", "");
+    expect("empty.exr", "not an image that can be read");
+    folder_.write("sub/x", "");
+    EXPECT_THAT(error("sub"), AllOf(StartsWith(folder_ / "sub"), HasSubstr("folder")));
+    folder_.write("zero.ppm", "P6\n0 0\n255\n");
+    expect("zero.ppm", "the image has no pixels");
+    const auto values = test::random_values(64, 64, 3);
+    const std::string whole = read_file(write_image(folder_ / "w.exr", 64, 64, 3, values));
+    folder_.write("cut.exr", whole.substr(0, whole.size() / 2));
+    expect("cut.exr", "the image is damaged");
+    auto holed = values;
+    holed[3 * (64 * 5 + 7) + 1] = std::numeric_limits<float>::quiet_NaN();
+    write_image(folder_ / "nan.exr", 64, 64, 3, holed);
+    expect("nan.exr", "the pixel in column 7, row 5 is not finite");
+    write_image(folder_ / "uv.exr", 2, 1, 2, {0, 0, 0, 0}, {OIIO::TypeDesc::FLOAT, 0, {"u", "v"}, {}});
+    expect("uv.exr", "no channels R,G,B or Y of one layer; the image has u, v");
+    write_image(folder_ / "p3.exr", 1, 1, 3, {0, 0, 0},
+                {OIIO::TypeDesc::FLOAT, 0, {}, {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f}});
+    expect("p3.exr", "the file's chromaticities are not those of sRGB");
+    write_image(folder_ / "srgb.exr", 1, 1, 3, {0, 0, 0},
+                {OIIO::TypeDesc::FLOAT, 0, {}, {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}});
+    EXPECT_EQ(error("srgb.exr"), "no error");
+}
+
+TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
+    const TemporaryFolder folder;
+    const std::string height = test::write_image(folder / "height.exr", 2, 1, 1, {0, 1});
+    const std::string bumps = "<bsdf type=\"bumpmap\"><texture type=\"bitmap\"><string name=\"filename\" value=\"" +
+                              height + "\"/></texture>",
+                      normals = "<bsdf type=\"normalmap\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>";
+    const auto options = [](const std::string& map, const std::string& booleans) {
+        const auto loaded =
+            test::load("<shape type=\"rectangle\">" + map + booleans + "<bsdf type=\"diffuse\"/></bsdf></shape>");
+        const Material& material = loaded.scene->material_of_shape(0);
+        const auto* bump = std::get_if<BumpMap>(&material.node());
+        return bump ? bump->options : std::get<NormalMap>(material.node()).options;
+    };
+    const std::string no_turn = "<boolean name=\"flip_invalid_normals\" value=\"false\"/>",
+                      no_shadow = "<boolean name=\"use_shadowing_function\" value=\"false\"/>";
+    for (const std::string& map : {bumps, normals}) {
+        const struct {
+            std::string booleans;
+            bool turn, shadow;
+        } rows[] = {
+            {"", true, true}, {no_turn, false, true}, {no_shadow, true, false}, {no_turn + no_shadow, false, false}};
+        for (const auto& row : rows) {
+            EXPECT_EQ(options(map, row.booleans).flip_invalid_normals, row.turn) << map << row.booleans;
+            EXPECT_EQ(options(map, row.booleans).use_shadowing_function, row.shadow) << map << row.booleans;
+        }
+    }
+}
+
+TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
+    const TemporaryFolder folder;
+    const auto values = test::random_values(70, 150, 3);
+    const LinearImage exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
+    EXPECT_EQ(exact.width, 70);
+    EXPECT_EQ(exact.height, 150);
+    EXPECT_EQ(exact.rgb, values);
+    const LinearImage grey = load_linear_image(write_image(folder / "g.png", 1, 2, 1, {byte(255), byte(128)}, bytes));
+    ASSERT_EQ(grey.rgb.size(), 6u);
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(grey.rgb[k], 1);
+        EXPECT_NEAR(grey.rgb[3 + k], decoded_128, 1e-6);
+    }
+    write_image(folder / "inf.exr", 2, 2, 1, {0, 0, 0, infinity});
+    EXPECT_THROW(load_linear_image(folder / "inf.exr"), InputError);
+    EXPECT_THROW(load_linear_image(folder / "no.exr"), InputError);
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,172 @@
+// Surfaces in the same place: which of them a scene may not have.
+
+#include "common/scene/coincident_shapes.h"
+
+#include "tests/support/input_error.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+
+namespace gib::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string sphere(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>\n"; }
+std::string glass(const std::string& parameters) {
+    return "<bsdf type='dielectric'><float name='int_ior' value='1.5'/>" + parameters + "</bsdf>";
+}
+const std::string diffuse = "<bsdf type='diffuse'/>";
+std::string blend(const std::string& first, const std::string& second) {
+    return "<bsdf type='blendbsdf'><float name='weight' value='0.5'/>" + first + second + "</bsdf>";
+}
+std::string masked(const std::string& nested) {
+    return "<bsdf type='mask'><float name='opacity' value='0.5'/>" + nested + "</bsdf>";
+}
+/// Of two spheres in one place.
+std::string error_of(const std::string& bsdf, const std::string& other_bsdf) {
+    return input_error_of([&] { load(sphere(bsdf) + sphere(other_bsdf)); });
+}
+
+TEST(CoincidentShapes, InterfacesThatRefractAlikeAreSeenAsOne) {
+    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{
+             {glass(""), glass("")}, {glass(""), diffuse}, {diffuse, diffuse}, {blend(glass(""), diffuse), glass("")}})
+        EXPECT_EQ(error_of(a, b), "no error") << a << b;
+    EXPECT_EQ(input_error_of([&] {
+                  load("<shape type='sphere'><point name='center' x='9' y='0' z='0'/>" + water + "</shape>" +
+                       sphere(glass("")));
+              }),
+              "no error")
+        << "apart";
+}
+
+TEST(CoincidentShapes, InterfacesThatRefractOtherwiseAreRefused) {
+    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const std::string rough = "<bsdf type='roughdielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const std::string dispersive = glass("<float name='cauchy_b' value='0.01'/>");
+    for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{{glass(""), water},
+                                                                               {glass(""), rough},
+                                                                               {glass(""), dispersive},
+                                                                               {blend(diffuse, glass("")), water},
+                                                                               {blend(water, glass("")), water},
+                                                                               {masked(water), glass("")}})
+        EXPECT_THAT(error_of(a, b),
+                    HasSubstr("test.xml:3:1: this surface lies exactly in the place of the one at line 2, "
+                              "which refracts otherwise"))
+            << a << b;
+}
+
+TEST(CoincidentShapes, GroupsAreLookedInto) {
+    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const auto group = [&](const std::string& other) {
+        return "<shape type='shapegroup' id='g'>\n" + sphere(glass("")) + sphere(other) +
+               "</shape><shape type='instance'><ref id='g'/></shape>";
+    };
+    EXPECT_EQ(input_error_of([&] { load(group(glass(""))); }), "no error");
+    EXPECT_THAT(input_error_of([&] { load(group(water)); }), HasSubstr("test.xml:4:1: this surface lies exactly"));
+}
+
+const std::string emitter = "<emitter type='area'><rgb name='radiance' value='1'/></emitter>";
+
+TEST(CoincidentShapes, CurvedLampsInOtherSurfacesAreRefused) {
+    EXPECT_THAT(error_of(emitter, diffuse),
+                HasSubstr("test.xml:2:1: this lamp lies exactly in the place of the surface at line 3: which of them"));
+    EXPECT_THAT(error_of(diffuse, emitter),
+                HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the surface at line 2: which of them"));
+}
+
+TEST(CoincidentShapes, LampsMayStandOnSurfaces) {
+    const std::string cube = "<shape type='cube'>";
+    const std::string above = "<transform name='to_world'><translate z='2'/></transform>";
+    EXPECT_EQ(input_error_of([&] { load(cube + "</shape>" + cube + above + emitter + "</shape>"); }), "no error");
+    EXPECT_THAT(input_error_of([&] { load(cube + "</shape>" + cube + emitter + "</shape>"); }),
+                HasSubstr("this lamp lies exactly in the place of the surface"));
+}
+
+std::string placed(const std::string& type, const std::string& operations, const std::string& inside) {
+    return "<shape type='" + type + "'><transform name='to_world'>" + operations + "</transform>" + inside + "</shape>";
+}
+
+// A lamp in a wall, of its size or smaller, at any angle and place: rays find it, and from nearly where it was.
+TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
+    for (const std::string place :
+         {"", "<rotate x='1' y='2' z='3' angle='50'/>", "<translate x='7' y='8' z='9'/>",
+          "<rotate x='1' y='2' z='3' angle='50'/><translate x='700' y='-800' z='900'/>", "<scale value='1e-6'/>"})
+        for (const std::string kind : {"rectangle", "disk"})
+            for (const std::string size : {"<scale value='0.2'/><translate x='0.3' y='0.1'/>", ""}) {
+                const LoadedScene loaded =
+                    load(placed("rectangle", place, diffuse) + placed(kind, size + place, emitter) +
+                         placed("rectangle", "<translate x='3' z='-1'/>" + place, diffuse));
+                const Scene& scene = *loaded.scene;
+                const Shape& lamp = scene.shapes()[1];
+                const auto* disk = std::get_if<Disk>(&lamp);
+                const Frame frame(disk ? disk->normal
+                                       : Vec3(std::get<Mesh>(lamp).normal_of(0).stableNormalized().cast<float>()));
+                const Vec3 middle = bounds_of(lamp).center();
+                const float diameter = bounds_of(lamp).diagonal();
+                const Vec3 in_wall = std::get<Mesh>(scene.shapes()[0]).vertex(0);
+                EXPECT_NEAR((middle - in_wall).dot(frame.n) / scene.diagonal(), 0, 1e-5) << place << kind << size;
+                for (std::uint32_t i = 0; i < 1000; ++i) {
+                    const Sampler u(PointSet::independent, 1, i, 0);
+                    const Vec2 aside = u.get_2d(0);
+                    const Vec3 from = middle + diameter * frame.to_world(Vec3(aside.x(), aside.y(), 0.5f));
+                    const auto light = scene.sample_light(from, 0.5f, u.get_2d(2));
+                    ASSERT_TRUE(light);
+                    const auto hit = scene.intersect({from, light->wi});
+                    ASSERT_TRUE(hit);
+                    EXPECT_TRUE(hit->emitter) << place << kind << size;
+                }
+            }
+}
+
+// A lamp that touches a wall with its edge, or is a hundredth away, stays.
+TEST(CoincidentShapes, OtherLampsStayWhereTheyAre) {
+    for (const std::string wall : {"<rotate y='1' angle='90'/><translate x='1'/>", "<translate z='0.01'/>"}) {
+        const LoadedScene loaded = load(placed("rectangle", "", emitter) + placed("rectangle", wall, diffuse));
+        const auto& lamp = std::get<Mesh>(loaded.scene->shapes()[0]);
+        const auto& other = std::get<Mesh>(loaded.scene->shapes()[1]);
+        const float lowest = std::min(other.vertex(0).z(), other.vertex(2).z());
+        EXPECT_NEAR(lamp.vertex(0).z() - lowest, wall.find("0.01") == std::string::npos ? 1.f : -0.01f, 1e-9f) << wall;
+    }
+}
+
+// Of two cubes of glass that touch, a path meets one face of the two; in which medium it is after that, no one knows.
+TEST(CoincidentShapes, InterfacesThatFaceEachOtherAreRefused) {
+    for (const std::string axis : {"x", "y", "z"}) {
+        const auto beside = [&](const std::string& by, const std::string& inside) {
+            return placed("cube", "<translate " + axis + "='" + by + "'/>", inside);
+        };
+        EXPECT_THAT(input_error_of([&] { load(beside("0", glass("")) + "\n" + beside("2", glass(""))); }),
+                    HasSubstr("test.xml:3:1: this surface lies exactly in the place of the one at line 2, which faces "
+                              "the other way"))
+            << axis;
+        EXPECT_EQ(input_error_of([&] { load(beside("0", glass("")) + beside("2.001", glass(""))); }), "no error");
+        EXPECT_EQ(input_error_of([&] { load(beside("0", glass("")) + beside("2", diffuse)); }), "no error");
+    }
+}
+
+TEST(CoincidentShapes, BoundariesOfDifferentMediaAreRefused) {
+    const auto fog = [](const std::string& density) {
+        return "<bsdf type='null'/><medium name='interior' type='homogeneous'><rgb name='sigma_t' value='" + density +
+               "'/><rgb name='albedo' value='0.5'/></medium>";
+    };
+    EXPECT_THAT(error_of(fog("1"), glass("")), HasSubstr("which refracts otherwise"));
+    EXPECT_THAT(error_of(fog("1"), fog("2")), HasSubstr("which bounds another medium"));
+    EXPECT_EQ(error_of(fog("1"), diffuse), "no error");
+}
+
+TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
+    const std::string lamp =
+        "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";
+    EXPECT_THAT(input_error_of([&] { load(lamp + "\n" + lamp); }),
+                HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the one at line 2"));
+    const TemporaryFolder folder;
+    const std::string part = folder.write("part.xml", "<scene>\n\n" + lamp + "</scene>");
+    const std::string text = scene_with("<include filename='part.xml'/>" + lamp);
+    EXPECT_THAT(input_error_of([&] { parse_scene(text, folder / "main.xml"); }),
+                HasSubstr("main.xml:2:31: this lamp lies exactly in the place of the one at " + part + ":3:"));
+}
+
+}  // namespace
+}  // namespace gib::test

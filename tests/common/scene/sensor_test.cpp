@@ -1,0 +1,213 @@
+#include "common/scene/sensor.h"
+#include "common/sampling/sampler.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+Sensor::Parameters square(int pixels) {
+    Sensor::Parameters p;
+    p.width = p.height = pixels;
+    p.fov = 90;
+    p.filter = ReconstructionFilter::box(0.5f);
+    return p;
+}
+
+// Mitsuba adds the offset to film positions: the optical axis is where position + offset = 1/2.
+TEST(Sensor, PrincipalPointOffsetMovesTheAxisTheOtherWay) {
+    auto p = square(4);
+    p.principal_point_offset = Vec2d(0.25, -0.25);
+    const Sensor sensor(p);
+    const Ray axis = sensor.generate_ray(1, 3, {0.f, 0.f});  // the corner between pixels (0, 2) and (1, 3)
+    EXPECT_NEAR(axis.d.x(), 0.f, 1e-6f);
+    EXPECT_NEAR(axis.d.y(), 0.f, 1e-6f);
+    // Film x grows to the right, camera x to the left; film y grows down, camera y up.
+    const Ray right_below = sensor.generate_ray(2, 3, {0.5f, 0.5f});
+    EXPECT_LT(right_below.d.x(), 0.f);
+    EXPECT_LT(right_below.d.y(), 0.f);
+}
+
+TEST(Sensor, FilmSpansTheFieldOfView) {
+    const Sensor sensor(square(8));
+    const Ray corner = sensor.generate_ray(0, 0, {0.f, 0.f});
+    EXPECT_NEAR(corner.d.x() / corner.d.z(), 1.f, 1e-6f);  // tan 45 degrees
+    EXPECT_NEAR(corner.d.y() / corner.d.z(), 1.f, 1e-6f);
+    EXPECT_NEAR(corner.d.norm(), 1.f, 1e-6f);
+}
+
+TEST(Sensor, ClipDistancesCountAlongTheAxis) {
+    auto p = square(8);
+    p.near_clip = 2;
+    p.far_clip = 10;
+    const Ray corner = Sensor(p).generate_ray(0, 0, {0.f, 0.f});
+    EXPECT_NEAR(corner.t_min * corner.d.z(), 2.f, 1e-5f);
+    EXPECT_NEAR(corner.t_max * corner.d.z(), 10.f, 1e-4f);
+}
+
+Sensor::Parameters behind_a_lens() {
+    auto p = square(8);
+    p.fov = 60;
+    p.to_world.topLeftCorner<3, 3>() = Eigen::AngleAxisd(0.7, Vec3d(1, -2, 0.5).normalized()).toRotationMatrix();
+    p.to_world.topRightCorner<3, 1>() = Vec3d(3, -1, 2);
+    p.aperture_radius = 0.25;
+    p.focus_distance = 4;
+    return p;
+}
+
+constexpr std::uint32_t lens_samples = 4096;
+Vec2 lens_sample(std::uint32_t i) { return Sampler(PointSet::sobol, 1, 0, i).get_2d(dimension::lens); }
+
+/// Where a ray is at distance z from the sensor, along its axis.
+Vec3 at_depth(const Ray& ray, const Sensor::Parameters& p, double z) {
+    const Vec3 axis = p.to_world.block<3, 1>(0, 2).cast<float>(), o = p.to_world.block<3, 1>(0, 3).cast<float>();
+    return ray.o + (static_cast<float>(z) - (ray.o - o).dot(axis)) / ray.d.dot(axis) * ray.d;
+}
+
+TEST(ThinLens, RaysOfAFilmPositionMeetInThePlaneOfFocus) {
+    const auto p = behind_a_lens();
+    const Sensor sensor(p);
+    EXPECT_TRUE(sensor.has_lens());
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(3, 4), std::pair(7, 2)}) {
+        const Vec3 focus = at_depth(sensor.generate_ray(x, y, {0.3f, 0.8f}), p, p.focus_distance);
+        for (std::uint32_t i = 0; i < 64; ++i) {
+            const Ray ray = sensor.generate_ray(x, y, {0.3f, 0.8f}, lens_sample(i));
+            EXPECT_LT((at_depth(ray, p, p.focus_distance) - focus).norm(), 1e-5f);
+            EXPECT_NEAR(ray.d.norm(), 1.f, 1e-6f);
+        }
+    }
+}
+
+// Similar triangles: the cone from the lens to the point of focus has the radius A |1 - z / f| at depth z. Over a disc,
+// radius^2 is uniform: mean R^2 / 2, standard deviation R^2 / sqrt(12).
+TEST(ThinLens, CircleOfConfusionIsInClosedForm) {
+    const auto p = behind_a_lens();
+    const Sensor sensor(p);
+    for (const double z : {0.0, 1.0, 3.0, 6.0, 40.0}) {
+        const double radius = p.aperture_radius * std::abs(1 - z / p.focus_distance);
+        const Vec3 center = at_depth(sensor.generate_ray(1, 6, {0.5f, 0.5f}), p, z);
+        double square_mean = 0, largest = 0;
+        Vec3d mean = Vec3d::Zero();
+        for (std::uint32_t i = 0; i < lens_samples; ++i) {
+            const Vec3 offset = at_depth(sensor.generate_ray(1, 6, {0.5f, 0.5f}, lens_sample(i)), p, z) - center;
+            square_mean += static_cast<double>(offset.squaredNorm()) / lens_samples;
+            mean += offset.cast<double>() / lens_samples;
+            largest = std::max(largest, static_cast<double>(offset.norm()));
+        }
+        EXPECT_NEAR(largest, radius, 0.01 * radius) << z;
+        EXPECT_LT(largest, radius + 1e-5) << z;
+        EXPECT_NEAR(square_mean, radius * radius / 2, 4 * radius * radius / std::sqrt(12.0 * lens_samples)) << z;
+        EXPECT_LT(mean.norm(), 4 * radius / std::sqrt(2.0 * lens_samples)) << z;
+    }
+}
+
+void expect_same_ray(const Ray& a, const Ray& b) {
+    EXPECT_EQ(a.o, b.o);
+    EXPECT_EQ(a.d, b.d);
+    EXPECT_EQ(a.t_min, b.t_min);
+    EXPECT_EQ(a.t_max, b.t_max);
+}
+
+TEST(ThinLens, WithoutAnApertureIsAPinhole) {
+    auto p = behind_a_lens();
+    const Sensor lens(p);
+    p.aperture_radius = 0;
+    const Sensor closed(p);
+    p.focus_distance = 1;
+    const Sensor pinhole(p);
+    EXPECT_FALSE(closed.has_lens());
+    for (std::uint32_t i = 0; i < 16; ++i)
+        expect_same_ray(closed.generate_ray(2, 5, {0.1f, 0.9f}, lens_sample(i)),
+                        pinhole.generate_ray(2, 5, {0.1f, 0.9f}));
+    expect_same_ray(lens.generate_ray(2, 5, {0.1f, 0.9f}), pinhole.generate_ray(2, 5, {0.1f, 0.9f}));
+}
+
+TEST(ThinLens, ClipDistancesCountFromTheLens) {
+    auto p = behind_a_lens();
+    p.near_clip = 2;
+    p.far_clip = 10;
+    for (std::uint32_t i = 0; i < 16; ++i) {
+        const Ray ray = Sensor(p).generate_ray(0, 7, {0.5f, 0.5f}, lens_sample(i));
+        const float cosine = ray.d.dot(p.to_world.block<3, 1>(0, 2).cast<float>());
+        EXPECT_NEAR(ray.t_min * cosine, 2.f, 1e-5f);
+        EXPECT_NEAR(ray.t_max * cosine, 10.f, 1e-4f);
+    }
+}
+
+TEST(Sensor, TakesLensSamplesOnlyForALens) {
+    const auto p = behind_a_lens();
+    const Sensor lens(p), pinhole(square(8));
+    const Sampler sampler(PointSet::independent, 1, 2, 3);
+    const Vec2 u_film = sampler.get_2d(dimension::film), u_lens = sampler.get_2d(dimension::lens);
+    expect_same_ray(lens.sample_ray(1, 2, sampler), lens.generate_ray(1, 2, u_film, u_lens));
+    expect_same_ray(pinhole.sample_ray(1, 2, sampler), pinhole.generate_ray(1, 2, u_film));
+}
+
+TEST(Sensor, ACropShowsItsPartOfTheFilm) {
+    for (const bool orthographic : {false, true}) {
+        auto p = behind_a_lens();
+        p.width = 40;
+        p.height = 30;
+        p.fov_axis = Sensor::FovAxis::smaller;  // of the film, not of the image
+        p.principal_point_offset = Vec2d(0.1, -0.2);
+        if (orthographic) p.projection = Sensor::Projection::orthographic;
+        const Sensor whole(p);
+        p.crop = Sensor::Crop{Vec2d(40, 30), Vec2d(7, 11)};
+        p.width = 5;
+        p.height = 13;
+        const Sensor part(p);
+        EXPECT_EQ(part.width(), 5);
+        EXPECT_EQ(part.height(), 13);
+        for (int y = 0; y < 13; ++y)
+            for (int x = 0; x < 5; ++x)
+                expect_same_ray(part.generate_ray(x, y, {0.2f, 0.7f}, {0.9f, 0.1f}),
+                                whole.generate_ray(x + 7, y + 11, {0.2f, 0.7f}, {0.9f, 0.1f}));
+    }
+}
+
+// Pearson's test at alpha = 0.001: 41 bins of equal width against the integral of the tent, 40 degrees of freedom.
+TEST(ReconstructionFilter, TentSamplesFollowItsDensity) {
+    constexpr int bins = 41;
+    constexpr std::uint32_t n = 200000;
+    constexpr double radius = 1.25, critical = 73.40;
+    const auto filter = ReconstructionFilter::tent(1.25f);
+    const auto cumulative = [](double t) { return t < 0 ? (1 + t) * (1 + t) / 2 : 1 - (1 - t) * (1 - t) / 2; };
+    for (int axis = 0; axis < 2; ++axis) {
+        std::vector<int> counts(bins);
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const float x = filter.sample(Sampler(PointSet::independent, 1, i, 0).get_2d(dimension::film))[axis];
+            ASSERT_LE(std::abs(x), 1.25f);
+            const auto bin = static_cast<std::size_t>((static_cast<double>(x) / radius + 1) / 2 * bins);
+            ++counts[std::min<std::size_t>(bin, bins - 1)];
+        }
+        double statistic = 0;
+        for (int b = 0; b < bins; ++b) {
+            const double expected = n * (cumulative(2.0 * (b + 1) / bins - 1) - cumulative(2.0 * b / bins - 1));
+            statistic += sqr(counts[static_cast<std::size_t>(b)] - expected) / expected;
+        }
+        EXPECT_LT(statistic, critical);
+    }
+}
+
+// Offsets are distributed like the filter: its second moment in closed form, the cut at 4 deviations and the shift
+// included.
+TEST(ReconstructionFilter, GaussianSamplesHaveItsMoments) {
+    const double sigma = 0.5, r = 4 * sigma, cut = std::exp(-8.0), root = sigma * std::sqrt(2 * std::numbers::pi);
+    const double mass = root * std::erf(r / (sigma * std::sqrt(2.0))) - cut * 2 * r;
+    const double second =
+        sigma * sigma * (root * std::erf(r / (sigma * std::sqrt(2.0))) - 2 * r * cut) - cut * 2 * r * r * r / 3;
+    const auto filter = ReconstructionFilter::gaussian(0.5f);
+    double mean = 0, square_mean = 0;
+    constexpr std::uint32_t n = 1 << 16;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Vec2 x = filter.sample(Sampler(PointSet::sobol, 1, 0, i).get_2d(0));
+        EXPECT_LE(x.cwiseAbs().maxCoeff(), 2.f);
+        mean += static_cast<double>(x.x());
+        square_mean += static_cast<double>(x.y() * x.y());
+    }
+    EXPECT_NEAR(mean / n, 0.0, 1e-3);
+    EXPECT_NEAR(square_mean / n, second / mass, 1e-3 * second / mass);
+}
+
+}  // namespace
+}  // namespace gib

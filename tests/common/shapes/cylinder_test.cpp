@@ -1,0 +1,230 @@
+// The cylinder: rays meet it where the formula says, its points are uniform, and it shines.
+
+#include "common/sampling/sampler.h"
+#include "tests/support/moments.h"
+#include "tests/support/random.h"
+#include "tests/support/scene_text.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+using test::load;
+using test::Random;
+
+/// Anywhere, of any size, much longer than wide or the other way round.
+Cylinder any_cylinder(Random& random) {
+    const auto magnitude = [&] { return std::pow(10.f, 4.f * random.next() - 2.f); };
+    const Frame frame(random.direction());
+    const float length = magnitude();
+    return {magnitude() * random.direction(), length * frame.n, frame.s, frame.t, magnitude(), random.next() < 0.5f};
+}
+
+/// The distance from the axis, in double.
+double distance_from_axis(const Cylinder& c, const Vec3& p) {
+    const Vec3d axis = c.axis.cast<double>().normalized(), d = p.cast<double>() - c.base.cast<double>();
+    return (d - d.dot(axis) * axis).norm();
+}
+
+/// Every root of the textbook's quadratic in long double, the first that lies on the cylinder.
+std::optional<long double> textbook_hit(const Cylinder& c, const Ray& ray) {
+    using V = Eigen::Matrix<long double, 3, 1>;
+    const V axis = c.axis.cast<long double>(), o = ray.o.cast<long double>() - c.base.cast<long double>();
+    const V d = ray.d.cast<long double>();
+    const V across_o = o.cross(axis) / axis.norm(), across_d = d.cross(axis) / axis.norm();
+    const long double a = across_d.squaredNorm(), b = across_o.dot(across_d);
+    const long double radius = static_cast<long double>(c.radius), rest = across_o.squaredNorm() - radius * radius;
+    const long double discriminant = b * b - a * rest;
+    if (discriminant < 0) return std::nullopt;
+    for (const int sign : {-1, 1}) {
+        const long double t = (-b + sign * std::sqrt(discriminant)) / a;
+        const long double v = (o + t * d).dot(axis) / axis.squaredNorm();
+        if (t > static_cast<long double>(ray.t_min) && t < static_cast<long double>(ray.t_max) && v >= 0 && v <= 1)
+            return t;
+    }
+    return std::nullopt;
+}
+
+TEST(Cylinder, RaysMeetItWhereTheFormulaSays) {
+    Random random(1);
+    int hits = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        const Cylinder c = any_cylinder(random);
+        const float size = c.axis.norm() + c.radius;
+        const Vec3 target = c.base + random.next() * c.axis + 1.2f * c.radius * random.direction();
+        const Vec3 o = target + size * 2.f * random.next() * random.direction();
+        Ray ray{o, (target - o).normalized() * (0.5f + random.next())};
+        if (random.next() < 0.3f) ray.t_max = 3.f * size * random.next();
+        if (random.next() < 0.3f) ray.t_min = size * random.next();
+        const auto expected = textbook_hit(c, ray);
+        const auto found = intersect(c, ray);
+        // A rim or a grazing ray may fall on either side of the border.
+        if (expected.has_value() != found.has_value()) {
+            Cylinder wider = c, narrower = c;
+            wider.radius *= 1 + 1e-6f;
+            narrower.radius *= 1 - 1e-6f;
+            EXPECT_NE(textbook_hit(wider, ray).has_value(), textbook_hit(narrower, ray).has_value());
+            continue;
+        }
+        if (!found) continue;
+        ++hits;
+        EXPECT_NEAR(static_cast<double>(*found), static_cast<double>(*expected), 1e-6 * static_cast<double>(*expected));
+    }
+    EXPECT_GT(hits, 20'000);
+}
+
+TEST(Cylinder, RaysAlongItsAxisMissIt) {
+    const Cylinder c{Vec3::Zero(), Vec3(0, 0, 2), Vec3::UnitX(), Vec3::UnitY(), 1};
+    EXPECT_FALSE(intersect(c, {Vec3(0.5f, 0, -1), Vec3::UnitZ()}));
+    EXPECT_FALSE(intersect(c, {Vec3(1, 0, -1), Vec3::UnitZ()}));
+    EXPECT_FALSE(intersect(c, {Vec3(2, 0, -1), Vec3::UnitZ()}));
+    // Through the open end to the wall.
+    const auto t = intersect(c, {Vec3(0, 0, -1), Vec3(1, 0, 2)});
+    ASSERT_TRUE(t);
+    EXPECT_FLOAT_EQ(*t, 1);
+    EXPECT_FALSE(intersect(c, {Vec3(0, 0, -1), Vec3(1, 0, 4)}));
+}
+
+TEST(Cylinder, RaysThatLeaveItDoNotMeetTheSamePointAgain) {
+    Random random(2);
+    for (int i = 0; i < 100'000; ++i) {
+        const Cylinder c = any_cylinder(random);
+        const SurfacePoint q = AreaSampler(c).sample(c, random.next_2d());
+        // The points found by a ray and those that are sampled.
+        const SurfaceGeometry s = surface_at(c, 0, 0, 0, q.p + 0.1f * c.radius * random.direction());
+        for (const SurfacePoint& from : {q, static_cast<const SurfacePoint&>(s)}) {
+            EXPECT_NEAR(from.ng.norm(), 1, 1e-6);
+            EXPECT_LE(std::abs(distance_from_axis(c, from.p) - static_cast<double>(c.radius)),
+                      0.5 * static_cast<double>(from.offset));
+            const Vec3 outward = c.flip_normals ? Vec3(-from.ng) : from.ng;
+            const Vec3 w = random.direction();
+            const float cosine = w.dot(outward);
+            const auto t = intersect(c, {offset_origin(from, w), w});
+            if (cosine >= 0) {
+                EXPECT_FALSE(t) << cosine;
+            } else if (t) {
+                // On the far wall: the chord is 2 R cos / sin^2 of the angle with the axis.
+                const float across2 = 1.f - sqr(w.dot(c.axis) / c.axis.norm());
+                const float chord = -2.f * c.radius * cosine / across2;
+                EXPECT_NEAR(*t, chord, 1e-3f * chord + 4.f * from.offset / std::abs(cosine));
+                EXPECT_GT(*t, 0.25f * chord);
+            }
+        }
+    }
+}
+
+TEST(Cylinder, BoundsTouchIt) {
+    Random random(3);
+    for (int i = 0; i < 100; ++i) {
+        const Cylinder c = any_cylinder(random);
+        const AreaSampler surface(c);
+        Bounds points;
+        for (int k = 0; k < 4000; ++k)
+            points.add(surface.sample(c, random.next_2d()).p);
+        const Bounds bounds = bounds_of(c);
+        const float size = bounds.diagonal();
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_LT(bounds.lower[k], points.lower[k] + 1e-5f * size);
+            EXPECT_GT(bounds.upper[k], points.upper[k] - 1e-5f * size);
+            EXPECT_GT(bounds.lower[k], points.lower[k] - 0.03f * size);
+            EXPECT_LT(bounds.upper[k], points.upper[k] + 0.03f * size);
+        }
+    }
+}
+
+/// Chi-square over 8 x 8 cells of uv; family of one, alpha = 0.001: 103.4 for 63 degrees of freedom.
+TEST(Cylinder, SamplesAreUniformOverItsArea) {
+    const Cylinder c{Vec3(1, 2, 3), Vec3(0, 0, 5), Vec3::UnitX(), Vec3::UnitY(), 0.5f};
+    EXPECT_NEAR(area_of(c), 5 * std::numbers::pi, 1e-12);
+    const AreaSampler surface(c);
+    EXPECT_FLOAT_EQ(surface.area(), static_cast<float>(5 * std::numbers::pi));
+    Random random(4);
+    std::array<double, 64> counts{};
+    constexpr int samples = 64'000;
+    for (int i = 0; i < samples; ++i) {
+        const SurfacePoint q = surface.sample(c, random.next_2d());
+        const Vec2 uv = surface_at(c, 0, 0, 0, q.p).uv;
+        const auto cell = [](float x) { return std::min<std::size_t>(static_cast<std::size_t>(x * 8.f), 7); };
+        counts[cell(uv.x()) * 8 + cell(uv.y())] += 1;
+    }
+    double chi2 = 0;
+    for (const double n : counts)
+        chi2 += (n - samples / 64.0) * (n - samples / 64.0) / (samples / 64.0);
+    EXPECT_LT(chi2, 103.4);
+}
+
+const std::string lamp_xml =
+    "<shape type=\"cylinder\"><float name=\"radius\" value=\"0.5\"/><point name=\"p0\" x=\"0\" y=\"0\" z=\"-1\"/>"
+    "<point name=\"p1\" x=\"0\" y=\"0\" z=\"1\"/><emitter type=\"area\"><rgb name=\"radiance\" "
+    "value=\"3\"/></emitter>";
+
+TEST(Cylinder, LightsWithItsOuterSide) {
+    const auto lamp = load(lamp_xml + "</shape>");
+    EXPECT_NEAR(lamp.scene->emitted_power()[0], std::numbers::pi * 3 * 2 * std::numbers::pi, 1e-4);
+    const auto outside = lamp.scene->intersect({Vec3(2, 0, 0), Vec3(-1, 0, 0)});
+    ASSERT_TRUE(outside);
+    EXPECT_EQ(outside->Le(Vec3(1, 0, 0))[0], 3.f);
+    const auto inside = lamp.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)});
+    ASSERT_TRUE(inside);
+    EXPECT_EQ(inside->Le(Vec3(-1, 0, 0))[0], 0.f);
+    const auto turned = load(lamp_xml + "<boolean name=\"flip_normals\" value=\"true\"/></shape>");
+    EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
+}
+
+/// The irradiance at a distance d from the axis of a lamp of height 2 h and radius r, on a plane that faces it, by
+/// quadrature over the directions of the hemisphere.
+double irradiance_by_quadrature(const Scene& scene, const Vec3& p, const Vec3& normal) {
+    constexpr int n = 1000;
+    const Frame frame(normal);
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k) {
+            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(
+                Vec2((static_cast<float>(i) + 0.5f) / n, (static_cast<float>(k) + 0.5f) / n)));
+            const auto hit = scene.intersect({p, w});
+            if (hit) sum += static_cast<double>(hit->Le(-w)[0]);
+        }
+    return std::numbers::pi * sum / (static_cast<double>(n) * n);
+}
+
+TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
+    const auto lamp = load(lamp_xml + "</shape>");
+    const Scene& scene = *lamp.scene;
+    const Vec3 p(1.5f, 0.2f, 0.7f), normal = Vec3(-1, 0.1f, -0.3f).normalized();
+    Random random(5);
+    test::Moments irradiance;
+    constexpr int samples = 200'000;
+    for (int i = 0; i < samples; ++i) {
+        const auto s = scene.sample_light(p, random.next(), random.next_2d());
+        double e = 0;
+        if (s && !scene.occluded({p, s->target - p, 0, 1}))
+            e = static_cast<double>(s->Le[0] * std::max(s->wi.dot(normal), 0.f) / s->pdf_w);
+        if (e > 0) {
+            const auto hit = scene.intersect({p, s->wi});
+            // At the silhouette the two points' rounding decides.
+            if (hit && -hit->ng.dot(s->wi) > 0.1f) {
+                EXPECT_NEAR(scene.light_pdf_w(p, *hit) / s->pdf_w, 1, 1e-3);
+            }
+        }
+        irradiance.add(e);
+    }
+    // 3.9 standard errors: alpha = 1e-4; the quadrature's own error is far smaller.
+    EXPECT_NEAR(irradiance.mean(), irradiance_by_quadrature(scene, p, normal),
+                3.9 * irradiance.standard_error() + 1e-3 * irradiance.mean());
+}
+
+TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
+    const auto lamp = load(lamp_xml + "</shape>");
+    Random random(6);
+    for (int i = 0; i < 10'000; ++i) {
+        const EmissionSample e = lamp.scene->sample_emission(random.next(), random.next_2d(), random.next_2d());
+        EXPECT_NEAR(Vec2(e.ray.o.x(), e.ray.o.y()).norm(), 0.5f, 1e-5f);
+        EXPECT_GE(e.ray.d.dot(e.normal), 0.f);
+        EXPECT_GT(e.normal.dot(Vec3(e.ray.o.x(), e.ray.o.y(), 0)), 0.f);
+        EXPECT_FALSE(lamp.scene->intersect(e.ray));
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,285 @@
+// Spectra become the RGB that Mitsuba's RGB variants make of them.
+
+#include "common/xml/scene_spectrum.h"
+#include "common/core/float_traps.h"
+
+#include "common/color/cie.h"
+#include "common/core/error.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+
+namespace gib {
+namespace {
+
+using test::scene_with;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+Color color_of(const std::string& spectrum, ColorRange range) {
+    const XmlElement root = parse_xml("<scene>" + spectrum + "</scene>", "t.xml");
+    return parse_spectrum(root.children[0], XmlIds(root), "x", range);
+}
+
+Color color_of_list(const std::string& list, ColorRange range) {
+    return color_of("<spectrum name=\"x\" value=\"" + list + "\"/>", range);
+}
+
+void expect_near(const Color& a, const Color& b, float tolerance) {
+    EXPECT_LT((a - b).abs().maxCoeff(), tolerance) << "(" << a.transpose() << ") is not (" << b.transpose() << ")";
+}
+
+/// x and y of a colour; the primaries and the white point of ITU-R BT.709.
+Vec2d chromaticity(const Color& rgb) {
+    Eigen::Matrix3d from_rgb;
+    for (int i = 0; i < 3; ++i)
+        from_rgb.col(i) = rgb_of_xyz(Vec3d::Unit(i).array()).matrix();
+    const Vec3d xyz = from_rgb.inverse() * rgb.matrix().cast<double>();
+    return xyz.head<2>() / xyz.sum();
+}
+
+// The sums that CIE 15:2004 prints below its table of the observer, from 380 nm to 780 nm in steps of 5 nm.
+TEST(Cie, TheObserversCurvesHaveTheirPublishedSums) {
+    Colord sum = Colord::Zero();
+    for (int wavelength = 380; wavelength <= 780; wavelength += 5)
+        sum += cie_1931_xyz(wavelength);
+    EXPECT_LT((sum - Colord(21.371524, 21.371327, 21.371540)).abs().maxCoeff(), 2e-6) << sum.transpose();
+}
+
+// CIE defines D65 every 10 nm and straight lines between.
+TEST(Cie, D65IsLinearOverTenNanometres) {
+    for (int wavelength = 365; wavelength < 830; wavelength += 10)
+        EXPECT_NEAR(cie_d65(wavelength), (cie_d65(wavelength - 5) + cie_d65(wavelength + 5)) / 2, 1e-5) << wavelength;
+}
+
+TEST(Cie, CurvesEndWithTheirTables) {
+    EXPECT_EQ(cie_1931_xyz(555)[1], 1.0);
+    EXPECT_NEAR(cie_1931_xyz(557.5)[1], (1.0 + 0.995) / 2, 1e-12);
+    EXPECT_GT(cie_1931_xyz(830)[0], 0.0);
+    EXPECT_GT(cie_d65(360), 0.0);
+    const FloatTrapsPaused paused;  // not a number is given
+    for (const double outside : {359.9, 830.1, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        EXPECT_TRUE((cie_1931_xyz(outside) == 0.0).all());
+        EXPECT_EQ(cie_d65(outside), 0.0);
+    }
+}
+
+// The chromaticities that CIE 15 gives for equal energy and for D65; those of D65 are the white point of RGB.
+TEST(Cie, WhitesHaveTheirChromaticities) {
+    const Colord equal = rgb_of_spectrum([](double) { return 1.0; }, Illuminant::none);
+    EXPECT_LT((chromaticity(equal.cast<float>()) - Vec2d(1.0 / 3, 1.0 / 3)).norm(), 1e-4);
+    const Colord white = rgb_of_spectrum([](double) { return 1.0; }, Illuminant::d65);
+    EXPECT_LT((chromaticity(white.cast<float>()) - Vec2d(0.31272, 0.32903)).norm(), 1e-4);
+    expect_near(white.cast<float>(), Color::Ones(), 1.5e-3f);
+}
+
+TEST(Spectrum, AConstantIsGreyAsAReflectanceAndReddishAsAnEmission) {
+    for (const auto range : {ColorRange::unit, ColorRange::non_negative})
+        EXPECT_TRUE((color_of_list("0.7", range) == 0.7f).all());
+    expect_near(color_of_list(" 10\n", ColorRange::emission), Color(12.04794f, 9.48291f, 9.08916f), 1e-5f);
+}
+
+TEST(Spectrum, AListThatIsConstantAgreesWithAConstant) {
+    expect_near(color_of_list("300:0.5, 900:0.5", ColorRange::unit), Color::Constant(0.5f), 1e-3f);
+    expect_near(color_of_list("300:10 900:10", ColorRange::emission), color_of_list("10", ColorRange::emission), 5e-3f);
+}
+
+// The colour that Mitsuba 3's own test expects of this list without D65 (src/core/tests/test_dict.py).
+TEST(Spectrum, AnEmissionIsMitsubas) {
+    expect_near(color_of_list("400:0.1, 500:0.2, 600:0.4, 700:0.1", ColorRange::emission),
+                Color(0.442717f, 0.278474f, 0.118373f), 1e-6f);
+}
+
+TEST(Spectrum, AReflectanceIsSeenUnderD65) {
+    const SampledSpectrum list{{400, 500, 600, 700}, {0.1, 0.2, 0.4, 0.1}};
+    const Colord expected = rgb_of_spectrum([&](double w) { return list(w) * cie_d65(w); }, Illuminant::none);
+    for (const auto range : {ColorRange::unit, ColorRange::non_negative})
+        expect_near(color_of_list("400:0.1, 500:0.2, 600:0.4, 700:0.1", range), expected.cast<float>(), 1e-6f);
+}
+
+TEST(Spectrum, ColoursOutOfGamutAreClamped) {
+    const Color cyan = color_of_list("490:5 500:5", ColorRange::emission);
+    EXPECT_EQ(cyan[0], 0.f);
+    EXPECT_GT(cyan[1], 0.f);
+    // More red than any reflectance of RGB.
+    EXPECT_EQ(color_of_list("580:1 780:1", ColorRange::unit)[0], 1.f);
+    EXPECT_GT(color_of_list("580:1 780:1", ColorRange::non_negative)[0], 1.f);
+}
+
+TEST(Spectrum, PluginsMeanTheSameAsLists) {
+    const auto plugin = [](const std::string& type, const std::string& body, ColorRange range) {
+        return color_of("<spectrum name=\"x\" type=\"" + type + "\">" + body + "</spectrum>", range);
+    };
+    const auto emission = ColorRange::emission;
+    const Color list = color_of_list("400:1 500:2 600:4", emission);
+    expect_near(
+        plugin("irregular",
+               "<string name=\"wavelengths\" value=\"400, 500, 600\"/><string name=\"values\" value=\"1 2 4\"/>",
+               emission),
+        list, 1e-7f);
+    expect_near(plugin("regular",
+                       "<float name=\"wavelength_min\" value=\"400\"/><float name=\"wavelength_max\" value=\"600\"/>"
+                       "<string name=\"values\" value=\"1, 2, 4\"/>",
+                       emission),
+                list, 1e-7f);
+    EXPECT_TRUE((plugin("uniform", "<float name=\"value\" value=\"3\"/>", emission) == 3.f).all());
+    EXPECT_TRUE((plugin("d65", "", emission) == 1.f).all());
+    expect_near(plugin("d65", "<float name=\"scale\" value=\"2\"/><rgb name=\"color\" value=\"1 2 3\"/>", emission),
+                Color(2, 4, 6), 1e-7f);
+    expect_near(plugin("srgb", "<rgb name=\"color\" value=\"0.1 0.2 0.3\"/>", ColorRange::unit),
+                Color(0.1f, 0.2f, 0.3f), 1e-7f);
+}
+
+Color blackbody(double temperature) {
+    return color_of("<spectrum name=\"x\" type=\"blackbody\"><float name=\"temperature\" value=\"" +
+                        std::to_string(temperature) + "\"/></spectrum>",
+                    ColorRange::emission);
+}
+
+// CIE's illuminant A is Planck's radiation of 2848 K for a second radiation constant of 14350 um K. And the candela was
+// once a sixtieth of what a square centimetre of freezing platinum, 2041.4 K, emits: luminance = 683 lm/W times the
+// integral of y.
+TEST(Spectrum, BlackbodiesHaveTheirColourAndLuminance) {
+    EXPECT_LT((chromaticity(blackbody(2848 * 14387.77 / 14350)) - Vec2d(0.44757, 0.40745)).norm(), 1e-4);
+    const double luminance_at_platinum = static_cast<double>(luminance(blackbody(2041.4))) * 683 * 106.857;
+    EXPECT_NEAR(luminance_at_platinum, 60e4, 0.01 * 60e4);
+}
+
+TEST(Spectrum, StandsWhereverAColourDoes) {
+    const TemporaryFolder folder;
+    folder.write("data/a.spd", "# wavelengths\n400 0.1 # first\r\n\n  500\t0.2\n600 0.4\n700 0.1");
+    const std::string file = "<spectrum name=\"intensity\" filename=\"a.spd\"/>";
+    const auto scene = [&](const std::string& intensity) {
+        return parse_scene(scene_with("<path value=\"data\"/><shape type=\"sphere\"><bsdf type=\"diffuse\"><spectrum "
+                                      "name=\"reflectance\" filename=\"a.spd\"/></bsdf></shape><spectrum type=\"d65\" "
+                                      "id=\"white\"/><emitter type=\"point\">" +
+                                      intensity + "</emitter>"),
+                           folder / "main.xml");
+    };
+    const auto intensity = [](const LoadedScene& loaded) {
+        return std::get<PointLight>(loaded.scene->lights().at(0)).intensity;
+    };
+    const LoadedScene first = scene(file);
+    expect_near(intensity(first), Color(0.442717f, 0.278474f, 0.118373f), 1e-6f);
+    EXPECT_TRUE((intensity(scene("<ref name=\"intensity\" id=\"white\"/>")) == 1.f).all());
+    EXPECT_TRUE((intensity(scene("<integer name=\"intensity\" value=\"2\"/>")) == 2.f).all());
+    folder.write("data/a.spd", "400 0.1\n500 0.2\n600 0.5\n700 0.1");
+    EXPECT_NE(scene(file).content_hash, first.content_hash);
+}
+
+std::string error_of(const std::string& xml, const std::string& path = "t.xml") {
+    try {
+        parse_scene(xml, path);
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+TEST(SpectrumErrors, Lists) {
+    struct Row {
+        std::string list, message;
+    };
+    for (const Row& row : std::vector<Row>{{"400:0.1 500", "bad spectrum '500': expected wavelength:value"},
+                                           {"0.1 0.2", "bad spectrum '0.1'"},
+                                           {"400:0.1 300:0.2", "the wavelengths must increase: 300 follows 400"},
+                                           {"400:0.1 400:0.2", "the wavelengths must increase: 400 follows 400"},
+                                           {"400:-0.1 500:0.2", "'reflectance' must be between 0 and 1, not -0.1"},
+                                           {"400:1.1 500:0.2", "'reflectance' must be between 0 and 1, not 1.1"},
+                                           {"400: 0.1", "bad number ''"},
+                                           {"400:x 500:1", "bad number 'x'"},
+                                           {"400:0.1:2 500:1", "bad number '0.1:2'"},
+                                           {"nan:0.1 500:1", "bad number 'nan'"},
+                                           {"400:0.1", "a spectrum needs two wavelengths or more, found 1"},
+                                           {"", "a spectrum needs two wavelengths or more, found 0"},
+                                           {"x", "bad number 'x'"},
+                                           {"1.5", "'reflectance' must be between 0 and 1, not 1.5"}}) {
+        const std::string error = error_of(
+            scene_with("<shape type=\"sphere\"><bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" value=\"" +
+                       row.list + "\"/></bsdf></shape>"));
+        EXPECT_THAT(error, StartsWith("t.xml:3:30: " + row.message)) << row.list;
+    }
+    const auto emitter = [](const std::string& body) {
+        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n" + body + "</emitter></shape>"));
+    };
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"400:-1 500:2\"/>"),
+                StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"-1\"/>"),
+                StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"3e38\"/>"), HasSubstr("too large"));
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"400:1e39 500:0\"/>"), HasSubstr("too large"));
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\"/>"), StartsWith("t.xml:3:1: <spectrum> needs the attribute"));
+    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"1\" filename=\"a\"/>"), HasSubstr("there is no file 'a'"));
+    EXPECT_THAT(emitter("<rgb name=\"radiance\" value=\"#ff0000\"/>"), StartsWith("t.xml:3:22: bad number '#ff0000'"));
+}
+
+TEST(SpectrumErrors, Files) {
+    const TemporaryFolder folder;
+    const auto error_in = [&](const std::string& content) {
+        folder.write("a.spd", content);
+        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" "
+                                   "filename=\"a.spd\"/></emitter></shape>"),
+                        folder / "main.xml");
+    };
+    const std::string path = folder / "a.spd";
+    EXPECT_THAT(error_in("400 1\n500\n"), StartsWith(path + ":2:4: a number is missing"));
+    EXPECT_THAT(error_in("400 1\n 500 x\n"), StartsWith(path + ":2:6: bad number 'x'"));
+    EXPECT_THAT(error_in("400 1\n500 1 2\n"), StartsWith(path + ":2:7: a line has two numbers"));
+    EXPECT_THAT(error_in("400 1\n\n 300 1\n"), StartsWith(path + ":3:2: the wavelengths must increase"));
+    EXPECT_THAT(error_in("400 -1\n500 1\n"), StartsWith(path + ":1:1: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(error_in("400 inf\n500 1\n"), StartsWith(path + ":1:1: bad number 'inf'"));
+    EXPECT_THAT(error_in("400 1\n"), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 1"));
+    EXPECT_THAT(error_in("# nothing\n"), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 0"));
+    EXPECT_THAT(error_in(""), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 0"));
+    const auto with_attributes = [&](const std::string& attributes) {
+        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" " +
+                                   attributes + "/></emitter></shape>"),
+                        folder / "main.xml");
+    };
+    EXPECT_THAT(with_attributes("filename=\"no.spd\""),
+                StartsWith((folder / "main.xml") + ":3:27: there is no file 'no.spd'; searched: "));
+    EXPECT_THAT(with_attributes("filename=\".\""), HasSubstr("it is a folder"));
+    EXPECT_THAT(with_attributes("value=\"1\" filename=\"a.spd\""),
+                StartsWith((folder / "main.xml") + ":3:37: give either 'value' or 'filename'"));
+}
+
+TEST(SpectrumErrors, Plugins) {
+    const auto emitter = [](const std::string& type, const std::string& body) {
+        return error_of(
+            scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" type=\"" + type +
+                       "\">\n" + body + "</spectrum></emitter></shape>"));
+    };
+    EXPECT_THAT(emitter("sodium", ""),
+                StartsWith("t.xml:3:27: the spectrum 'sodium' is not supported; supported are: uniform, regular, "
+                           "irregular, srgb, d65, blackbody"));
+    EXPECT_THAT(emitter("uniform", ""), StartsWith("t.xml:3:1: the spectrum 'uniform' needs 'value'"));
+    EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"-1\"/>"),
+                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"1\"/><float name=\"b\" value=\"1\"/>"),
+                HasSubstr("spectrum 'uniform' does not take a parameter 'b'"));
+    EXPECT_THAT(emitter("blackbody", ""), HasSubstr("the spectrum 'blackbody' needs 'temperature'"));
+    EXPECT_THAT(emitter("blackbody", "<float name=\"temperature\" value=\"0\"/>"),
+                StartsWith("t.xml:4:27: 'temperature' must be above 0"));
+    EXPECT_THAT(emitter("srgb", ""), HasSubstr("the spectrum 'srgb' needs 'color'"));
+    EXPECT_THAT(emitter("srgb", "<spectrum name=\"color\" value=\"1\"/>"),
+                StartsWith("t.xml:4:1: 'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"));
+    EXPECT_THAT(emitter("srgb\" id=\"a", "<ref name=\"color\" id=\"a\"/>"),
+                HasSubstr("'color' cannot be a <spectrum>"));
+    EXPECT_THAT(emitter("d65", "<float name=\"scale\" value=\"-1\"/>"),
+                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(
+        emitter("irregular", "<string name=\"values\" value=\"1 2\"/><string name=\"wavelengths\" value=\"1\"/>"),
+        StartsWith("t.xml:4:23: found 2 values at 1 wavelengths"));
+    EXPECT_THAT(emitter("irregular", "<string name=\"values\" value=\"1 2\"/>"), HasSubstr("needs 'wavelengths'"));
+    EXPECT_THAT(emitter("regular",
+                        "<string name=\"values\" value=\"1 2\"/><float name=\"wavelength_min\" value=\"500\"/>"
+                        "<float name=\"wavelength_max\" value=\"400\"/>"),
+                StartsWith("t.xml:4:23: the wavelengths must increase: 400 follows 500"));
+    EXPECT_THAT(error_of(scene_with("<shape type=\"sphere\"><bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" "
+                                    "type=\"blackbody\"/></bsdf></shape>")),
+                StartsWith("t.xml:3:1: 'reflectance' cannot be a blackbody: only an emission can"));
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,243 @@
+// Irradiance records and their cache where formulas end: distances of 0, dark edges, values near the ends of floats,
+// corners and needles.
+
+#include "common/core/float_traps.h"
+#include "methods/parts/gathering/irradiance_cache.h"
+#include "tests/support/hard_cases.h"
+#include "tests/support/moments.h"
+
+#include <vector>
+
+namespace gib::test {
+namespace {
+
+const Vec3 up(0, 0, 1);
+constexpr float accuracy = 0.1f;
+
+/// Of radiance L in even strata and 3 L in odd ones, all seen at the same distance but those in `near`.
+IrradianceRecord striped_record(float L, float distance, const std::vector<int>& near, float near_distance) {
+    const auto strata = HemisphereStrata::of(64);
+    std::vector<HemisphereSample> samples;
+    for (int i = 0; i < strata.count(); ++i)
+        samples.push_back({Color::Constant(i % 2 == 0 ? L : 3 * L), distance});
+    for (const int i : near)
+        samples[static_cast<std::size_t>(i)].distance = near_distance;
+    return irradiance_record(Vec3::Zero(), Frame(up), strata, samples);
+}
+
+float mean_striped(float L) {
+    const int n = HemisphereStrata::of(64).count();
+    return pi * L * static_cast<float>(1 * ((n + 1) / 2) + 3 * (n / 2)) / static_cast<float>(n);
+}
+
+// The harmonic mean with a distance of 0 is 0; irradiance knows no distances, and what touches the point moves out of a
+// stratum at once, so that it says nothing about the motion of edges.
+TEST(DegenerateRecord, ThatTouchesASurfaceIsFiniteAndServesNothingElse) {
+    const int n = HemisphereStrata::of(64).count();
+    std::vector<int> all;
+    for (int i = 0; i < n; ++i)
+        all.push_back(i);
+    for (const auto& near : {std::vector<int>{0}, std::vector<int>{n - 1}, std::vector<int>{3, 4, 5}, all}) {
+        const IrradianceRecord record = striped_record(1.f, 2.f, near, 0.f);
+        ASSERT_TRUE(record.is_finite()) << near.size();
+        EXPECT_EQ(record.distance, 0.f);
+        EXPECT_NEAR(record.irradiance[0], mean_striped(1.f), 1e-5f);
+        if (near.size() == all.size()) {
+            EXPECT_EQ(record.translation[0], Vec3::Zero()) << "no edge is left";
+        }
+    }
+    EXPECT_EQ(striped_record(1.f, infinity, {}, 0.f).distance, infinity) << "the sky";
+    EXPECT_EQ(striped_record(1.f, infinity, {}, 0.f).translation[0], Vec3::Zero());
+}
+
+TEST(DegenerateRecord, OfWhatIsNoRadianceIsNotFinite) {
+    const FloatTrapsPaused paused;  // what is not finite is given
+    for (const float bad : {infinity, std::numeric_limits<float>::quiet_NaN()}) {
+        const auto strata = HemisphereStrata::of(16);
+        std::vector<HemisphereSample> samples(static_cast<std::size_t>(strata.count()), {Color::Ones(), 1.f});
+        samples[3].radiance[1] = bad;
+        EXPECT_FALSE(irradiance_record(Vec3::Zero(), Frame(up), strata, samples).is_finite());
+    }
+}
+
+Bounds box_of(float size) {
+    Bounds bounds;
+    bounds.lower = Vec3::Constant(-size);
+    bounds.upper = Vec3::Constant(size);
+    return bounds;
+}
+
+/// Along x, by halving.
+float reach_of(const IrradianceCache& cache, float most) {
+    float inside = 0.f, outside = most;
+    if (!cache.covers(Vec3::Zero(), up)) return 0.f;
+    for (int i = 0; i < 40; ++i) {
+        const float middle = 0.5f * (inside + outside);
+        (cache.covers(Vec3(middle, 0, 0), up) ? inside : outside) = middle;
+    }
+    return outside;
+}
+
+IrradianceRecord plain_record(float E, const Vec3& slope, float distance) {
+    IrradianceRecord record;
+    record.p = Vec3::Zero();
+    record.n = up;
+    record.irradiance = Color::Constant(E);
+    record.rotation.fill(Vec3::Zero());
+    record.translation.fill(slope);
+    record.distance = distance;
+    return record;
+}
+
+struct ClampCase {
+    std::string name;
+    IrradianceRecord record;
+    RecordSpacing spacing;
+    float reach;  ///< by theory; 0: it is not kept
+    std::string reason;
+};
+
+std::vector<ClampCase> clamp_cases() {
+    const Vec3 none = Vec3::Zero();
+    const RecordSpacing any = {0.f, 10.f}, some = {0.01f, 0.2f};
+    std::vector<ClampCase> cases = {
+        {"Distance0", plain_record(1, none, 0), some, 0.01f, "the least spacing"},
+        {"Distance0WithoutSpacing", plain_record(1, none, 0), any, 0, "serves not even its own place"},
+        {"DistanceInfinite", plain_record(1, none, infinity), some, 0.2f, "the greatest spacing"},
+        {"DarkEdge", plain_record(0, Vec3(1, 0, 0), 1), some, 0.01f, "E changes by more than itself over any way"},
+        {"DarkEdgeWithoutSpacing", plain_record(0, Vec3(1, 0, 0), 1), any, 0, "the same"},
+        {"Black", plain_record(0, none, 1), some, 0.1f, "its distance, times the accuracy"},
+        {"EqualSpacings", plain_record(1, none, 1), {0.05f, 0.05f}, 0.05f, "both"},
+    };
+    for (const auto& [name, scale] : {std::pair("1", 1.f), std::pair("1e36", 1e36f), std::pair("1eMinus30", 1e-30f)})
+        cases.push_back({"Slope" + std::string(name), plain_record(scale, Vec3(0, 2 * scale, 0), 1), any, 0.05f,
+                         "|E| / |slope| = 1/2, in any unit of radiance"});
+    return cases;
+}
+
+class GradientClamp : public testing::TestWithParam<ClampCase> {};
+INSTANTIATE_TEST_SUITE_P(Table, GradientClamp, testing::ValuesIn(clamp_cases()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(GradientClamp, HasTheReachOfTheory) {
+    const ClampCase& c = GetParam();
+    SCOPED_TRACE(c.reason);
+    IrradianceCache cache(box_of(20.f), accuracy);
+    cache.insert(c.record, c.spacing);
+    EXPECT_EQ(cache.size(), c.reach > 0.f ? 1u : 0u);
+    EXPECT_NEAR(reach_of(cache, 20.f), c.reach, 1e-5f * c.reach);
+    EXPECT_EQ(cache.interpolate(Vec3::Zero(), up).has_value(), c.reach > 0.f);
+    if (c.reach == 0.f) return;
+    // Within its reach E changes by the accuracy, of itself, at most, and is never below 0.
+    for (const float x : {-0.9f, 0.f, 0.9f})
+        for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
+            const auto E = cache.interpolate(x * c.reach * axis, up);
+            ASSERT_TRUE(E && E->isFinite().all());
+            const float here = c.record.irradiance[0];
+            EXPECT_GE((*E)[0], 0.f);
+            EXPECT_LE(std::abs((*E)[0] - here), 1.00001f * accuracy * here);
+        }
+}
+
+// Sums over records weigh each by up to 1e6 / accuracy where it lies, which times its irradiance may be no float.
+TEST(DegenerateCache, BrightRecordsDoNotOverflowWhereTheyLie) {
+    IrradianceCache cache(box_of(1.f), accuracy);
+    cache.insert(plain_record(3e38f, Vec3::Zero(), 1), {0.f, 1.f});
+    const auto E = cache.interpolate(Vec3::Zero(), up);
+    ASSERT_TRUE(E);
+    EXPECT_NEAR((*E)[0] / 3e38f, 1.f, 1e-6f);
+}
+
+// The clamp follows the mean of the channels; one that has little light beside its slope may be extrapolated below 0.
+TEST(DegenerateCache, ADarkChannelStaysAboveZero) {
+    IrradianceRecord record = plain_record(1, Vec3::Zero(), 1);
+    record.irradiance[1] = 1e-3f;
+    record.translation[1] = Vec3(1, 0, 0);
+    ASSERT_LT(record.at(Vec3(-0.05f, 0, 0), up)[1], 0.f);
+    IrradianceCache cache(box_of(1.f), accuracy);
+    cache.insert(record, {0.f, 1.f});
+    const auto E = cache.interpolate(Vec3(-0.05f, 0, 0), up);
+    ASSERT_TRUE(E);
+    EXPECT_EQ((*E)[1], 0.f);
+    EXPECT_NEAR((*E)[0], 1.f, 1e-6f);
+}
+
+// A hundred records in one place, of which each says something else: their mean, at the place and around it.
+TEST(DegenerateCache, RecordsInOnePlaceAreAveraged) {
+    IrradianceCache cache(box_of(1.f), accuracy);
+    for (int i = 0; i <= 100; ++i)
+        cache.insert(plain_record(static_cast<float>(i), Vec3::Zero(), 1), {0.f, 1.f});
+    for (const float x : {0.f, 0.03f, 0.09f})
+        EXPECT_NEAR((*cache.interpolate(Vec3(x, 0, 0), up))[0], 50.f, 1e-3f) << x;
+    EXPECT_FALSE(cache.covers(Vec3(0.11f, 0, 0), up));
+}
+
+// A scene without extent: a point, or flat along one axis.
+TEST(DegenerateCache, BoundsWithoutVolumeHoldRecords) {
+    Bounds point, flat = box_of(1.f);
+    point.add(Vec3::Zero());
+    flat.lower.z() = flat.upper.z() = 0.f;
+    for (const Bounds& bounds : {point, flat}) {
+        IrradianceCache cache(bounds, accuracy);
+        cache.insert(plain_record(1, Vec3::Zero(), 1), {0.f, 1.f});
+        EXPECT_TRUE(cache.covers(Vec3::Zero(), up));
+        EXPECT_LT(cache.memory(), 100000u);
+    }
+}
+
+/// A furnace in the form of a cube, of side 2: its walls reflect a half and emit a half, so that the radiance is 1
+/// everywhere.
+std::string furnace_cube(const std::string& view, const std::string& things) {
+    const std::string half = diffuse_bsdf(0.5) + area_emitter(0.5);
+    return scene_xml(camera(view, 8, 8) + shape("cube", "", "<boolean name='flip_normals' value='true'/>" + half) +
+                     things);
+}
+
+/// A strip along the diagonal of the floor, of white triangles a millionth as wide as long.
+std::string needles(const TemporaryFolder& folder) {
+    std::string obj;
+    constexpr int count = 8;
+    for (int i = 0; i <= count; ++i)
+        for (const double end : {-0.99, 0.99})
+            obj += "v " + exact(end + (i - count / 2) * 1e-6) + " " + exact(end) + " 0\n";
+    for (int i = 0; i < count; ++i) {
+        const int a = 2 * i + 1;
+        obj += "f " + std::to_string(a) + " " + std::to_string(a + 2) + " " + std::to_string(a + 1) + "\nf " +
+               std::to_string(a + 2) + " " + std::to_string(a + 3) + " " + std::to_string(a + 1) + "\n";
+    }
+    folder.write("needles.obj", obj);
+    return "<shape type='obj'><string name='filename' value='" + folder / "needles.obj" + "'/><bsdf type='twosided'>" +
+           diffuse_bsdf(1) + "</bsdf></shape>";
+}
+
+// Of the radiance 1 in the furnace's corner, where walls are seen at distances down to 0, a half is emitted and a
+// quarter is light that comes straight from the walls: a quarter is left. White needles send on all of it, of which a
+// half comes straight. Records are made of paths, so that only their noise is left: of eight seeds the mean deviates
+// by 5.4 of its standard errors in one of a thousand (Student's t of 7).
+TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
+    const TemporaryFolder folder;
+    struct Seen {
+        std::string name, scene;
+        double indirect;
+    };
+    for (const Seen& seen :
+         {Seen{"corner", furnace_cube(Place{}.view({0, 0, 0}, {-1, -1, -1}), ""), 0.25},
+          Seen{"needles", furnace_cube(Place{}.view({0, 0, 1e-5}, {0, 0, 0}), needles(folder)), 0.5}})
+        for (const char* spacing :
+             {"", " min_spacing=0", " min_spacing=0 max_spacing=0.01", " spacing=diagonals min_spacing=0"}) {
+            const LoadedScene scene = scene_of(seen.scene);
+            Moments mean;
+            for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+                const ComponentImages image =
+                    render(scene, "photon_mapper gather=256 source=paths cache=on" + std::string(spacing), 1, seed);
+                for (const float x : image.total().rgb)
+                    ASSERT_TRUE(std::isfinite(x) && x >= 0.f);
+                mean.add(mean_of(*image[Component::indirect]).mean());
+            }
+            EXPECT_NEAR(mean.mean(), seen.indirect, 5.4 * mean.standard_error()) << seen.name << spacing;
+            EXPECT_LT(mean.standard_error(), 0.05 * seen.indirect) << "the test would not see an error";
+        }
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,367 @@
+// Radiosity where its system is nearly singular or singular, and on patches that are degenerate.
+
+#include "tests/methods/radiosity/fixtures.h"
+#include "tests/support/hard_cases.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi_d = std::numbers::pi;
+/// Rows of a closed system sum up to 1 but for this (methods/radiosity/system.cpp).
+constexpr double row_rounding = 1e-7;
+/// At which a solution has converged: power that is missing over what is reflected first.
+constexpr double converged = 1e-4;
+
+double power_of(const PatchedScene& scene, const PatchColors& values) { return scene.system.power(values)[0]; }
+
+double first_power(const PatchedScene& scene) {
+    double power = 0;
+    for (const std::uint32_t leaf : scene.system.leaves())
+        power += scene.system.area(leaf) * scene.system.first_reflection(leaf)[0];
+    return power;
+}
+
+std::string lamp_aside() { return point_light("0.5 0.2 0.1", 1); }
+std::string closed_room(const std::string& shape, double rho) {
+    const std::string material = one_sided(exact(rho));
+    return (shape == "cube" ? hollow_cube(material) : hollow_sphere(material)) + lamp_aside();
+}
+
+struct SolverCase {
+    RadiositySolver solver;
+    std::string shape;
+};
+std::vector<SolverCase> solver_cases() {
+    std::vector<SolverCase> cases;
+    for (std::size_t i = 0; i < radiosity_solver_names.size(); ++i)
+        for (const char* shape : {"cube", "sphere"})
+            cases.push_back({static_cast<RadiositySolver>(i), shape});
+    return cases;
+}
+std::string name_of_solver(const testing::TestParamInfo<SolverCase>& test) {
+    return std::string(radiosity_solver_names[static_cast<std::size_t>(test.param.solver)]) + "_" + test.param.shape;
+}
+
+class EverySolver : public testing::TestWithParam<SolverCase> {};
+INSTANTIATE_TEST_SUITE_P(Table, EverySolver, testing::ValuesIn(solver_cases()), name_of_solver);
+
+// All light that a closed room's walls send arrives, so that the power of all reflections is that of the first over
+// 1 - rho. What has converged lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by 1e-7
+// change the share that is lost by as much. The number of sweeps: each of Gauss and Seidel's, or of as many shots as
+// there are patches, leaves at most rho of what is not reflected yet; conjugate gradients take no more steps than there
+// are patches, Cholesky's factors one.
+TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
+    const bool iterates =
+        GetParam().solver == RadiositySolver::gauss_seidel || GetParam().solver == RadiositySolver::shooting;
+    for (const double rho : {0.0, 0.5, 0.99, 0.9999}) {
+        if (iterates && rho > 0.99 && GetParam().shape == "sphere") continue;  // 92,099 sweeps of 192 patches are slow
+        const PatchedScene scene(closed_room(GetParam().shape, rho), GetParam().shape == "cube" ? 2.1 : 1.3);
+        const double albedo = static_cast<double>(static_cast<float>(rho));
+        const auto jacobi = 1 + static_cast<int>(std::ceil(std::log(converged) / std::log(std::max(albedo, 1e-9))));
+        const int most = GetParam().solver == RadiositySolver::direct ? 1
+                         : iterates                                   ? jacobi
+                                                                      : static_cast<int>(scene.system.size());
+        const auto solution = start_solution(scene.system, GetParam().solver);
+        while (solution->residual() > converged && solution->sweeps() <= most)
+            solution->sweep();
+        EXPECT_LE(solution->residual(), converged);
+        EXPECT_LE(solution->sweeps(), most) << rho;
+        const double lost = 1 - albedo;
+        for (const auto& X : {solution->radiosity(), solution->shown()})
+            EXPECT_NEAR(power_of(scene, X) * lost, first_power(scene),
+                        (converged + row_rounding / lost) * first_power(scene) + 1e-300)
+                << rho;
+    }
+}
+
+// Nor where walls reflect more than arrives, so that the system has no solution for any light.
+TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
+    for (const double rho : {0.0, 0.5, 1.0, 1.2}) {
+        const std::string material = one_sided(exact(std::min(rho, 1.0)));
+        PatchedScene scene(GetParam().shape == "cube" ? hollow_cube(material) : hollow_sphere(material), 1.3, 0,
+                           rho <= 1);
+        for (Colord& reflectance : scene.light.reflectance)
+            reflectance = Colord::Constant(static_cast<double>(static_cast<float>(rho)));
+        const auto solution = start_solution(scene.system, GetParam().solver);
+        solution->sweep();
+        EXPECT_EQ(solution->residual(), 0) << rho;
+        for (const auto& X : {solution->radiosity(), solution->shown()})
+            EXPECT_EQ(power_of(scene, X), 0) << rho;
+    }
+}
+
+// Absorbed by nothing, light that is shut in has no finite power.
+TEST_P(EverySolver, RefusesAClosedRoomThatAbsorbsNothing) {
+    const PatchedScene white(closed_room(GetParam().shape, 1.0), 1.3);
+    try {
+        start_solution(white.system, GetParam().solver);
+        ADD_FAILURE() << "no refusal";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("absorb"), testing::HasSubstr("max_depth")));
+    }
+    const PatchedScene nearly(closed_room(GetParam().shape, 1 - 1e-5), 1.3);
+    EXPECT_NO_THROW(start_solution(nearly.system, GetParam().solver));
+}
+
+// A room that is not known to be closed, whose rows sum up to more than 1: found while it is solved, where that can be.
+TEST_P(EverySolver, RefusesASystemThatGainsLight) {
+    PatchedScene scene(closed_room(GetParam().shape, 0.5), 1.3, 0, false);
+    for (Colord& rho : scene.light.reflectance)
+        rho = Colord::Constant(1.2);
+    const auto solution = start_solution(scene.system, GetParam().solver);
+    const bool sees_it =
+        GetParam().solver != RadiositySolver::gauss_seidel && GetParam().solver != RadiositySolver::shooting;
+    const auto solve = [&] {
+        for (int i = 0; i < 50; ++i)
+            solution->sweep();
+    };
+    if (sees_it) {
+        EXPECT_THROW(solve(), InputError);
+    } else {
+        solve();
+        EXPECT_GT(solution->residual(), 1) << "it says that it has not converged";
+        EXPECT_TRUE(std::isfinite(power_of(scene, solution->radiosity())));
+    }
+}
+
+// n reflections in a closed room of albedo 1 have n times the power of the first: each is off by what rows are.
+TEST(RadiositySeries, OfWhiteWallsGrowsByAsMuchWithEachReflection) {
+    for (const char* shape : {"cube", "sphere"}) {
+        const PatchedScene scene(closed_room(shape, 1.0), 1.3);
+        for (const int n : {0, 1, 2, 3, 6, 31, 1000}) {
+            const auto solution = start_series(scene.system, n);
+            int sweeps = 0;
+            for (; solution->residual() > 0; ++sweeps)
+                solution->sweep();
+            EXPECT_LE(sweeps, n < 2 ? 0 : static_cast<int>(std::ceil(std::log2(n)))) << n;
+            EXPECT_NEAR(power_of(scene, solution->shown()), n * first_power(scene),
+                        n * n * row_rounding * first_power(scene))
+                << n;
+        }
+    }
+}
+
+std::string furnace_sphere(double rho, double emission, int max_depth) {
+    return scene_xml(
+        "<integrator type='path'><integer name='max_depth' value='" + std::to_string(max_depth) + "'/></integrator>" +
+        camera(Place{}.view({0, 0, -0.5}, {0.1, 0.2, 1}), 60, 8) +
+        sphere_at(Vec3d::Zero(), 1,
+                  "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(emission)));
+}
+
+// L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples a patch,
+// of a relative deviation below 1, on the 96 patches and more of a sphere; and as many in the pixels. Five standard
+// errors.
+TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
+    const double noise = 5 / std::sqrt(16.0 * 96);
+    for (const std::string_view solver : radiosity_solver_names) {
+        const std::string label = "radiosity patch=0.2 solver=" + std::string(solver);
+        for (const int depth : {1, 2, 3, 8, 33}) {
+            const LoadedScene scene = scene_of(furnace_sphere(1, 1.0 / depth, depth));
+            EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, depth < 2 ? 1e-6 : noise)
+                << label << ' ' << depth;
+        }
+        if (solver == "gauss_seidel") continue;  // 16 sweeps are few
+        const LoadedScene scene = scene_of(furnace_sphere(0.9999, 1e-4, -1));
+        EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, noise) << label;
+    }
+}
+
+TEST(RadiosityLabel, GathersTheFurnaceOfEveryDepth) {
+    for (const int depth : {2, 3, 4, 8}) {
+        const LoadedScene scene = scene_of(furnace_sphere(1, 1.0 / depth, depth));
+        EXPECT_NEAR(mean_of(render(scene, "radiosity patch=0.2 gather=4", 4).total()).mean(), 1,
+                    5 / std::sqrt(16.0 * 96))
+            << depth;
+    }
+}
+
+TEST(RadiosityLabel, RefusesLightThatIsShutInForEver) {
+    const LoadedScene scene = scene_of(furnace_sphere(1, 1, -1));
+    for (const std::string_view solver : radiosity_solver_names)
+        EXPECT_THROW(render(scene, "radiosity patch=0.2 solver=" + std::string(solver), 1), InputError) << solver;
+}
+
+/// A floor of albedo a half below a ceiling that reflects 0.8, both of side 2 and one apart, lit from between.
+std::string floor_and(const std::string& ceiling) {
+    return "<shape type='rectangle'>" + one_sided("0.5") + "</shape>" + ceiling + point_light("0.1 0.2 0.5", 1);
+}
+std::string plate(double z, const std::string& material, const std::string& scale = "1") {
+    return "<shape type='rectangle'><transform name='to_world'><scale value='" + scale +
+           "'/><rotate x='1' angle='180'/><translate z='" + exact(z) + "'/></transform>" + material + "</shape>";
+}
+
+Colord indirect_power(const PatchedScene& scene) {
+    const auto solution = start_solution(scene.system, RadiositySolver::direct);
+    solution->sweep();
+    return scene.system.power(solution->radiosity());
+}
+
+// A ray meets the first of surfaces in the same place only, so that the others neither reflect nor send light.
+TEST(DegeneratePatches, DuplicatesAddNoLight) {
+    const std::string
+        one = plate(1, one_sided("0.8")),
+        ball = "<shape type='sphere'><point name='center' x='0' y='0' z='0.8'/><float name='radius' value='0.1'/>" +
+               one_sided("0.7") + "</shape>";
+    for (const std::string& thing : {one, ball}) {
+        const PatchedScene alone(floor_and(thing), 0.71, 0, false);
+        for (const std::string& again : {thing, thing + thing}) {
+            const PatchedScene both(floor_and(thing + again), 0.71, 0, false);
+            EXPECT_EQ(both.system.size(), alone.system.size());
+            EXPECT_EQ(indirect_power(both)[0], indirect_power(alone)[0]);
+        }
+    }
+    // The other way round they are seen from their backs, which reflect nothing.
+    std::string back = one;
+    back.insert(back.find('>') + 1, "<boolean name='flip_normals' value='true'/>");
+    const PatchedScene turned(floor_and(one + back), 0.71, 0, false);
+    EXPECT_EQ(turned.system.size(), PatchedScene(floor_and(one), 0.71, 0, false).system.size());
+}
+
+// Which of two surfaces in the same place a ray meets is chance: both show the light of that place.
+TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
+    const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, one_sided("0.7"));
+    const std::string rod =
+        "<shape type='cylinder'><point name='p0' value='-0.5,0,0.8'/><point name='p1' value='0.5,0,0.8'/>"
+        "<float name='radius' value='0.1'/>" +
+        one_sided("0.7") + "</shape>";
+    for (const std::string& thing : {plate(1, one_sided("0.8")), ball, rod}) {
+        const PatchedScene scene(floor_and(thing + thing), 0.71, 0, false);
+        RayQueries rays(*scene.loaded.scene);
+        const Vec3 up = Vec3::UnitZ();
+        // From the middle of the scene, which is the origin once it is loaded.
+        auto hit = rays.intersect(Ray{Vec3(0.03f, 0.02f, 0.f), up});
+        ASSERT_TRUE(hit);
+        std::vector<std::uint32_t> leaves;
+        for (const std::uint32_t shape : {1u, 2u}) {
+            hit->shape = shape;
+            const auto place = scene.mesh.locate(*hit, -up);
+            ASSERT_TRUE(place) << thing;
+            leaves.push_back(place->leaf);
+        }
+        EXPECT_EQ(leaves[0], leaves[1]) << thing;
+        EXPECT_EQ(scene.charts[scene.mesh.sides()[scene.mesh.nodes()[leaves[0]].side].chart].shape, 1u);
+    }
+}
+
+// A sphere whose radius is an ulp of its place has no patches.
+TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
+    const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, one_sided("0.5"));
+    const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
+    EXPECT_EQ(with_it.system.size(), alone.system.size());
+}
+
+std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
+                       const std::string& material) {
+    folder.write(name, obj);
+    return "<shape type='obj'><string name='filename' value='" + folder / name + "'/>" + material + "</shape>";
+}
+
+// The ceiling as a mesh, and with triangles of no area in it: two corners the same, all three, on a line.
+TEST(DegeneratePatches, TrianglesWithoutAreaAreNoPatches) {
+    const TemporaryFolder folder;
+    const std::string corners = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nv 0 0 1\n";
+    const std::string faces = "f 1 4 3\nf 1 3 2\n", lines = "f 1 1 3\nf 2 2 2\nf 1 5 3\nf 4 4 2\n";
+    const PatchedScene plain(floor_and(mesh_shape(folder, "a.obj", corners + faces, one_sided("0.8"))), 0.71, 0, false);
+    const PatchedScene more(floor_and(mesh_shape(folder, "b.obj", corners + faces + lines, one_sided("0.8"))), 0.71, 0,
+                            false);
+    EXPECT_EQ(more.system.size(), plain.system.size());
+    EXPECT_EQ(indirect_power(more)[0], indirect_power(plain)[0]);
+    EXPECT_GT(indirect_power(plain)[0], 0);
+}
+
+struct ShapeOfPatches {
+    std::string name;
+    std::string more_of_the_room;  ///< the sixth wall of a cube of side 2, open below
+};
+
+std::string wall(double x, double y) {
+    return "<shape type='rectangle'><transform name='to_world'><rotate x='" + exact(-y) + "' y='" + exact(x) +
+           "' angle='-90'/><translate x='" + exact(x) + "' y='" + exact(y) + "'/></transform>" + one_sided("0.5") +
+           "</shape>";
+}
+std::string open_cube() { return wall(1, 0) + wall(-1, 0) + wall(0, 1) + wall(0, -1) + plate(1, one_sided("0.5")); }
+
+/// The floor z = -1 of a cube of side 2 in strips along x that end at these y.
+std::string strips(const std::vector<double>& ends) {
+    std::string obj = "v -1 -1 -1\nv 1 -1 -1\n";
+    for (const double y : ends)
+        obj += "v -1 " + exact(y) + " -1\nv 1 " + exact(y) + " -1\n";
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        const auto corner = [&](std::size_t k) { return std::to_string(2 * i + k); };
+        obj += "f " + corner(1) + " " + corner(2) + " " + corner(4) + "\nf " + corner(1) + " " + corner(4) + " " +
+               corner(3) + "\n";
+    }
+    return obj;
+}
+
+// Strips and triangles a millionth as wide as long, in the floor of a closed cube, and a strip a ten-thousandth as wide
+// as the patches beside it. Whatever the patches, rows of a closed system sum up to 1: each factor of leaves is right
+// to 1e-4, and those to neighbours in a nearly equal plane to 1e-6 of the smaller (methods/radiosity/form_factors/polygon_form_factor.h). And
+// the power is that of the series.
+TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
+    const TemporaryFolder folder;
+    std::vector<double> fine = {-2e-6, -1e-6, 0, 1e-6, 2e-6, 1};
+    const std::map<std::string, std::string> floors = {
+        {"even.obj", strips({0, 1})},
+        {"ratio_1e4.obj", strips({-1e-4, 1e-4, 1})},
+        {"needles_1e6.obj", strips(fine)},
+        {"fan.obj",
+         "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv 0.999998 0.999999 -1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"},
+    };
+    for (const auto& [name, obj] : floors) {
+        SCOPED_TRACE(name);
+        const PatchedScene scene(
+            open_cube() + mesh_shape(folder, name, obj, one_sided("0.5")) + point_light("0.2 0.1 0.3", 1), 1.01);
+        double area = 0;
+        for (const std::uint32_t leaf : scene.system.leaves())
+            area += scene.system.area(leaf);
+        EXPECT_NEAR(area, 24, 1e-5);
+        EXPECT_LT(scene.system.closure().mean, 2e-4);
+        for (const std::size_t solver : {0u, 1u, 2u, 3u, 4u}) {
+            const auto solution = start_solution(scene.system, static_cast<RadiositySolver>(solver));
+            while (solution->residual() > converged && solution->sweeps() < 30)
+                solution->sweep();
+            EXPECT_NEAR(power_of(scene, solution->radiosity()) * 0.5, first_power(scene),
+                        (converged + 2 * row_rounding) * first_power(scene))
+                << radiosity_solver_names[solver];
+            for (const std::uint32_t leaf : scene.system.leaves()) {
+                ASSERT_TRUE(solution->radiosity()[leaf].isFinite().all());
+                EXPECT_GE(solution->radiosity()[leaf][0], 0);
+            }
+        }
+    }
+}
+
+// A tile a ten-thousandth as long as the cube, in its middle, sees the upper half of the walls alone: all that it
+// receives comes from patches 1e8 times as large, in factors that are right to 1e-4.
+TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
+    const PatchedScene scene(open_cube() +
+                                 "<shape type='rectangle'><transform name='to_world'><scale value='1e-4'/>"
+                                 "</transform>" +
+                                 one_sided("0.5") +
+                                 "</shape><shape type='rectangle'><transform name='to_world'><translate "
+                                 "z='-1'/></transform>" +
+                                 one_sided("0.5") + "</shape>" + point_light("0.2 0.1 0.3", 1),
+                             1.01, 0, false);
+    const PatchColors ones(scene.system.node_count(), Colord::Ones());
+    const PatchColors E = scene.system.gather(ones);
+    int tiny = 0;
+    for (const std::uint32_t leaf : scene.system.leaves()) {
+        EXPECT_NEAR(E[leaf][0], 1, 2e-4);
+        if (scene.system.area(leaf) > 1e-6) continue;
+        ++tiny;
+        EXPECT_NEAR(scene.system.area(leaf), 4e-8, 1e-12);
+    }
+    EXPECT_EQ(tiny, 1);
+}
+
+}  // namespace
+}  // namespace gib::test

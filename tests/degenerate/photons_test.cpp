@@ -1,0 +1,382 @@
+// Density estimates where their formulas end: no photons, too few, all in one place, of no power or of too much.
+
+#include "methods/parts/density/place_rounding.h"
+#include "methods/parts/density/volume_estimate.h"
+#include "methods/parts/gathering/gather_ray.h"
+#include "tests/methods/parts/density/density_fixtures.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi_d = std::numbers::pi;
+const Vec3 up(0, 0, 1);
+/// Stored powers are rounded to 16 bits; distances, the weights of kernels and the result to 24.
+constexpr double power_rounding = 0x1p-16, float_rounding = 16 * 0x1p-24;
+
+/// The kernels as their papers have them, over the disc and over the ball (methods/parts/density/kernel.h,
+/// methods/parts/density/volume_estimate.cpp): the profile of s = d / r over its own integral.
+double kernel_on_disc(Kernel kernel, double d, double r) {
+    const double s = d / r, area = pi_d * r * r;
+    switch (kernel) {
+        case Kernel::uniform:
+            return 1 / area;
+        case Kernel::cone:
+            return 3 * std::max(1 - s, 0.0) / area;
+        case Kernel::gaussian:
+            return 2 * std::exp(-2 * s * s) / (1 - std::exp(-2.0)) / area;
+        case Kernel::epanechnikov:
+            return 2 * std::max(1 - s * s, 0.0) / area;
+    }
+    return 0;
+}
+double kernel_in_ball(Kernel kernel, double d, double r) {
+    const double s = d / r, r3 = r * r * r;
+    // The integral of s^2 exp(-2 s^2) from 0 to 1, by parts.
+    const double moment = std::sqrt(pi_d / 2) * std::erf(std::numbers::sqrt2) / 8 - std::exp(-2.0) / 4;
+    switch (kernel) {
+        case Kernel::uniform:
+            return 3 / (4 * pi_d * r3);
+        case Kernel::cone:
+            return 3 / (pi_d * r3) * std::max(1 - s, 0.0);
+        case Kernel::gaussian:
+            return std::exp(-2 * s * s) / (4 * pi_d * moment * r3);
+        case Kernel::epanechnikov:
+            return 15 / (8 * pi_d * r3) * std::max(1 - s * s, 0.0);
+    }
+    return 0;
+}
+using KernelFormula = double (*)(Kernel, double, double);
+
+struct PhotonCase {
+    std::string name;
+    std::vector<Photon> photons;
+    Vec3 query = Vec3::Zero();
+    float radius = 0.5f;
+};
+
+/// What the estimate is by theory. All photons within the radius count, over the kernel's own radius: asked for, or
+/// because there are fewer than k. Of k or more the k - 1 nearest do, and the k-th sets the radius
+/// (methods/parts/density/density_estimate.h). Is that below what rounding knows of the place, all within `known` count, over it.
+double theory(const PhotonCase& c, Kernel kernel, std::size_t k, double known, KernelFormula weight) {
+    std::vector<std::pair<double, double>> near;  // distance, power
+    for (const Photon& photon : c.photons)
+        if (const float d = (photon.p - c.query).norm(); d <= c.radius)
+            near.emplace_back(static_cast<double>(d), static_cast<double>(photon.power()[0]));
+    std::sort(near.begin(), near.end());
+    std::size_t inside = near.size();
+    double r = static_cast<double>(c.radius);
+    if (k != all_photons && near.size() >= k) {
+        inside = k - 1;
+        r = near[inside].first;
+        if (const double least = std::min(known, static_cast<double>(c.radius)); r <= least) {
+            r = least;
+            while (inside < near.size() && near[inside].first <= r)
+                ++inside;
+        }
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < inside && r > 0; ++i)
+        sum += near[i].second * weight(kernel, near[i].first, r);
+    return sum;
+}
+
+Photon photon(float x, float y, float power = 1.f) { return photon_at(Vec3(x, y, 0), up, power); }
+
+std::vector<Photon> copies(std::size_t n, const Photon& one) { return std::vector<Photon>(n, one); }
+
+std::vector<Photon> on_a_line(std::size_t n, float power = 1.f) {
+    std::vector<Photon> photons;
+    for (std::size_t i = 0; i < n; ++i)
+        photons.push_back(photon(0.0625f * static_cast<float>(i + 1), 0, power));
+    return photons;
+}
+
+std::vector<PhotonCase> photon_cases() {
+    constexpr std::size_t k = 4;
+    auto half_dark = on_a_line(6);
+    for (std::size_t i = 0; i < half_dark.size(); i += 2)
+        half_dark[i].set_power(Color::Zero());
+    auto focus_and_more = copies(40, photon(0, 0));
+    for (std::size_t i = 0; i < 200; ++i)
+        focus_and_more.push_back(photon(0.002f * static_cast<float>(i), 0.01f));
+    return {
+        {"None", {}},
+        {"One", on_a_line(1)},
+        {"OneFewerThanK", on_a_line(k - 1)},
+        {"K", on_a_line(k)},
+        {"OneMoreThanK", on_a_line(k + 1)},
+        {"OnALine", on_a_line(100)},
+        {"OnTheRim", {photon(0.5f, 0), photon(0, -0.5f)}},
+        {"BeyondTheRadius", on_a_line(7), Vec3(-0.5f, 0, 0)},
+        {"FarFromAny", on_a_line(100), Vec3(-1.5f, -1.5f, 0)},
+        {"OfNoPower", on_a_line(7, 0.f)},
+        {"HalfOfNoPower", half_dark},
+        {"Of1e30", on_a_line(7, 1e30f)},
+        {"Of1eMinus30", on_a_line(7, 1e-30f)},
+        {"Of3e38", on_a_line(2, 3e38f), Vec3::Zero(), 1.5f},
+        {"Duplicates", copies(10, photon(0.25f, 0))},
+        {"AtThePoint", copies(10, photon(0, 0))},
+        {"FewAtThePoint", copies(k - 1, photon(0, 0))},
+        {"CloserThanRounding", copies(10, photon(1e-12f, 0))},
+        {"AtThePointOfNoPower", copies(10, photon(0, 0, 0.f))},
+        {"AtThePointAndBesideIt", focus_and_more},
+        {"RadiusZeroAtThePoint", copies(10, photon(0, 0)), Vec3::Zero(), 0.f},
+        {"RadiusZeroBesideThem", on_a_line(10), Vec3::Zero(), 0.f},
+        {"RadiusBelowTheRootOfFloats", copies(2, photon(0, 0, 1e-20f)), Vec3::Zero(), 1e-23f},
+    };
+}
+
+const LoadedScene& floor_scene() {
+    static const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
+    return scene;
+}
+
+/// What rounding knows of places on it.
+double known_at(const Vec3& p) { return static_cast<double>(place_rounding(*floor_scene().scene, p)); }
+
+/// At the very place, which a ray meets but for rounding.
+SurfaceHit floor_at(const Vec3& p) {
+    SurfaceHit hit = *floor_scene().scene->intersect(down_at(p.x(), p.y()));
+    hit.p = p;
+    return hit;
+}
+
+Reflected looked_up(const DensityEstimator& e, const PhotonMap& map, const SurfaceHit& hit) {
+    RayQueries rays(*floor_scene().scene);
+    DensityEstimator::Found found;
+    return e.reflected_radiance(map, rays, hit, up, EyePath{100}, Sampler(PointSet::independent, 1, 0, 0), 0, found);
+}
+
+class DegeneratePhotons : public testing::TestWithParam<PhotonCase> {
+protected:
+    static void expect_theory(const PhotonCase& c, double found, double expected, double steepest) {
+        double power = 0;
+        for (const Photon& p : c.photons)
+            power += static_cast<double>(p.power()[0]);
+        // Rounded distances move a photon's weight by as much of the kernel's largest.
+        EXPECT_NEAR(found, expected, float_rounding * (expected + steepest * power));
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Table, DegeneratePhotons, testing::ValuesIn(photon_cases()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(DegeneratePhotons, EstimateOnASurfaceIsWhatTheoryHas) {
+    const PhotonCase& c = GetParam();
+    const PhotonMap map(c.photons, 1);
+    const SurfaceHit hit = floor_at(c.query);
+    for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
+        for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
+            for (const DiscArea area : {DiscArea::surface, DiscArea::rejected, DiscArea::plain})
+                for (const bool compensation : {false, true}) {
+                    // Below 17 photons nothing is compensated; beyond, which disc is taken is a test of noise.
+                    if (compensation && (k != 4 && k != 1)) continue;
+                    SCOPED_TRACE(testing::Message() << kernel_names[kernel] << " k " << k << " area "
+                                                    << static_cast<int>(area) << " compensation " << compensation);
+                    const DensityEstimator e{static_cast<Kernel>(kernel), k, c.radius, area, compensation};
+                    const Reflected L = looked_up(e, map, hit);
+                    ASSERT_TRUE(L.between_surfaces.isFinite().all());
+                    EXPECT_TRUE(is_black(L.through_media));
+                    const double expected = theory(c, e.kernel, k, known_at(c.query), kernel_on_disc) / pi_d;
+                    const double r = static_cast<double>(L.radius);
+                    expect_theory(c, static_cast<double>(L.between_surfaces[0]), expected,
+                                  expected > 0 ? kernel_on_disc(e.kernel, 0, r) / pi_d : 0);
+                }
+}
+
+const LoadedScene& empty_space() {
+    static const LoadedScene scene = scene_of_shapes("");
+    return scene;
+}
+
+Color scattered(const VolumeEstimator& e, const PhotonMap& map, const Vec3& p) {
+    RayQueries rays(*empty_space().scene);
+    std::vector<PhotonMap::Neighbour> found;
+    return e.scattered_radiance(map, rays, p, PhaseFunction{}, Vec3::UnitX(), EyePath{100},
+                                Sampler(PointSet::independent, 1, 0, 0), 0, found);
+}
+
+// The same in a medium, whose isotropic phase function is 1 / (4 pi).
+TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
+    PhotonCase c = GetParam();
+    // 1 / r^3 of the smallest ball is beyond floats: of no light that is one.
+    if (c.name == "RadiusBelowTheRootOfFloats") c.radius = 1e-14f;
+    const PhotonMap map(c.photons, 1);
+    const double known = static_cast<double>(place_rounding(*empty_space().scene, c.query));
+    for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
+        for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
+            for (const DiscArea area : {DiscArea::surface, DiscArea::plain}) {
+                SCOPED_TRACE(testing::Message() << kernel_names[kernel] << " k " << k);
+                const VolumeEstimator e{static_cast<Kernel>(kernel), k, c.radius, area};
+                const Color L = scattered(e, map, c.query);
+                ASSERT_TRUE(L.isFinite().all());
+                const double expected = theory(c, e.kernel, k, known, kernel_in_ball) / (4 * pi_d);
+                expect_theory(c, static_cast<double>(L[0]), expected, expected);
+            }
+}
+
+// The estimate with a fixed radius is each photon's power spread by a kernel of integral 1: over the plane it
+// integrates to the power, wherever the photons are; at a focus too. By midpoints, whose error of second order is below
+// 1e-6 of it; the rim lies between two of them.
+TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
+    constexpr int steps = 2000;
+    const std::vector<Photon> photons = copies(10, photon(0, 0, 0.5f));
+    const PhotonMap map(photons, 1);
+    for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
+        for (const std::size_t k : {std::size_t{11}, all_photons}) {
+            const DensityEstimator on_floor{static_cast<Kernel>(kernel), k, 0.5f, DiscArea::rejected};
+            const VolumeEstimator in_space{static_cast<Kernel>(kernel), k, 0.5f, DiscArea::plain};
+            double over_disc = 0, over_ball = 0;
+            for (int i = 0; i < steps; ++i) {
+                const double d = (i + 0.5) / steps;
+                const Vec3 p(static_cast<float>(d), 0, 0);
+                over_disc += pi_d * static_cast<double>(looked_up(on_floor, map, floor_at(p)).between_surfaces[0]) * 2 *
+                             pi_d * d / steps;
+                over_ball += static_cast<double>(scattered(in_space, map, p)[0]) * 4 * pi_d * 4 * pi_d * d * d / steps;
+            }
+            EXPECT_NEAR(over_disc, 5, 1e-5 * 5) << kernel_names[kernel] << ' ' << k;
+            EXPECT_NEAR(over_ball, 5, 1e-5 * 5) << kernel_names[kernel] << ' ' << k;
+        }
+}
+
+// Of n >= k photons in one place the k nearest lie on the rim everywhere: (k - 1) P / (pi d^2) from d = delta, what
+// rounding knows of places, to the largest radius. Its integral grows with the logarithm of their ratio, for which only
+// a fixed radius helps; within delta it is n P / (pi delta^2), so that it has a bound, and the n P are there.
+TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
+    constexpr std::size_t n = 100, k = 20;
+    const PhotonMap map(copies(n, photon(0, 0)), 1);
+    const DensityEstimator e{Kernel::uniform, k, 1.f, DiscArea::surface};
+    const double delta = known_at(Vec3::Zero());
+    double integral = 0;
+    constexpr double per_octave = 8;
+    const double bound = n / (pi_d * delta * delta);
+    for (double d = 1.01 * delta; d < 0.99; d *= std::exp2(1 / per_octave)) {
+        const auto x = static_cast<float>(d);
+        const double E = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3(x, 0, 0))).between_surfaces[0]);
+        EXPECT_NEAR(E * pi_d * sqr(static_cast<double>(x)) / (k - 1), 1, 1e-5) << d;
+        EXPECT_LE(E, bound);
+        integral += E * 2 * pi_d * sqr(d) * std::log(2.0) / per_octave;
+    }
+    const double octaves = std::ceil(per_octave * std::log2(0.99 / (1.01 * delta))) / per_octave;
+    EXPECT_NEAR(integral, 2.0 * (k - 1) * std::log(2.0) * octaves, 1e-4 * integral);
+    const double inside = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3::Zero())).between_surfaces[0]);
+    EXPECT_NEAR(inside * pi_d * delta * delta / n, 1, 1e-5);
+}
+
+// Forty photons at the point are more than the 16 of the smallest disc that compensation looks at, whose area is 0.
+TEST(FocusedPhotons, CompensationKeepsTheFocus) {
+    const PhotonMap map(photon_cases()[19].photons, 1);
+    ASSERT_EQ(photon_cases()[19].name, "AtThePointAndBesideIt");
+    const SurfaceHit hit = floor_at(Vec3::Zero());
+    const Reflected L = looked_up({Kernel::uniform, 100, 0.5f, DiscArea::surface, true}, map, hit);
+    const double delta = known_at(Vec3::Zero());
+    EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) * pi_d * pi_d * delta * delta / 40, 1, 1e-5);
+}
+
+// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may be no float;
+// the estimate, over a large disc, is one.
+TEST(BrightPhotons, DoNotOverflowOnTheWay) {
+    SurfaceHit hit = floor_at(Vec3::Zero());
+    hit.ns = Vec3(1, 0, 1).normalized();
+    hit.shading = Frame(hit.ns);
+    const Vec3 wi = Vec3(1, 0, 0.01f).normalized();
+    const float factor = shading_normal_factor(hit, wi);
+    ASSERT_GT(factor, 50.f);
+    const Photon one(Vec3(0.1f, 0, 0), Color::Constant(1e38f), wi, up, 2);
+    const Reflected L = looked_up({Kernel::uniform, all_photons, 1.9f, DiscArea::plain}, PhotonMap({one}, 1), hit);
+    const double stored_factor = static_cast<double>(shading_normal_factor(hit, one.direction()));
+    const double expected =
+        static_cast<double>(one.power()[0]) * stored_factor / pi_d * kernel_on_disc(Kernel::uniform, 0, 1.9f);
+    ASSERT_LT(expected, 3e38);
+    EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) / expected, 1, float_rounding);
+}
+
+// 2^24 and 4096 times 1/2: single precision would keep none of the halves.
+TEST(ManyPhotons, OfSmallPowerBesideALargeOneCount) {
+    std::vector<Photon> photons = copies(4097, photon(0, 0, 0.5f));
+    photons.front().set_power(Color::Constant(0x1p24f));
+    const double sum = 0x1p24 + 2048;
+    const PhotonMap map(photons, 1);
+    const Color L = scattered({Kernel::uniform, all_photons, 0.5f, DiscArea::plain}, map, Vec3::Zero());
+    EXPECT_NEAR(static_cast<double>(L[0]) / (sum * kernel_in_ball(Kernel::uniform, 0, 0.5) / (4 * pi_d)), 1, 0x1p-22);
+    const Reflected on_floor =
+        looked_up({Kernel::uniform, all_photons, 0.5f, DiscArea::surface}, map, floor_at(Vec3::Zero()));
+    EXPECT_NEAR(
+        static_cast<double>(on_floor.between_surfaces[0]) / (sum * kernel_on_disc(Kernel::uniform, 0, 0.5) / pi_d), 1,
+        0x1p-22);
+    for (Photon& photon : photons)
+        photon.edges = 3;
+    const Photon bright = photons.front();
+    for (int i = 0; i < 40; ++i) {
+        photons.push_back(bright);
+        photons.back().edges = 2;
+    }
+    const auto share = PhotonLengths(photons).share(2, 3);
+    ASSERT_TRUE(share);
+    EXPECT_NEAR(static_cast<double>(*share), 40 * 0x1p24 / (40 * 0x1p24 + sum), 0x1p-24);
+}
+
+struct Places {
+    std::vector<Photon> photons, places;
+    PhotonMap map;
+    DensityEstimator estimator;
+    PrecomputedIrradiance irradiance;
+
+    Places(std::vector<Photon> all, std::size_t k, float radius)
+        : photons(std::move(all)),
+          places(take_places(photons)),
+          map(photons, 1),
+          estimator{Kernel::uniform, k, radius, DiscArea::surface} {
+        std::uint64_t rays = 0;
+        irradiance = PrecomputedIrradiance(*floor_scene().scene, places, map, estimator, 100, 1, rays, nullptr);
+    }
+    std::optional<Color> at(const Vec3& p) const {
+        RayQueries rays(*floor_scene().scene);
+        DensityEstimator::Found found;
+        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius, found);
+    }
+};
+
+TEST(DegeneratePlaces, OfNoPhotonsServeNothing) {
+    for (const std::size_t n : {0u, 1u, 2u}) {
+        const Places places(copies(n, photon(0, 0)), 4, 0.5f);
+        EXPECT_EQ(places.photons.size() + places.places.size(), n);
+        EXPECT_EQ(places.irradiance.size(), places.places.size());
+        EXPECT_EQ(places.at(Vec3(1.5f, 0, 0)), std::nullopt) << "beyond the largest radius";
+    }
+    EXPECT_EQ(Places({}, 4, 0.5f).at(Vec3::Zero()), std::nullopt);
+}
+
+// E = n P / (pi r^2) where the n photons that are no places, each raised by 8 / 7, lie within r: r is the largest
+// radius if they are all asked for or too few, and what rounding knows of the place if they are more than k.
+TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
+    for (const float power : {0.f, 1e-20f, 1.f, 1e20f})
+        for (const std::size_t k : {std::size_t{4}, std::size_t{1000}, all_photons}) {
+            const Places places(copies(64, photon(0, 0, power)), k, 0.5f);
+            ASSERT_GT(places.places.size(), 0u);
+            const auto n = static_cast<double>(places.photons.size());
+            const double r = k == 4 ? known_at(Vec3::Zero()) : 0.5;
+            const double expected = n * 8 / 7 * static_cast<double>(power) / (pi_d * r * r);
+            const auto E = places.at(Vec3::Zero());
+            ASSERT_TRUE(E);
+            // Powers are rounded when stored, raised and stored as irradiance.
+            EXPECT_NEAR(static_cast<double>((*E)[0]), expected, 3 * power_rounding * expected) << power << ' ' << k;
+            // It is served as far as the estimate's own disc reaches.
+            EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)).has_value(), k != 4);
+        }
+}
+
+// What radius 0 finds has no area; the places' estimates are 0, and they reach nowhere but to themselves.
+TEST(DegeneratePlaces, OfRadiusZeroAreBlack) {
+    const Places places(copies(64, photon(0, 0)), 4, 0.f);
+    const auto E = places.at(Vec3::Zero());
+    ASSERT_TRUE(E);
+    EXPECT_TRUE(is_black(*E));
+    EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)), std::nullopt);
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,353 @@
+// Statistics where their formulas end: a black reference, images of one pixel, fireflies, sums of very many samples.
+
+#include "common/core/error.h"
+#include "common/images/film.h"
+#include "common/images/image_file.h"
+#include "experiments/measuring/reference_store.h"
+#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/flip.h"
+#include "experiments/metrics/spectrum.h"
+#include "experiments/program/compare.h"
+#include "experiments/report/tables.h"
+#include "tests/support/driver_fixtures.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+namespace gib::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double epsilon = 0.01;
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+Image constant(float value, int width = 8, int height = 8) {
+    Image image(width, height);
+    std::fill(image.rgb.begin(), image.rgb.end(), value);
+    return image;
+}
+Image with_pixel(Image image, std::size_t pixel, float value) {
+    image.set(pixel, Color::Constant(value));
+    return image;
+}
+
+struct OutlierCase {
+    std::string name;
+    std::vector<Image> replicates;
+    double median, trimmed, share;  ///< NaN: undefined
+};
+
+/// Against a reference of 1, with epsilon 0.01: the error of a pixel of value x is (x - 1)^2 / 1.01.
+double error_of(double x) { return sqr(x - 1) / 1.01; }
+
+std::vector<OutlierCase> outlier_cases() {
+    const auto firefly = static_cast<double>(1e8f);
+    const double big = error_of(firefly), small = error_of(1.5);
+    Image halves = constant(1.5f, 2, 1);
+    halves.set(1, Color::Constant(3));
+    Image other_channel = constant(1, 1, 1);
+    other_channel.rgb[1] = 1.5f;
+    return {
+        {"Equal", {constant(1)}, 0, 0, nan},
+        {"ConstantError", {constant(1.5f)}, small, small, 1.0 / 64},
+        {"Firefly", {with_pixel(constant(1.5f), 37, 1e8f)}, small, small, big / (big + 63 * small)},
+        {"FireflyInAnEqualImage", {with_pixel(constant(1), 0, 1e8f)}, 0, 0, 1},
+        {"FireflyOfALargeImage",
+         {with_pixel(constant(1.5f, 100, 100), 5000, 1e8f)},
+         small,
+         small,
+         (big + 9 * small) / (big + 9999 * small)},
+        {"ElevenFirefliesOfTenThatAreLeftOut",
+         {[] {
+             Image image = constant(1, 100, 100);
+             for (std::size_t i = 0; i < 11; ++i)
+                 image.set(900 * i, Color::Constant(3));
+             return image;
+         }()},
+         0,
+         error_of(3) / 9990,
+         10.0 / 11},
+        {"OneThousandPixels",
+         {with_pixel(constant(1.5f, 50, 20), 3, 9)},
+         small,
+         small,
+         error_of(9) / (error_of(9) + 999 * small)},
+        {"OneMorePixel",
+         {with_pixel(constant(1.5f, 1001, 1), 3, 9)},
+         small,
+         small,
+         (error_of(9) + small) / (error_of(9) + 1000 * small)},
+        {"OnePixel", {constant(1.5f, 1, 1)}, small, nan, 1},
+        {"TwoPixels", {halves}, (small + error_of(3)) / 2, small, error_of(3) / (error_of(3) + small)},
+        {"OneChannel", {other_channel}, small / 3, nan, 1},
+        {"FireflyOfOneSeedInFour",
+         {constant(1.5f), constant(1.5f), constant(1.5f), with_pixel(constant(1.5f), 9, 1e8f)},
+         small,
+         small,
+         (big + 3 * small) / (big + 255 * small)},
+        {"NotANumber", {with_pixel(constant(1), 5, nan)}, nan, nan, nan},
+        {"NotANumberInOneSeed", {constant(1), with_pixel(constant(1), 5, nan)}, nan, nan, nan},
+        {"Infinite", {with_pixel(constant(1), 5, infinity)}, nan, nan, nan},
+    };
+}
+
+class Outliers : public testing::TestWithParam<OutlierCase> {};
+INSTANTIATE_TEST_SUITE_P(Table, Outliers, testing::ValuesIn(outlier_cases()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(Outliers, AreLeftOutAsTheFormulasSay) {
+    const OutlierCase& c = GetParam();
+    const Image one = constant(1, c.replicates.front().width, c.replicates.front().height);
+    const RobustError found = robust_error(c.replicates, one, one, epsilon);
+    const auto expect = [](double value, double expected, const char* what) {
+        if (std::isnan(expected)) EXPECT_TRUE(std::isnan(value)) << what << ' ' << value;
+        else EXPECT_NEAR(value, expected, 1e-12 * std::abs(expected)) << what;
+    };
+    expect(found.median, c.median, "median");
+    expect(found.trimmed, c.trimmed, "trimmed");
+    expect(found.share, c.share, "share");
+    const bool few = !std::isnan(c.share) && !std::isnan(c.trimmed) && c.share >= 0.5;
+    EXPECT_EQ(is_decided_by_outliers(found), few);
+}
+
+// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)) at the z0 = 3.2905 of which Q is 0.0005: the worst thousandth of normal
+// noise holds 1.27 % of its error. Of 2.5e5 pixels these are 250 with squares of 12.7 +- 1.9, and as many but for 16
+// had they been drawn: 1.27 % to a twentieth is 5 standard deviations.
+TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<float> normal;
+    const Image one = constant(1, 500, 500);
+    Image noisy = one;
+    for (std::size_t p = 0; p < noisy.pixels(); ++p)
+        noisy.set(p, Color::Constant(1 + 0.1f * normal(random)));
+    const RobustError found = robust_error({noisy}, one, one, epsilon);
+    const double z0 = 3.290527, q = 0.0005, phi = std::exp(-z0 * z0 / 2) / std::sqrt(2 * M_PI);
+    EXPECT_NEAR(found.share, 2 * (z0 * phi + q), 0.05 * 2 * (z0 * phi + q));
+    EXPECT_FALSE(is_decided_by_outliers(found));
+    // The median of z^2 is 0.4549; the standard error of a median is 1 / (2 f sqrt(n)) with the density f = 0.4705
+    // there.
+    EXPECT_NEAR(found.median * 1.01 / 0.01, 0.4549, 5 / (2 * 0.4705 * 500));
+}
+
+TEST(RobustErrors, WantPixelsOfOneSize) {
+    EXPECT_THROW(robust_error({}, constant(1), constant(1), epsilon), std::invalid_argument);
+    EXPECT_THROW(robust_error({Image()}, Image(), Image(), epsilon), std::invalid_argument);
+    EXPECT_THROW(robust_error({constant(1, 2, 2)}, constant(1), constant(1), epsilon), std::invalid_argument);
+}
+
+/// Of one scene with one method.
+Analysis analysis_with(const RobustError& robust) {
+    Analysis analysis;
+    analysis.index.title = "T";
+    TableRow row;
+    row.scene = "box";
+    row.method = "path spp=1";
+    row.component = total_name;
+    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, {}};
+    row.robust = robust;
+    analysis.rows.push_back(row);
+    return analysis;
+}
+
+TEST(RobustErrors, StandInTheTableAndAreFlaggedWhereTheyDecide) {
+    const auto value = [](const Analysis& analysis, const std::string& column) {
+        const CsvTable table = error_table(analysis);
+        const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
+        return table.rows.at(0).at(static_cast<std::size_t>(at));
+    };
+    const Analysis firefly = analysis_with({0.0004, 0.0009, 0.75});
+    EXPECT_EQ(value(firefly, "rel_mse_median"), "0.0004");
+    EXPECT_EQ(value(firefly, "rel_mse_trimmed"), "0.0009");
+    EXPECT_EQ(value(firefly, "rel_mse_top_share"), "0.75");
+    EXPECT_THAT(markdown_table(firefly), HasSubstr("| box | path spp=1 | 75.00 | 3.00 | 2.00 |"));
+    EXPECT_THAT(markdown_table(analysis_with({0.0004, 0.0009, 0.25})), testing::Not(HasSubstr("few pixels")));
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const Analysis one_pixel = analysis_with({0.5, none, 1});
+    EXPECT_EQ(value(one_pixel, "rel_mse_trimmed"), "");
+    EXPECT_THAT(markdown_table(one_pixel), testing::Not(HasSubstr("few pixels")));
+    EXPECT_EQ(value(analysis_with({0, 0, none}), "rel_mse_top_share"), "") << "nothing to share";
+}
+
+/// compare on image files, as JSON.
+class DegenerateImages : public testing::Test {
+protected:
+    std::string file(const std::string& name, const Image& image) const {
+        write_exr(folder_ / name, {{{"", image}}, {}});
+        return folder_ / name;
+    }
+    nlohmann::json json(const std::vector<Image>& tests, const Image& reference, bool z_test = false) const {
+        CompareOptions options;
+        options.reference = file("r.exr", reference);
+        options.json = true;
+        options.z_test = z_test;
+        for (std::size_t i = 0; i < tests.size(); ++i)
+            options.tests.push_back(file("x" + std::to_string(i) + ".exr", tests[i]));
+        std::ostringstream out;
+        compare(options, out);
+        EXPECT_THAT(out.str(), testing::Not(testing::ContainsRegex("nan|inf[^o]"))) << "no JSON";
+        return nlohmann::json::parse(out.str());
+    }
+    TemporaryFolder folder_;
+};
+
+// The denominator is epsilon alone; equal replicates have neither variance nor noise.
+TEST_F(DegenerateImages, AReferenceOfZeroGivesNumbers) {
+    for (const std::size_t seeds : {1u, 3u}) {
+        const auto result = json(std::vector<Image>(seeds, constant(0.5f)), constant(0));
+        EXPECT_NEAR(result["mse"], 0.25, 1e-12);
+        EXPECT_NEAR(result["rel_mse"], 25, 1e-9);
+        EXPECT_NEAR(result["rel_mse_corrected"], 25, 1e-9);
+        EXPECT_NEAR(result["rmse_corrected"], 0.5, 1e-12);
+        EXPECT_NEAR(result["rel_mse_median"], 25, 1e-9);
+        EXPECT_NEAR(result["rel_mse_trimmed"], 25, 1e-9);
+        EXPECT_NEAR(result["rel_mse_top_share"], 1.0 / 64, 1e-12);
+        EXPECT_TRUE(result["noise_centroid"].is_null());
+        EXPECT_TRUE(result["flip"].is_number());
+        EXPECT_GT(result["flip"], 0);
+        EXPECT_LE(result["flip"], 1);
+        if (seeds == 1) continue;
+        EXPECT_NEAR(result["bias2"], 0.25, 1e-12);
+        for (const char* zero : {"variance", "variance_lo", "variance_hi"})
+            EXPECT_EQ(result[zero], 0) << zero;
+    }
+    const auto equal = json({constant(0)}, constant(0));
+    for (const char* zero : {"mse", "rmse", "rel_mse", "rel_mse_corrected", "rel_mse_median", "flip"})
+        EXPECT_EQ(equal[zero], 0) << zero;
+    EXPECT_TRUE(equal["rel_mse_top_share"].is_null());
+    EXPECT_FALSE(equal_footing({constant(0.5f)}, {constant(0), {}, {}}, constant(0)));
+}
+
+TEST_F(DegenerateImages, OneFireflyLeavesTheRobustNumbers) {
+    const auto result = json({with_pixel(constant(1.5f), 20, 1e8f)}, constant(1));
+    EXPECT_NEAR(result["rel_mse"], (sqr(static_cast<double>(1e8f) - 1) / 64 + 63 * 0.25 / 64) / 1.01, 1);
+    EXPECT_NEAR(result["rel_mse_median"], 0.25 / 1.01, 1e-12);
+    EXPECT_NEAR(result["rel_mse_trimmed"], 0.25 / 1.01, 1e-12);
+    EXPECT_NEAR(result["rel_mse_top_share"], 1, 1e-9);
+    EXPECT_LE(result["flip"], 1);
+    // In the reference too, whose exposures then span 27 stops.
+    const auto of_reference = json({constant(1)}, with_pixel(constant(1), 20, 1e8f));
+    EXPECT_EQ(of_reference["rel_mse_median"], 0);
+    EXPECT_EQ(of_reference["rel_mse_trimmed"], 0);
+    EXPECT_NEAR(of_reference["rel_mse"], 1.0 / 64, 1e-6) << "it is relative";
+}
+
+TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {
+    const std::vector<Image> seeds = {constant(0.9f, 1, 1), constant(1.f, 1, 1), constant(1.2f, 1, 1),
+                                      constant(1.3f, 1, 1)};
+    const auto result = json(seeds, constant(1, 1, 1));
+    EXPECT_NEAR(result["mse"], (0.01 + 0 + 0.04 + 0.09) / 4, 1e-7);
+    // The mean is 1.1, the squared deviations 0.04 + 0.01 + 0.01 + 0.04.
+    EXPECT_NEAR(result["variance"], 0.1 / 3, 1e-7);
+    EXPECT_NEAR(result["bias2"], 0.01 - 0.1 / 3 / 4, 1e-7);
+    EXPECT_TRUE(result["noise_centroid"].is_null());
+    EXPECT_TRUE(result["rel_mse_trimmed"].is_null());
+    EXPECT_TRUE(result["flip"].is_number());
+    EXPECT_FALSE(noise_spectrum(seeds, constant(1, 1, 1)));
+    EXPECT_TRUE(json({seeds[0]}, constant(1, 1, 1))["variance"].is_null());
+    EXPECT_NO_THROW(json(seeds, constant(1, 1, 1), true));
+    EXPECT_NO_THROW(json({seeds[1]}, constant(1, 1, 1), true));
+    for (const SpectrumPoint& point :
+         bias_spectrum(seeds, {constant(1, 1, 1), {}, {constant(0.9f, 1, 1), constant(1.1f, 1, 1)}}))
+        EXPECT_TRUE(std::isfinite(point.frequency) && std::isfinite(point.power));
+}
+
+// Lines of pixels, in both directions.
+TEST(DegenerateSpectra, OfALineOfPixelsAreFinite) {
+    for (const auto& [width, height] : {std::pair(2, 1), std::pair(1, 2), std::pair(64, 1), std::pair(1, 64)}) {
+        std::mt19937_64 random(3);
+        std::normal_distribution<float> normal;
+        std::vector<Image> seeds;
+        for (int i = 0; i < 4; ++i) {
+            seeds.push_back(constant(1, width, height));
+            for (float& v : seeds.back().rgb)
+                v += 0.1f * normal(random);
+        }
+        const auto noise = noise_spectrum(seeds, constant(1, width, height));
+        ASSERT_TRUE(noise);
+        EXPECT_TRUE(std::isfinite(noise->centroid));
+        for (const SpectrumPoint& point : noise->curve)
+            EXPECT_TRUE(std::isfinite(point.power));
+    }
+}
+
+TEST(DegenerateRuns, AnImageOfOnePixelHasAllItsTablesAndItsReport) {
+    const TemporaryFolder folder;
+    folder.write("box.xml", tiny_scene_xml());
+    folder.write("e.toml",
+                 "title = \"T\"\nscenes = [\"box.xml\"]\nresolution = [1, 1]\nseeds = 3\nbudget = { passes = 4 }\n"
+                 "[reference]\nmethod = \"path\"\nseconds = 0.05\n[[method]]\nname = \"path\"\n");
+    const ProgramResult result = run_gibench("run e.toml --out out --threads 1", folder / "");
+    EXPECT_EQ(result.code, 0) << result.err;
+    const CsvTable table = parse_csv(read_file(folder / "out/table.csv"), "table.csv");
+    EXPECT_FALSE(table.rows.empty());
+    for (const char* name : {"table.csv", "spectra.csv", "curves.csv", "table.md"})
+        EXPECT_THAT(read_file(folder / (std::string("out/") + name)),
+                    testing::Not(testing::ContainsRegex("[,|( ]-?(nan|inf)[,|) \n]")))
+            << name;
+    EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("</html>"));
+}
+
+// Every sum of samples holds 1e8 of them: 0.5 each is exact in double, where single precision stops at 2^24 of them.
+TEST(Accumulation, OfAHundredMillionSamplesLosesNothing) {
+    Film film(1, 1, {Component::direct}, {});
+    PixelSample sample;
+    sample[Component::direct] = Color(0.5f, 0.5f, 1.f / 3);
+    constexpr std::uint32_t n = 100000000;
+    for (std::uint32_t pass = 0; pass < n; ++pass)
+        film.add(0, pass, sample);
+    const Image mean = *film.mean(n)[Component::direct];
+    EXPECT_EQ(mean.rgb[0], 0.5f);
+    EXPECT_EQ(mean.rgb[1], 0.5f);
+    // Rounded sums: (n - 1) 2^-53 of the sum at most, 1.1e-8, less than half a unit of the result.
+    EXPECT_NEAR(static_cast<double>(mean.rgb[2]), static_cast<double>(1.f / 3), (1.1e-8 + 0x1p-25) / 3);
+}
+
+// 2^20 samples of 2^10 in turn with 2^-8: the sum has 39 bits.
+TEST(Accumulation, OfSamplesOfMixedMagnitudeIsExact) {
+    Film film(1, 1, {Component::indirect}, {});
+    constexpr std::uint32_t n = 1 << 21;
+    PixelSample large, small;
+    large[Component::indirect] = Color(0x1p10f, 0x1p-8f, 0x1p10f);
+    small[Component::indirect] = Color(0x1p-8f, 0x1p-8f, 0x1p10f);
+    for (std::uint32_t pass = 0; pass < n; ++pass)
+        film.add(0, pass, pass % 2 == 0 ? large : small);
+    const Image mean = *film.mean(n)[Component::indirect];
+    EXPECT_EQ(mean.rgb[0], static_cast<float>((0x1p10 + 0x1p-8) / 2));
+    EXPECT_EQ(mean.rgb[1], 0x1p-8f);
+    EXPECT_EQ(mean.rgb[2], 0x1p10f);
+}
+
+/// One batch for each of the reference's groups, alike.
+std::vector<ComponentImages> batches_of(float value) {
+    ComponentImages batch;
+    batch.width = batch.height = 1;
+    batch[Component::direct] = constant(value, 1, 1);
+    return std::vector<ComponentImages>(reference_groups, batch);
+}
+
+// A reference's means are kept in single precision and updated by each round, mean += share (batch - mean), which
+// rounds by half a unit: after rounds of equal length the i-th rounding counts i / n of it, all together (n + 1) / 4
+// units of the largest mean at most; a mean that every batch has is exact.
+TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
+    ReferenceGroups even, mixed;
+    constexpr int rounds = 2000;
+    for (int i = 0; i < rounds; ++i) {
+        even.add_round(batches_of(0.5f), 50000);
+        mixed.add_round(batches_of(i % 2 == 0 ? 0.f : 1.f), 50000);
+    }
+    EXPECT_EQ(even.passes, 100000000u);
+    const Reference reference = even.reference();
+    EXPECT_EQ(reference.total.mean.rgb[0], 0.5f);
+    EXPECT_EQ(reference.total.standard_error->rgb[0], 0.f);
+    EXPECT_NEAR(mixed.reference().total.mean.rgb[0], 0.5, (rounds + 1) / 4.0 * 0x1p-24);
+}
+
+}  // namespace
+}  // namespace gib::test

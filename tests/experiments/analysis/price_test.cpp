@@ -1,0 +1,160 @@
+// When the best method changes, what the last halving cost, and the sentences made of them.
+
+#include "experiments/analysis/footing_warnings.h"
+#include "experiments/report/price_text.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace gib {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A run whose rel_mse is floor + c / seconds, at the times first, 2 first, 4 first, ... up to `last`.
+Cell run(const std::string& method, std::uint64_t seed, double c, double floor, double first, double last) {
+    Cell cell;
+    cell.scene = "box";
+    cell.method = method;
+    cell.seed = seed;
+    std::uint32_t passes = 1;
+    for (double t = first; t <= last; t *= 2, passes *= 2)
+        cell.checkpoints.push_back({{passes, t, {}, 0},
+                                    {{"total", {0, 0, 0, 0, floor + c / t}},
+                                     {"caustic", {0, 0, 0, 0, 0.9 * (floor + c / t)}},
+                                     {"indirect", {0, 0, 0, 0, 0.1 * (floor + c / t)}}}});
+    return cell;
+}
+
+TableRow row(const Analysis& analysis, const std::string& method, const std::string& component = "total") {
+    std::vector<const Cell*> cells;
+    std::vector<std::vector<CurvePoint>> curves;
+    for (const Cell& cell : analysis.cells)
+        if (cell.method == method) {
+            cells.push_back(&cell);
+            curves.emplace_back();
+            for (const auto& c : cell.checkpoints)
+                curves.back().push_back({c.checkpoint.seconds, std::sqrt(c.errors.at(component).rel_mse_corrected)});
+        }
+    TableRow row;
+    row.scene = "box";
+    row.method = method;
+    row.component = component;
+    row.seeds = static_cast<int>(cells.size());
+    row.seconds = cells.front()->last().seconds;
+    row.statistics = ReplicateStatistics{3, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, Estimate{2e-4, {}}};
+    for (std::size_t t = 0; t < target_errors.size(); ++t)
+        row.times[t] = time_to_error(curves, target_errors[t]);
+    row.law = price_law_of(cells, component, 0);
+    row.last_halving = last_halving(cells, component, 0);
+    return row;
+}
+
+/// Biased quickly, unbiased slowly: 9e-4 + 1e-3 / t against 1.6e-2 / t cross where 9e-4 t = 1.5e-2. Seeds differ by a
+/// few percent in their noise.
+Analysis crossing() {
+    Analysis analysis;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const double own = 1 + 0.02 * (static_cast<double>(seed) - 2.5);
+        analysis.cells.push_back(run("quick", seed, 1e-3 * own, 9e-4, 0.5, 64));
+        analysis.cells.push_back(run("exact", seed, 1.6e-2 * own, 0, 0.5, 128));
+    }
+    for (const char* method : {"quick", "exact"})
+        for (const char* component : {"total", "caustic", "indirect"})
+            analysis.rows.push_back(row(analysis, method, component));
+    return analysis;
+}
+
+TEST(Crossovers, AreWhereTheCurvesCross) {
+    const Analysis analysis = crossing();
+    const auto changes = crossovers(analysis);
+    ASSERT_EQ(changes.size(), 2u);
+    EXPECT_EQ(changes[0].method, "quick");
+    EXPECT_EQ(changes[0].before, "");
+    EXPECT_NEAR(changes[0].seconds, 0.5, 1e-9);
+    EXPECT_EQ(changes[1].method, "exact");
+    EXPECT_EQ(changes[1].before, "quick");
+    // The interpolation between checkpoints is a power law: right to a few percent for the sum of floor and noise.
+    EXPECT_NEAR(changes[1].seconds, 1.5e-2 / 9e-4, 0.03 * 1.5e-2 / 9e-4);
+    EXPECT_NEAR(changes[1].relative_rmse, std::sqrt(1.6e-2 / changes[1].seconds), 0.001);
+    ASSERT_TRUE(changes[1].interval.has_value());
+    EXPECT_LT(changes[1].interval->lo, changes[1].seconds);
+    EXPECT_GT(changes[1].interval->hi, changes[1].seconds);
+    EXPECT_THAT(price_text(analysis), HasSubstr("| box | 16."));
+}
+
+TEST(Crossovers, IgnoreMethodsThatAreLevel) {
+    Analysis analysis;
+    analysis.cells = {run("a", 1, 1e-2, 0, 1, 64), run("b", 1, 1.002e-2, 0, 1, 64)};
+    // b is ahead by 1 % at one checkpoint.
+    analysis.cells[1].checkpoints[3].errors.at("total").rel_mse_corrected *= 0.98;
+    EXPECT_EQ(crossovers(analysis).size(), 1u);
+}
+
+TEST(LastHalving, IsMeasuredWithPreparation) {
+    Analysis analysis = crossing();
+    // Noise alone: error halves when time grows fourfold.
+    EXPECT_NEAR(row(analysis, "exact").last_halving->value, 4, 1e-9);
+    // 9e-4 + 1e-3 / t: twice the root of the end's 9.156e-4 is never seen after 0.37 s.
+    EXPECT_FALSE(row(analysis, "quick").last_halving.has_value());
+}
+
+TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
+    Analysis analysis = crossing();
+    const auto answers = price_answers(analysis);
+    ASSERT_EQ(answers.size(), 2u);
+    EXPECT_EQ(answers[0].target, 0.05);
+    EXPECT_THAT(answers[0].text, HasSubstr("`quick` is the cheapest at 5 %: 0."));
+    EXPECT_THAT(answers[0].text, HasSubstr("`exact` takes 10.0 times as long. After 0.637 s"));
+    EXPECT_THAT(answers[0].text, HasSubstr("90 % of its squared error in `caustic`"));
+    EXPECT_THAT(answers[1].text, HasSubstr("No method reached 1 %"));
+    EXPECT_THAT(answers[1].text, HasSubstr("`exact`"));
+    EXPECT_THAT(answers[1].text, HasSubstr("(extrapolated)")) << "160 s were not measured";
+    const TableRow quick = row(analysis, "quick");
+    EXPECT_EQ(unmeasured_time(quick, 0.01), "never (floor 3.00 %)");
+    // The floor's bias^2 is at most what the images' split says: 2e-4 of 9e-4.
+    EXPECT_NEAR(floor_bias2(quick), 2e-4, 1e-12);
+    EXPECT_THAT(price_text(analysis), HasSubstr("bias 1.41, fixed noise 2.65"));
+}
+
+TEST(FootingWarnings, NameSceneMethodAndComponent) {
+    Analysis analysis = crossing();
+    EXPECT_EQ(footing_text(analysis), "") << "nothing was checked";
+    analysis.rows[1].footing = Footing{{}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    analysis.rows[0].footing = Footing{{}, 1, {0.0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
+    analysis.rows[2].footing = Footing{{}, 1, {0.0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
+    const auto warnings = footing_warnings(analysis);
+    ASSERT_EQ(warnings.size(), 2u);
+    EXPECT_TRUE(warnings[0].differs) << "the certain ones first";
+    EXPECT_EQ(warnings[0].text,
+              "box: quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
+    EXPECT_EQ(warnings[1].text, "box: quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
+    analysis.index.seeds = 3;
+    EXPECT_THAT(footing_text(analysis), HasSubstr("of 3 components 1 agree within 1 %, 1 differ, 1 cannot be told"));
+}
+
+TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
+    Analysis analysis;
+    analysis.index.seeds = 4;
+    const Estimate unknown{0.1, Interval{-0.2, 0.4}};
+    for (const auto& [method, energy, deviation] :
+         {std::tuple{"a", 1.0, 0.0005}, {"b", 1.03, 0.0005}, {"c", 1.002, 0.0005}, {"d", 1.4, 0.5}}) {
+        TableRow row;
+        row.scene = "box";
+        row.method = method;
+        row.component = "indirect";
+        row.footing = Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::unresolved};
+        analysis.rows.push_back(row);
+    }
+    const auto warnings = footing_warnings(analysis);
+    ASSERT_EQ(warnings.size(), 5u) << "one disagreement, four that cannot be told";
+    EXPECT_TRUE(warnings[0].differs);
+    EXPECT_THAT(warnings[0].text, HasSubstr("box: `indirect` differs between methods"));
+    EXPECT_THAT(warnings[0].text, HasSubstr("b has +3.00 %"));
+    EXPECT_THAT(warnings[0].text, HasSubstr("over a"));
+}
+
+}  // namespace
+}  // namespace gib

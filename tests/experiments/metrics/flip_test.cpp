@@ -1,0 +1,326 @@
+// FLIP against its paper's formulas: colour differences in closed form, and the whole map by plain sums in double.
+
+#include "experiments/metrics/flip.h"
+
+#include "common/color/srgb.h"
+#include "common/core/error.h"
+#include "common/core/float_traps.h"
+#include "common/core/parallel.h"
+#include "experiments/metrics/flip_filters.h"
+#include "experiments/results/color_maps.h"
+#include "tests/experiments/metrics/paper_flip.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+#include <random>
+
+namespace gib::test {
+namespace {
+
+using ::testing::Each;
+using ::testing::FloatEq;
+using ::testing::Ge;
+using ::testing::HasSubstr;
+using ::testing::Le;
+using ::testing::ThrowsMessage;
+
+constexpr auto all_channels = {OpponentChannel::achromatic, OpponentChannel::red_green, OpponentChannel::blue_yellow};
+
+Image constant_image(const Color& color, int width = 5, int height = 4) {
+    Image image(width, height);
+    for (std::size_t i = 0; i < image.pixels(); ++i)
+        image.set(i, color);
+    return image;
+}
+
+/// Independent values in [0, largest).
+Image random_image(int width, int height, unsigned seed, float largest = 1) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> uniform(0, largest);
+    Image image(width, height);
+    for (float& v : image.rgb)
+        v = uniform(random);
+    return image;
+}
+
+/// 0, and 1 from the column `first_bright` on.
+Plane step_plane(int width, int height, int first_bright) {
+    Plane plane(width, height);
+    for (int y = 0; y < height; ++y)
+        std::fill(plane.row(y) + first_bright, plane.row(y) + width, 1.f);
+    return plane;
+}
+
+TEST(FlipFilters, WeightsSumToOneAtEveryResolution) {
+    for (const double pixels_per_degree : {1.0, 7.5, default_pixels_per_degree, 150.0})
+        for (const auto channel : all_channels) {
+            double shares = 0;
+            for (const auto& [share, kernel] : contrast_filter(channel, pixels_per_degree)) {
+                double sum = 0;
+                for (const float w : kernel)
+                    sum += static_cast<double>(w);
+                EXPECT_NEAR(sum, 1, 1e-6) << pixels_per_degree;
+                EXPECT_EQ(kernel.size() % 2, 1u);
+                shares += static_cast<double>(share);
+            }
+            EXPECT_NEAR(shares, 1, 1e-6) << pixels_per_degree;
+        }
+}
+
+TEST(FlipFilters, AConstantStaysAndHasNoFeatures) {
+    for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 2), std::pair(40, 1), std::pair(30, 25)}) {
+        Plane plane(width, height);
+        std::fill(plane.values.begin(), plane.values.end(), 0.3f);
+        for (const auto channel : all_channels)
+            EXPECT_THAT(contrast_filtered(plane, channel, default_pixels_per_degree).values,
+                        Each(::testing::FloatNear(0.3f, 1e-6f)));
+        const Features features = detected_features(plane, default_pixels_per_degree);
+        EXPECT_THAT(features.edges.values, Each(Le(1e-6f)));
+        EXPECT_THAT(features.points.values, Each(Le(1e-6f)));
+    }
+}
+
+// Beside a straight step all positive weights, or all negative ones, meet the bright side: the edge's strength is 1.
+TEST(FlipFilters, AStepHasAnEdgeOfStrengthOneOnBothSides) {
+    const Features features = detected_features(step_plane(60, 20, 30), default_pixels_per_degree);
+    for (int y = 0; y < 20; ++y) {
+        EXPECT_NEAR(features.edges.row(y)[29], 1, 1e-5);
+        EXPECT_NEAR(features.edges.row(y)[30], 1, 1e-5);
+        EXPECT_NEAR(features.edges.row(y)[10], 0, 1e-5);
+        EXPECT_LT(features.points.row(y)[30], 0.6f);
+    }
+}
+
+// One bright pixel meets the middle weights of the point filter: -1 over the sum of the negative ones, along both axes.
+TEST(FlipFilters, AnIsolatedPixelIsAPoint) {
+    Plane plane(41, 41);
+    plane.row(20)[20] = 1;
+    const double deviation = 0.5 * 0.082 * default_pixels_per_degree;
+    const int radius = static_cast<int>(std::ceil(3 * deviation));
+    double negative = 0;
+    for (int y = -radius; y <= radius; ++y)
+        for (int x = -radius; x <= radius; ++x) {
+            const double weight = (x * x / sqr(deviation) - 1) * std::exp(-(x * x + y * y) / (2 * sqr(deviation)));
+            if (weight < 0) negative -= weight;
+        }
+    const Features features = detected_features(plane, default_pixels_per_degree);
+    EXPECT_NEAR(features.points.row(20)[20], std::sqrt(2) / negative, 1e-6);
+    EXPECT_NEAR(features.edges.row(20)[20], 0, 1e-6);
+}
+
+TEST(Flip, EqualImagesDifferByExactlyZero) {
+    const Image image = random_image(33, 17, 1);
+    EXPECT_THAT(ldr_flip(image, image).values, Each(0.f));
+    EXPECT_THAT(hdr_flip(image, image).values, Each(0.f));
+    EXPECT_EQ(hdr_flip(image, image).mean(), 0);
+}
+
+TEST(Flip, IsSymmetricAndFromZeroToOne) {
+    const Image a = random_image(40, 21, 2), b = random_image(40, 21, 3);
+    const FlipMap map = ldr_flip(a, b);
+    EXPECT_EQ(map.values, ldr_flip(b, a).values);
+    EXPECT_THAT(map.values, Each(::testing::AllOf(Ge(0.f), Le(1.f))));
+    EXPECT_GT(map.mean(), 0.1);
+}
+
+// 100 apart in lightness, none in colour. Green and blue are 203.302 apart: the knee is 0.4 of 203.302^0.7 = 41.2761,
+// so 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
+TEST(Flip, BlackAgainstWhiteIsAsTheFormulasSay) {
+    const FlipMap map = ldr_flip(constant_image({0, 0, 0}), constant_image({1, 1, 1}));
+    EXPECT_THAT(map.values, Each(::testing::FloatNear(0.967380f, 1e-5f)));
+}
+
+TEST(Flip, ConstantColorsDifferByTheirColorErrorAtEverySize) {
+    const std::vector<Color> colors = {{0, 0, 0},          {0.2f, 0.2f, 0.2f}, {0.21f, 0.2f, 0.2f},
+                                       {0.9f, 0.1f, 0.3f}, {0.1f, 0.5f, 0.9f}, {0.002f, 0.004f, 0.001f}};
+    for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 2), std::pair(40, 30)})
+        for (const Color& a : colors)
+            for (const Color& b : colors) {
+                const double expected =
+                    paper::color_error(paper::hunt_lab(a.cast<double>()), paper::hunt_lab(b.cast<double>()));
+                // A pixel of equal colours is 0; rounding is 1e-5 of 100 in lightness, to the power 0.7.
+                EXPECT_THAT(ldr_flip(constant_image(a, width, height), constant_image(b, width, height)).values,
+                            Each(::testing::FloatNear(static_cast<float>(expected), 2e-4f)));
+            }
+}
+
+// No two colours of a screen are further apart than green and blue.
+TEST(Flip, GreenAgainstBlueAloneIsOne) {
+    const auto corner = [](int i) { return constant_image(Color(float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1))); };
+    constexpr int green = 2, blue = 4;
+    for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < a; ++b) {
+            const double error = ldr_flip(corner(a), corner(b)).mean();
+            if (b == green && a == blue) EXPECT_NEAR(error, 1, 1e-6);
+            else EXPECT_LT(error, 0.9999) << a << " " << b;
+        }
+}
+
+TEST(Flip, IsThePapersMapComputedByPlainSums) {
+    for (const double pixels_per_degree : {8.0, 40.0}) {
+        // Noise, and a soft image against a shifted one: features of both kinds.
+        Image smooth = constant_image({0.3f, 0.4f, 0.2f}, 17, 13), edge = smooth;
+        for (std::size_t i = 0; i < smooth.pixels(); ++i) {
+            if (i % 17 > 8) edge.set(i, {0.7f, 0.6f, 0.1f});
+            if (i == 100) smooth.set(i, {1, 1, 0.8f});
+        }
+        const std::vector<std::pair<Image, Image>> cases = {{random_image(17, 13, 4), random_image(17, 13, 5)},
+                                                            {smooth, edge}};
+        for (const auto& [a, b] : cases) {
+            const FlipMap map = ldr_flip(a, b, pixels_per_degree);
+            const std::vector<double> expected = paper::flip(a, b, pixels_per_degree, paper::Terms::all);
+            for (std::size_t i = 0; i < expected.size(); ++i)
+                EXPECT_NEAR(map.values[i], expected[i], 2e-4) << i << ", " << pixels_per_degree;
+        }
+    }
+}
+
+TEST(Flip, PointsAndEdgesCountMoreThanTheirColor) {
+    const Image grey = constant_image({0.2f, 0.2f, 0.2f}, 41, 41);
+    Image point = grey, edge = grey;
+    const std::size_t middle = 20 * 41 + 20;
+    point.set(middle, {1, 1, 1});
+    for (std::size_t i = 0; i < edge.pixels(); ++i)
+        if (i % 41 >= 20) edge.set(i, {0.5f, 0.5f, 0.5f});
+    for (const Image& image : {point, edge}) {
+        const double whole = static_cast<double>(ldr_flip(image, grey, 20).values[middle]);
+        const double color = paper::flip(image, grey, 20, paper::Terms::color)[middle];
+        EXPECT_GT(whole, color + 0.05);
+    }
+}
+
+TEST(Flip, GrowsWithTheError) {
+    const Image reference = random_image(30, 30, 6, 0.5f), noise = random_image(30, 30, 7, 0.5f);
+    double ldr_before = 0, hdr_before = 0;
+    for (const float strength : {0.01f, 0.03f, 0.1f, 0.3f, 1.f}) {
+        Image test = reference;
+        for (std::size_t i = 0; i < test.rgb.size(); ++i)
+            test.rgb[i] += strength * noise.rgb[i];
+        const double ldr = ldr_flip(test, reference).mean(), hdr = hdr_flip(test, reference).mean();
+        EXPECT_GT(ldr, ldr_before);
+        EXPECT_GT(hdr, hdr_before);
+        ldr_before = ldr;
+        hdr_before = hdr;
+    }
+}
+
+// 0.16002 x^2 - 0.2829 x - 0.119 = 0 has the root 2.118872, which the curve shows as 0.85.
+TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
+    constexpr float shown = 2.118872f;
+    EXPECT_NEAR(filmic(2.118872), 0.85, 1e-6);
+    EXPECT_EQ(filmic(0), 0);
+    EXPECT_EQ(filmic(1e30), 1);
+
+    Image image = constant_image(Color::Constant(shown / 8), 5, 1);
+    image.set(1, Color::Constant(shown * 4));
+    image.set(3, Color::Constant(shown / 1024));
+    image.set(4, {-1, -1, -1});
+    const ExposureRange range = flip_exposures(image);
+    EXPECT_NEAR(range.start, -2, 1e-5);
+    EXPECT_NEAR(range.stop, 3, 1e-5);
+    EXPECT_NEAR(range.at(0), -2, 1e-5);
+    EXPECT_NEAR(range.at(range.count - 1), 3, 1e-5);
+
+    // The median of an even number lies between two: (1/8 + 7/8) / 2 = 1/2.
+    Image even = constant_image(Color::Constant(shown / 8), 4, 1);
+    even.set(0, Color::Constant(shown * 3.5f));
+    even.set(1, Color::Constant(shown * 7 / 8));
+    const ExposureRange of_even = flip_exposures(even);
+    EXPECT_NEAR(of_even.stop, 1, 1e-5);
+    EXPECT_NEAR(of_even.start, -std::log2(3.5), 1e-5);
+    EXPECT_EQ(of_even.count, 3) << "2.8 exposures, rounded up";
+
+    const ExposureRange of_constant = flip_exposures(constant_image({1, 1, 1}));
+    EXPECT_EQ(of_constant.start, of_constant.stop);
+    EXPECT_EQ(of_constant.count, 2);
+}
+
+TEST(HdrFlip, DarkPixelsOfTheReferenceSetNoExposure) {
+    Image mostly_black = constant_image({0, 0, 0}, 5, 1);
+    mostly_black.set(0, {2.118872f, 2.118872f, 2.118872f});
+    // The rounding that is left where equal components were subtracted.
+    mostly_black.set(2, {1e-9f, 1e-9f, 1e-9f});
+    const ExposureRange range = flip_exposures(mostly_black);
+    EXPECT_NEAR(range.start, 0, 1e-5);
+    EXPECT_NEAR(range.stop, 0, 1e-5);
+
+    const Image black = constant_image({0, 0, 0});
+    EXPECT_EQ(flip_exposures(black).start, 0);
+    EXPECT_EQ(flip_exposures(black).stop, 0);
+    EXPECT_THAT(hdr_flip(black, black).values, Each(0.f));
+    EXPECT_THAT(hdr_flip(constant_image({9, 9, 9}), black).values, Each(::testing::FloatNear(0.967380f, 1e-3f)));
+}
+
+TEST(HdrFlip, IsTheLargestErrorOverTheExposures) {
+    Image test = random_image(20, 10, 8), reference = random_image(20, 10, 9);
+    for (Image* image : {&test, &reference})
+        for (float& v : image->rgb)
+            v = 30 * v * v * v * v;
+    const FlipMap map = hdr_flip(test, reference);
+    const ExposureRange range = flip_exposures(reference);
+    ASSERT_GE(range.count, 3);
+    std::vector<float> largest(map.values.size(), 0.f);
+    for (int i = 0; i < range.count; ++i) {
+        Image x = test, r = reference;
+        for (Image* image : {&x, &r})
+            for (float& v : image->rgb)
+                v = static_cast<float>(filmic(std::exp2(range.at(i)) * static_cast<double>(v)));
+        const FlipMap shown = ldr_flip(x, r);
+        for (std::size_t p = 0; p < largest.size(); ++p)
+            largest[p] = std::max(largest[p], shown.values[p]);
+    }
+    EXPECT_THAT(map.values, ::testing::Pointwise(FloatEq(), largest));
+}
+
+TEST(HdrFlip, DoesNotDependOnTheUnitOfRadiance) {
+    const Image test = random_image(24, 12, 10, 5), reference = random_image(24, 12, 11, 50);
+    Image scaled_test = test, scaled_reference = reference;
+    for (Image* image : {&scaled_test, &scaled_reference})
+        for (float& v : image->rgb)
+            v *= 1000;
+    const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(scaled_test, scaled_reference);
+    EXPECT_THAT(scaled.values, ::testing::Pointwise(::testing::FloatNear(1e-3f), map.values));
+    EXPECT_NEAR(scaled.mean(), map.mean(), 1e-5);
+}
+
+TEST(HdrFlip, IsTheSameForAnyNumberOfThreads) {
+    const Image test = random_image(90, 70, 12, 5), reference = random_image(90, 70, 13, 5);
+    std::vector<FlipMap> maps;
+    for (const int threads : {1, 5})
+        with_threads(threads, [&] { maps.push_back(hdr_flip(test, reference)); });
+    EXPECT_EQ(maps[0].values, maps[1].values);
+}
+
+// Among them 128, which lies between two of the colours that the program holds.
+TEST(FlipImage, HasTheColorsOfMagma) {
+    const Image image = flip_image({4, 1, {0.f, 51 / 255.f, 128 / 255.f, 1.f}});
+    const std::vector<Color> expected = {{0.001462f, 0.000466f, 0.013866f},
+                                         {0.232077f, 0.059889f, 0.437695f},
+                                         {0.716387f, 0.214982f, 0.475290f},
+                                         {0.987053f, 0.991438f, 0.749504f}};
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(srgb_from_linear(image.at(i)[k]), expected[i][k], 0.004) << i << " " << k;
+}
+
+TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
+    const FloatTrapsPaused paused;  // not a number is given
+    const Image image = constant_image({1, 1, 1});
+    Image bad = image;
+    bad.rgb[7] = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THAT([&] { hdr_flip(bad, image); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
+    EXPECT_THAT([&] { hdr_flip(image, bad); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
+    EXPECT_THAT(
+        [&] {
+            hdr_flip(constant_image({1, 1, 1}, 3, 7), image);
+        },
+        ThrowsMessage<InputError>(::testing::AllOf(HasSubstr("3 x 7"), HasSubstr("5 x 4"))));
+    EXPECT_THAT([&] { hdr_flip(Image(), Image()); }, ThrowsMessage<InputError>(HasSubstr("one pixel")));
+    for (const double pixels_per_degree : {0.5, -1.0, std::nan("")})
+        EXPECT_THAT([&] { ldr_flip(image, image, pixels_per_degree); },
+                    ThrowsMessage<InputError>(HasSubstr("per degree")));
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,144 @@
+// The built program as a user meets it: exit codes, messages, files.
+
+#include "common/images/image_file.h"
+#include "tests/support/driver_fixtures.h"
+
+#include <gmock/gmock.h>
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class CommandLineTest : public ::testing::Test {
+protected:
+    CommandLineTest() { folder_.write("tiny.xml", tiny_scene_xml()); }
+    ProgramResult run(const std::string& arguments) { return run_gibench(arguments, folder_ / ""); }
+    std::size_t files() const {
+        return static_cast<std::size_t>(std::distance(fs::recursive_directory_iterator(folder_ / ""), {}));
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(CommandLineTest, HelpAndVersionSucceed) {
+    EXPECT_EQ(run("--help").code, 0);
+    EXPECT_THAT(run("--help").out, AllOf(HasSubstr("render"), Not(HasSubstr("measure-cell"))));
+    EXPECT_THAT(run("--version").out, StartsWith("gibench "));
+    EXPECT_THAT(run("render --help").out, AllOf(HasSubstr("photon_mapper"), HasSubstr("max_depth")));
+}
+
+TEST_F(CommandLineTest, WrongInputGivesTwoAndWritesNothing) {
+    folder_.write("broken.xml", "<scene version='3.0.0'>\n<sensr/></scene>");
+    folder_.write("e.toml", "scenes = ['tiny.xml']\n[[method]]\nname = 'path'\nspq = 3\n");
+    const std::size_t before = files();
+    for (const char* arguments : {"",
+                                  "nonsense",
+                                  "render",
+                                  "render tiny.xml",
+                                  "render tiny.xml --method path",
+                                  "run",
+                                  "run none.toml",
+                                  "run e.toml",
+                                  "render none.xml --method path -o a.exr",
+                                  "render broken.xml --method path -o a.exr",
+                                  "render tiny.xml --method pth -o a.exr",
+                                  "render tiny.xml --method 'path spp=0' -o a.exr",
+                                  "render tiny.xml --method path -o none/a.exr",
+                                  "render tiny.xml --method path -o a.txt",
+                                  "render tiny.xml --method path --threads 0 -o a.exr",
+                                  "render tiny.xml --method path --seed -1 -o a.exr",
+                                  "render tiny.xml --method path --set nothing -o a.exr",
+                                  "render tiny.xml --method path --set unknown=1 -o a.exr",
+                                  "reference tiny.xml --target 0 -o a.exr",
+                                  "reference tiny.xml --method 'path spp=4' -o a.exr",
+                                  "reference tiny.xml --target 40% --max-seconds nan -o a.exr",
+                                  "reference tiny.xml --target 40% --max-seconds inf -o a.exr",
+                                  "reference tiny.xml --target 40% --max-seconds -1 -o a.exr",
+                                  "reference tiny.xml --target 40% --max-seconds 0 -o a.exr",
+                                  "compare tiny.xml",
+                                  "compare a.exr b.exr",
+                                  "plan none.xml",
+                                  "plan tiny.xml --method pth",
+                                  "list",
+                                  "list things",
+                                  "report none",
+                                  "measure-cell none.json"}) {
+        const ProgramResult result = run(arguments);
+        EXPECT_EQ(result.code, 2) << arguments << "\n" << result.err;
+        EXPECT_NE(result.err, "") << arguments;
+        EXPECT_EQ(files(), before) << arguments;
+    }
+    EXPECT_THAT(run("run e.toml").err, HasSubstr("e.toml:4:1: "));
+    EXPECT_THAT(run("render broken.xml --method path -o a.exr").err, HasSubstr("broken.xml:2:"));
+    EXPECT_THAT(run("render tiny.xml --method pth -o a.exr").err, HasSubstr("photon_mapper"));
+}
+
+TEST_F(CommandLineTest, RenderWritesLayersAndMetadata) {
+    const ProgramResult result = run("render tiny.xml --method 'path spp=3' --seed 7 --threads 1 -o a.exr");
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_THAT(result.out, AllOf(HasSubstr("seconds: "), HasSubstr("rays per second: ")));
+    const LayeredImage image = read_image(folder_ / "a.exr");
+    EXPECT_NE(image.find(""), nullptr);
+    EXPECT_NE(image.find("direct"), nullptr);
+    EXPECT_EQ(image.metadata.at("method"), "path spp=3");
+    EXPECT_EQ(image.metadata.at("seed"), "7");
+    EXPECT_EQ(image.metadata.at("passes"), "3");
+    EXPECT_EQ(image.metadata.at("scene"), "tiny");
+}
+
+// Of a scene's integrator, where -1 is unlimited; 0 edges show nothing, as in Mitsuba.
+TEST_F(CommandLineTest, AMaxDepthOfZeroIsABlackImage) {
+    std::string xml = tiny_scene_xml();
+    xml.insert(xml.find("<sensor"), "<integrator type='path'><integer name='max_depth' value='0'/></integrator>");
+    folder_.write("dark.xml", xml);
+    for (const std::string method : {"path", "photon_mapper"}) {
+        const ProgramResult result = run("render dark.xml --method '" + method + " spp=4' -o a.exr");
+        ASSERT_EQ(result.code, 0) << result.err;
+        const LayeredImage image = read_image(folder_ / "a.exr");
+        ASSERT_NE(image.find("direct"), nullptr);
+        for (const auto& [name, layer] : image.layers)
+            EXPECT_THAT(layer.rgb, ::testing::Each(0.f)) << name;
+    }
+    ASSERT_EQ(run("render dark.xml --method 'path max_depth=0' -o a.exr").code, 0);
+    EXPECT_THAT(read_image(folder_ / "a.exr").find("")->rgb, ::testing::Contains(::testing::Gt(0.f)))
+        << "a method's own 0 is unlimited";
+}
+
+TEST_F(CommandLineTest, SameSeedGivesTheSamePixelsForAnyThreads) {
+    ASSERT_EQ(run("render tiny.xml --method path --threads 1 -o a.exr").code, 0);
+    ASSERT_EQ(run("render tiny.xml --method path --threads 3 -o b.exr").code, 0);
+    ASSERT_EQ(run("render tiny.xml --method path --seed 2 -o c.exr").code, 0);
+    const auto pixels = [&](const char* name) { return read_image(folder_ / name).find("")->rgb; };
+    EXPECT_EQ(pixels("a.exr"), pixels("b.exr"));
+    EXPECT_NE(pixels("a.exr"), pixels("c.exr"));
+}
+
+TEST_F(CommandLineTest, ReferenceIsMadeAndToppedUp) {
+    ASSERT_EQ(run("reference tiny.xml --target 40% -o r.exr").code, 0);
+    ASSERT_EQ(run("render tiny.xml --method path -o a.exr").code, 0);
+    const ProgramResult compared = run("compare a.exr r.exr --json");
+    EXPECT_EQ(compared.code, 0) << compared.err;
+    EXPECT_THAT(compared.out, HasSubstr("\"rel_mse\""));
+}
+
+TEST_F(CommandLineTest, PlanSaysWhatRunsAndWhatIsSkipped) {
+    const ProgramResult one = run("plan tiny.xml --method photon_mapper");
+    ASSERT_EQ(one.code, 0) << one.err;
+    EXPECT_THAT(one.out, AllOf(HasSubstr("called for: direct_light\n"), HasSubstr("runs: "), HasSubstr("skipped: "),
+                               Not(HasSubstr("method: "))));
+    EXPECT_THAT(run("plan tiny.xml").out, AllOf(HasSubstr("method: path\n"), HasSubstr("method: photon_mapper\n")));
+}
+
+TEST_F(CommandLineTest, ListsNameFirst) {
+    EXPECT_THAT(run("list methods").out, AllOf(StartsWith("path "), HasSubstr("\nphoton_mapper ")));
+    EXPECT_THAT(run("list methods --parameters").out, AllOf(HasSubstr("  photons"), HasSubstr("  spp")));
+    EXPECT_THAT(run("list effects").out, StartsWith("direct_light "));
+    EXPECT_THAT(run("list scenes").out, HasSubstr("cornell-box "));
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,185 @@
+#include "experiments/program/compare.h"
+
+#include "common/core/error.h"
+#include "common/core/float_traps.h"
+#include "common/images/image_file.h"
+#include "experiments/metrics/flip.h"
+#include "tests/experiments/metrics/paper_flip.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+namespace gib {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// Image files in a folder that goes with the test.
+class Compare : public ::testing::Test {
+protected:
+    std::string folder_ = ::testing::TempDir() + "gib_compare_" + std::to_string(::getpid()) + "_" +
+                          ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    Compare() { std::filesystem::create_directories(folder_); }
+    ~Compare() override { std::filesystem::remove_all(folder_); }
+
+    static Image constant(float value, int width = 8, int height = 6) {
+        Image image(width, height);
+        std::fill(image.rgb.begin(), image.rgb.end(), value);
+        return image;
+    }
+    std::string file(const std::string& name, const LayeredImage& image) {
+        write_exr(folder_ + "/" + name, image);
+        return folder_ + "/" + name;
+    }
+    static nlohmann::json json(CompareOptions options) {
+        options.json = true;
+        std::ostringstream out;
+        EXPECT_EQ(compare(options, out), 0);
+        return nlohmann::json::parse(out.str());
+    }
+};
+
+TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
+    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
+    const auto result = json({{file("x.exr", {{{"", constant(2.5f)}}, {}})}, r});
+    EXPECT_EQ(result["seeds"], 1);
+    EXPECT_EQ(result["epsilon"], 0.01);
+    EXPECT_NEAR(result["mse"], 0.25, 1e-12);
+    EXPECT_NEAR(result["rmse"], 0.5, 1e-12);
+    EXPECT_NEAR(result["rel_mse"], 0.25 / 4.01, 1e-12);
+    EXPECT_NEAR(result["rel_rmse"], std::sqrt(0.25 / 4.01), 1e-12);
+    EXPECT_EQ(result["nonfinite"], 0);
+    // The exposure shows 2 as 0.85, and so 2.5 as filmic(2.118872 / 2 * 2.5).
+    EXPECT_NEAR(result["flip"],
+                test::paper::color_error(test::paper::hunt_lab(Colord::Constant(filmic(2.64859))),
+                                         test::paper::hunt_lab(Colord::Constant(0.85))),
+                1e-4);
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(result["mean"][k], 2.5, 1e-12);
+        EXPECT_NEAR(result["reference_mean"][k], 2, 1e-12);
+    }
+    for (const char* key : {"mse_lo", "rmse_hi", "rel_mse_lo", "bias2", "bias2_lo", "variance", "variance_hi",
+                            "noise_centroid", "noise_low_ratio"})
+        EXPECT_TRUE(result.contains(key) && result[key].is_null()) << key;
+    EXPECT_TRUE(result["components"].empty());
+}
+
+// The largest difference between floats, over the least epsilon: every number that the replicates give stays finite.
+TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
+    constexpr float largest = std::numeric_limits<float>::max();
+    const std::string r = file("r.exr", {{{"", constant(0)}}, {}});
+    CompareOptions options{{file("x.exr", {{{"", constant(largest)}}, {}}), file("y.exr", {{{"", constant(0)}}, {}}),
+                            file("z.exr", {{{"", constant(largest)}}, {}})},
+                           r};
+    options.epsilon = smallest_epsilon;
+    const auto result = json(options);
+    for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
+        EXPECT_TRUE(result[key].is_number()) << key;
+    // Intervals in units of the value are those of images of 1, 0 and 1.
+    CompareOptions plain{
+        {file("u.exr", {{{"", constant(1)}}, {}}), options.tests[1], file("w.exr", {{{"", constant(1)}}, {}})}, r};
+    const auto expected = json(plain);
+    for (const char* key : {"rel_mse_lo", "rel_mse_hi"})
+        EXPECT_NEAR(result[key].get<double>() / result["rel_mse"].get<double>(),
+                    expected[key].get<double>() / expected["rel_mse"].get<double>(), 1e-6)
+            << key;
+    EXPECT_NEAR(result["rel_mse"].get<double>() / (static_cast<double>(largest) * largest / smallest_epsilon), 2. / 3,
+                1e-6);
+    for (const double wrong : {1e-310, 0., -1., 1e61, std::numeric_limits<double>::infinity(), std::nan("")}) {
+        options.epsilon = wrong;
+        std::ostringstream out;
+        EXPECT_THAT([&] { compare(options, out); }, ThrowsMessage<InputError>(HasSubstr("from 1e-60 to 1e+60")));
+    }
+}
+
+TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<float> normal;
+    const std::string r = file("r.exr", {{{"", constant(3)}, {"direct", constant(1)}, {"caustic", constant(2)}}, {}});
+    CompareOptions options{{}, r};
+    for (int i = 0; i < 4; ++i) {
+        Image direct = constant(1.5f);
+        for (float& v : direct.rgb)
+            v += 0.1f * normal(random);
+        Image total = direct;
+        for (float& v : total.rgb)
+            v += 2;
+        options.tests.push_back(file("x" + std::to_string(i) + ".exr", {{{"", total}, {"direct", direct}}, {}}));
+    }
+    const auto result = json(options);
+    EXPECT_EQ(result["seeds"], 4);
+    EXPECT_NEAR(result["mse"], result["bias2"].get<double>() + result["variance"].get<double>(), 1e-9);
+    EXPECT_NEAR(result["bias2"], 0.25, 0.05);
+    EXPECT_NEAR(result["variance"], 0.01, 0.005);
+    EXPECT_LT(result["bias2_lo"], result["bias2"]);
+    EXPECT_LT(result["variance"], result["variance_hi"]);
+    EXPECT_TRUE(result["noise_centroid"].is_number());
+    ASSERT_EQ(result["components"].size(), 1u);
+    // A component's relative error has the total's radiance in the denominator.
+    const auto& direct = result["components"]["direct"];
+    EXPECT_NEAR(direct["rel_mse"], direct["mse"].get<double>() / 9.01, 1e-9);
+    // FLIP is of the whole image, and its mean over the replicates.
+    EXPECT_TRUE(direct["flip"].is_null());
+    double flip = 0;
+    for (const std::string& test : options.tests)
+        flip += json({{test}, r})["flip"].get<double>() / 4;
+    EXPECT_NEAR(result["flip"], flip, 1e-12);
+}
+
+TEST_F(Compare, NonFiniteValuesAreCountedAndNotHidden) {
+    Image x = constant(2);
+    x.rgb[3] = std::numeric_limits<float>::quiet_NaN();
+    x.rgb[4] = std::numeric_limits<float>::infinity();
+    const std::string r = file("r.exr", {{{"", constant(2)}}, {}}), path = file("x.exr", {{{"", x}}, {}});
+    const auto result = json({{path, path, path, path}, r});
+    EXPECT_EQ(result["nonfinite"], 8);
+    EXPECT_TRUE(result["mse"].is_null() && result["rel_mse"].is_null() && result["bias2"].is_null());
+    EXPECT_TRUE(result["flip"].is_null());
+    EXPECT_THAT([&] { json({{r}, path}); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
+}
+
+TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
+    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
+    std::ostringstream out;
+    CompareOptions options{{r}, r};
+    options.epsilon = 0.5;
+    EXPECT_EQ(compare(options, out), 0);
+    std::istringstream lines(out.str());
+    int relative = 0;
+    for (std::string line; std::getline(lines, line);)
+        if (line.find("rel_") != std::string::npos) {
+            ++relative;
+            EXPECT_THAT(line, HasSubstr("epsilon 0.5"));
+        }
+    EXPECT_EQ(relative, 6);
+}
+
+TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
+    const FloatTrapsPaused paused;  // not a number is given
+    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
+    const std::string small = file("small.exr", {{{"", constant(2, 4, 3)}}, {}});
+    EXPECT_THAT(
+        [&] {
+            json({{small}, r});
+        },
+        ThrowsMessage<InputError>(testing::AllOf(HasSubstr("4 x 3"), HasSubstr("8 x 6"), HasSubstr("small.exr"))));
+    EXPECT_THAT([&] { json({{folder_ + "/none.exr"}, r}); }, ThrowsMessage<InputError>(HasSubstr("none.exr")));
+    EXPECT_THAT([&] { json({{r}, folder_ + "/none.exr"}); }, ThrowsMessage<InputError>(HasSubstr("none.exr")));
+    EXPECT_THROW(json({{}, r}), InputError);
+    EXPECT_THROW(json({{r}, r, 0}), InputError);
+    EXPECT_THROW(json({{r}, r, std::numeric_limits<double>::quiet_NaN()}), InputError);
+    const std::string layers = file("layers.exr", {{{"a", constant(2)}, {"b", constant(2)}}, {}});
+    EXPECT_THAT([&] { json({{layers}, r}); }, ThrowsMessage<InputError>(HasSubstr("layers.exr")));
+    EXPECT_THAT([&] { json({{r}, layers}); }, ThrowsMessage<InputError>(HasSubstr("layers.exr")));
+}
+
+}  // namespace
+}  // namespace gib

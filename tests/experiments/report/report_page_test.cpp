@@ -1,0 +1,273 @@
+// report.html as text: HDR images come back as they were, the data are JSON, nothing outside the file is asked for.
+
+#include "experiments/analysis/analysis.h"
+#include "experiments/report/image_pack.h"
+#include "experiments/report/report.h"
+#include "experiments/report/report_assets.h"
+#include "experiments/report/report_pictures.h"
+#include "experiments/results/color_maps.h"
+#include "experiments/results/frames.h"
+#include "experiments/results/judgement.h"
+#include "experiments/text/html.h"
+#include "tests/support/driver_fixtures.h"
+
+#include "common/images/image_file.h"
+
+#include <gmock/gmock.h>
+#include <zlib.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+namespace gib::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::vector<std::uint8_t> bytes;
+    unsigned bits = 0;
+    int count = 0;
+    for (const char c : text) {
+        if (c == '=') break;
+        bits = (bits << 6) | static_cast<unsigned>(digits.find(c));
+        if ((count += 6) < 8) continue;
+        count -= 8;
+        bytes.push_back(static_cast<std::uint8_t>((bits >> count) & 255u));
+    }
+    return bytes;
+}
+
+float float_of_half(unsigned bits) {
+    const float sign = bits & 0x8000u ? -1.f : 1.f;
+    const int exponent = static_cast<int>((bits >> 10) & 31u);
+    const auto mantissa = static_cast<float>(bits & 1023u);
+    if (exponent == 31) return mantissa > 0 ? std::nanf("") : sign * std::numeric_limits<float>::infinity();
+    return exponent == 0 ? sign * std::ldexp(mantissa, -24) : sign * std::ldexp(1024 + mantissa, exponent - 25);
+}
+
+/// What the page's script does, from the text and the size alone.
+std::vector<float> unpacked(const std::string& text, std::size_t width, std::size_t height, std::size_t channels,
+                            int exponent) {
+    const auto packed = bytes_of_base64(text);
+    const std::size_t pixels = width * height;
+    std::vector<std::uint8_t> bytes(2 * pixels * channels);
+    uLongf size = bytes.size();
+    EXPECT_EQ(uncompress(bytes.data(), &size, packed.data(), packed.size()), Z_OK);
+    EXPECT_EQ(size, bytes.size());
+    std::vector<float> values(pixels * channels);
+    for (std::size_t c = 0; c < channels; ++c)
+        for (std::size_t y = 0; y < height; ++y) {
+            unsigned high = 0;
+            for (std::size_t x = 0; x < width; ++x) {
+                const std::size_t i = y * width + x;
+                high = (high + bytes[c * pixels + i]) & 255u;
+                const unsigned low = bytes[(channels + c) * pixels + i];
+                values[channels * i + c] = std::ldexp(float_of_half((high << 8) | low), -exponent);
+            }
+        }
+    return values;
+}
+
+TEST(ImagePack, HalvesComeBackWithinTheirPrecision) {
+    std::vector<float> values = {0.f, 1.f, -1.f, 3.14159f, 1e-3f, 1234.5f, 70000.f, 65519.f, 0.333f, -2e-2f, 5e4f, 7.f};
+    for (const float scale : {1.f, 1e-30f, 1e30f}) {
+        std::vector<float> scaled;
+        for (const float v : values)
+            scaled.push_back(v * scale);
+        const PackedImage packed = pack_half(scaled, 2, 2, 3);
+        const auto back = unpacked(packed.text, 2, 2, 3, packed.exponent);
+        for (std::size_t i = 0; i < scaled.size(); ++i)
+            EXPECT_LE(std::abs(back[i] - scaled[i]), std::abs(scaled[i]) * std::ldexp(1.f, -11)) << scaled[i];
+    }
+    values[3] = std::nanf("");
+    values[5] = std::numeric_limits<float>::infinity();
+    const PackedImage packed = pack_half(values, 4, 1, 3);
+    const auto back = unpacked(packed.text, 4, 1, 3, packed.exponent);
+    EXPECT_TRUE(std::isnan(back[3]));
+    EXPECT_EQ(back[5], std::numeric_limits<float>::infinity());
+    EXPECT_LE(std::abs(back[6] - 70000.f), 70000.f / 2048);
+    EXPECT_THROW(pack_half(values, 3, 1, 3), std::invalid_argument);
+}
+
+TEST(ImagePack, Base64IsThatOfTheStandard) {
+    const auto text = [](const std::string& s) {
+        return base64({reinterpret_cast<const std::uint8_t*>(s.data()), s.size()});
+    };
+    EXPECT_EQ(text(""), "");
+    EXPECT_EQ(text("f"), "Zg==");
+    EXPECT_EQ(text("fo"), "Zm8=");
+    EXPECT_EQ(text("foobar"), "Zm9vYmFy");
+}
+
+TEST(Html, TextCannotBecomeMarkup) {
+    EXPECT_EQ(html_escape("<b title=\"a\">'&amp;'"), "&lt;b title=&quot;a&quot;&gt;&#39;&amp;amp;&#39;");
+    EXPECT_EQ(sentence_html("`a<b` is > `c`"), "<code>a&lt;b</code> is &gt; <code>c</code>");
+    EXPECT_EQ(script_safe_json(json({{"a", "</script><!--"}}).dump()).find('<'), std::string::npos);
+    EXPECT_EQ(json::parse(script_safe_json(json("</script>").dump())), "</script>");
+    EXPECT_EQ(script_safe_code("x = '</script>';"), "x = '<\\/script>';");
+}
+
+TEST(Frames, AreThoseOfSeedOneAtPowersOfTwo) {
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t passes = 1; passes <= 32; ++passes)
+        if (keeps_frame(1, passes, 32)) kept.push_back(passes);
+    EXPECT_THAT(kept, ::testing::ElementsAre(1, 2, 4, 8, 16)) << "32 is the final image";
+    EXPECT_FALSE(keeps_frame(2, 1, 32));
+}
+
+TEST(Frames, AreReducedToMeansOfBlocks) {
+    EXPECT_EQ(reduction_for(512, 300, 512), 1);
+    EXPECT_EQ(reduction_for(300, 1025, 512), 3);
+    Image image(3, 2);
+    for (std::size_t i = 0; i < 6; ++i)
+        image.set(i, Color::Constant(static_cast<float>(i)));
+    const Image small = reduced(image, 2);
+    ASSERT_EQ(small.width, 2);
+    ASSERT_EQ(small.height, 1);
+    EXPECT_EQ(small.at(0)[0], 2) << "of 0, 1, 3, 4";
+    EXPECT_EQ(small.at(1)[1], 3.5) << "of 2 and 5: the block at the edge is smaller";
+}
+
+class ReportPageTest : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        files_ = std::make_unique<TemporaryFolder>();
+        files_->write("tiny.xml", tiny_scene_xml());
+        files_->write("e.toml",
+                      "title = 'A </script><b> title'\nscenes = ['tiny.xml']\nseeds = 2\n[reference]\ntarget = '40%'\n"
+                      "[[method]]\nname = 'path'\nspp = [8, 64]\n");
+        const ProgramResult run = run_gibench("run e.toml --threads 1 --out results", *files_ / "");
+        ASSERT_EQ(run.code, 0) << run.err;
+        folder_ = std::make_unique<ResultFolder>(*files_ / "results");
+        analysis_ = analyse(*folder_);
+    }
+    static void TearDownTestSuite() {
+        folder_.reset();
+        files_.reset();
+        analysis_ = {};
+    }
+    static std::string element(const std::string& page, const std::string& id) {
+        const std::size_t at = page.find("id=\"" + id + "\">");
+        EXPECT_NE(at, std::string::npos) << id;
+        const std::size_t begin = page.find('>', at) + 1;
+        return page.substr(begin, page.find("</script>", begin) - begin);
+    }
+    static std::vector<float> pixels(const std::string& page, const json& picture) {
+        return unpacked(element(page, picture.at("id")), picture.at("width"), picture.at("height"),
+                        picture.at("channels"), picture.at("exponent"));
+    }
+
+    static inline std::unique_ptr<TemporaryFolder> files_;
+    static inline std::unique_ptr<ResultFolder> folder_;
+    static inline Analysis analysis_;
+};
+
+TEST_F(ReportPageTest, AsksForNothingOutsideTheFile) {
+    std::string page = report_html(analysis_, *folder_);
+    EXPECT_THAT(page, ::testing::HasSubstr("default-src 'none'"));
+    EXPECT_THAT(page, ::testing::HasSubstr("Released under the MIT License"));
+    const std::string library = script_safe_code(report_scripts().front());
+    const std::size_t at = page.find(library);
+    ASSERT_NE(at, std::string::npos);
+    page.erase(at, library.size());  // its comments name its home
+    EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("://")));
+    EXPECT_FALSE(std::regex_search(page, std::regex("(src|href)=\"[^#]"))) << "links lead to the page itself";
+    EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("{{")));
+}
+
+TEST_F(ReportPageTest, TitlesAndDataDoNotBreakThePage) {
+    const std::string page = report_html(analysis_, *folder_);
+    EXPECT_THAT(page, ::testing::HasSubstr("<h1>A &lt;/script&gt;&lt;b&gt; title</h1>"));
+    const json data = json::parse(element(page, "report-data"));
+    EXPECT_EQ(data.at("methods"), json({"path spp=8", "path spp=64"}));
+    const json& curve = data["scenes"]["tiny"]["curves"]["total"][1];
+    EXPECT_EQ(curve.at("method"), 1);
+    ASSERT_FALSE(curve.at("points").empty());
+    EXPECT_EQ(curve["points"][0].size(), 8u);
+}
+
+TEST_F(ReportPageTest, HoldsThePixelsOfTheImages) {
+    const std::string page = report_html(analysis_, *folder_);
+    const json data = json::parse(element(page, "report-data"));
+    const json& scene = data["pictures"]["tiny"];
+    EXPECT_EQ(scene.at("reduction"), 1);
+    ASSERT_EQ(scene.at("images").size(), 3u) << "the reference and two methods";
+    const ComponentImages file = components_in(read_image(folder_->method_image("tiny", "path spp=64")));
+    std::vector<float> sum(file.total().rgb.size(), 0.f);
+    for (const auto& name : scene["layers"][0].at("parts")) {
+        const auto part = pixels(page, scene["images"][2]["parts"].at(name.get<std::string>()));
+        for (std::size_t i = 0; i < sum.size(); ++i)
+            sum[i] += part[i];
+    }
+    const Image total = file.total();
+    float largest = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        EXPECT_LE(std::abs(sum[i] - total.rgb[i]), std::ldexp(std::abs(total.rgb[i]), -10));
+        largest = std::max(largest, sum[i]);
+    }
+    EXPECT_GT(largest, 0.f);
+}
+
+TEST_F(ReportPageTest, HoldsTheFramesOnTheWay) {
+    const ReportPictures pictures = report_pictures(analysis_, *folder_);
+    const json& frames = pictures.scenes["tiny"]["images"][2]["frames"];
+    std::vector<int> passes;
+    for (const json& frame : frames)
+        passes.push_back(frame.at("passes"));
+    EXPECT_THAT(passes, ::testing::ElementsAre(1, 2, 4, 8, 16, 32));
+    const auto stored = read_frame(*folder_, cell_folder_name("tiny", "path spp=64", 1), 8);
+    ASSERT_TRUE(stored);
+    const auto shown = pixels(pictures.elements, frames[3].at("image"));
+    for (std::size_t i = 0; i < shown.size(); ++i)
+        EXPECT_EQ(shown[i], stored->rgb[i]) << "frames are rounded when they are stored";
+    // The first eight passes of a run with more passes are those of a shorter one.
+    const Image shorter = components_in(read_image(folder_->method_image("tiny", "path spp=8"))).total();
+    for (std::size_t i = 0; i < shown.size(); ++i)
+        EXPECT_NEAR(shown[i], shorter.rgb[i], std::ldexp(std::abs(shorter.rgb[i]), -10));
+}
+
+TEST_F(ReportPageTest, KeepsToItsBudget) {
+    const std::size_t all = report_pictures(analysis_, *folder_).elements.size();
+    const ReportPictures fewer = report_pictures(analysis_, *folder_, {1'000'000, all - 1000});
+    EXPECT_LT(fewer.elements.size(), all);
+    EXPECT_LT(fewer.scenes["tiny"]["images"][2]["frames"].size(), 6u);
+    EXPECT_THAT(fewer.note, ::testing::HasSubstr("To keep the page small"));
+    EXPECT_EQ(fewer.scenes["tiny"]["reduction"], 1);
+    const std::size_t final_images = report_pictures(analysis_, *folder_, {1'000'000, 0}).elements.size();
+    const ReportPictures smaller = report_pictures(analysis_, *folder_, {final_images / 2, 1'000'000});
+    EXPECT_GT(smaller.scenes["tiny"]["reduction"], 1);
+    EXPECT_THAT(smaller.note, ::testing::HasSubstr("of the film's size"));
+    const json& part = smaller.scenes["tiny"]["images"][2]["parts"]["direct"];
+    EXPECT_EQ(pixels(smaller.elements, part).size(),
+              3 * part["width"].get<std::size_t>() * part["height"].get<std::size_t>());
+}
+
+TEST_F(ReportPageTest, FoldersWithoutFramesHaveAReport) {
+    TemporaryFolder copy;
+    std::filesystem::copy(folder_->path(), copy / "results", std::filesystem::copy_options::recursive);
+    for (const auto& cell : std::filesystem::directory_iterator(copy / "results/cells"))
+        std::filesystem::remove_all(cell.path() / "frames");
+    const ResultFolder old(copy / "results");
+    const ReportPictures pictures = report_pictures(analyse(old), old);
+    EXPECT_TRUE(pictures.scenes["tiny"]["images"][2]["frames"].empty());
+    EXPECT_THAT(pictures.note, ::testing::HasSubstr("the final image is shown"));
+}
+
+TEST(FlipMapValues, ComeBackFromAPicture) {
+    FlipMap map{256, 1, {}};
+    for (int i = 0; i < 256; ++i)
+        map.values.push_back(static_cast<float>(i) / 255.f);
+    TemporaryFolder folder;
+    const auto png = encode_png(flip_image(map), 1.f);
+    folder.write("map.png", std::string(png.begin(), png.end()));
+    const FlipMap back = flip_values(read_image(folder / "map.png").layers.front().second);
+    for (std::size_t i = 0; i < 256; ++i)
+        EXPECT_NEAR(back.values[i], map.values[i], 1.01 / 255);
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,336 @@
+// What fuzzing and reading with its eyes found: short files that asked for too much memory, time or depth, and values
+// that passed the readers' checks. Each is refused with its place, or has a defined result.
+
+#include "common/core/error.h"
+#include "common/images/image_file.h"
+#include "common/images/linear_file.h"
+#include "common/mesh_files/mesh_ms3d.h"
+#include "experiments/plan/experiment_file.h"
+#include "tests/support/input_error.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+#include <zlib.h>
+
+namespace gib {
+namespace {
+
+using test::scene_with;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string scene_error(const std::string& body, const std::string& path = "t.xml") {
+    return test::input_error_of([&] { parse_scene(scene_with(body), path); });
+}
+
+std::string ply(const std::string& vertex_properties, const std::string& body) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n" +
+           vertex_properties + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + body;
+}
+
+TEST(FuzzFindings, PlyElementsStandOnce) {
+    // Normals for the first three of six vertices: the others' were read from behind the array.
+    const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
+    const std::string text =
+        ply(normals + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", "");
+    EXPECT_THAT(test::input_error_of([&] { parse_ply(text, "m.ply"); }),
+                StartsWith("m.ply:10:16: the element 'vertex' is given twice"));
+}
+
+TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
+    for (const std::string index : {"9223372036854775807", "-9223372036854775808", "4294967295", "3"})
+        EXPECT_THAT(
+            test::input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
+            HasSubstr("is out of range: there are 3 vertices"))
+            << index;
+}
+
+/// Of one triangle whose first vertex has these values, as text.
+std::string obj_error(const std::string& statement) {
+    return test::input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
+}
+
+TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
+    EXPECT_THAT(obj_error("vn 0 1e39 0"), StartsWith("m.obj:4:6: a normal is too large: 1e+39"));
+    EXPECT_THAT(obj_error("vt 0 -1e300"), StartsWith("m.obj:4:6: a texture coordinate is too large: -1e+300"));
+    EXPECT_THAT(obj_error("vn nan 0 0"), StartsWith("m.obj:4:4: a normal is not finite"));
+    EXPECT_EQ(obj_error("vn 0 1e38 0"), "no error");
+}
+
+TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
+    const std::string more =
+        "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty "
+        "double v\n";
+    const auto error = [&](const std::string& values) {
+        return test::input_error_of([&] {
+            parse_ply(ply(more, "0 0 0 " + values + "\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n3 0 1 2\n"), "m.ply");
+        });
+    };
+    EXPECT_THAT(error("0 0 1e39 0 0"),
+                StartsWith("m.ply:15:11: vertex 0: a normal or texture coordinate is too large"));
+    EXPECT_THAT(error("0 0 1 0 1e39"),
+                StartsWith("m.ply:15:15: vertex 0: a normal or texture coordinate is too large"));
+    EXPECT_THAT(error("0 0 nan 0 0"), StartsWith("m.ply:15:11: vertex 0 is not finite"));
+    EXPECT_EQ(error("0 0 1e38 0 1e38"), "no error");
+}
+
+TEST(FuzzFindings, Ms3dNormalsFitFloat) {
+    const auto error = [](const std::string& normal) {
+        return test::input_error_of([&] {
+            parse_ms3d("Meshes: 1\n\"m\" 0 -1\n3\n0 0 0 0 0 0 -1\n0 1 0 0 1 0 -1\n0 0 1 0 0 1 -1\n1\n" + normal +
+                           "\n1\n0 0 1 2 0 0 0 1\n",
+                       "m.txt");
+        });
+    };
+    EXPECT_THAT(error("0 0 1e39"), StartsWith("m.txt:8:5: a normal is too large: 1e+39"));
+    EXPECT_THAT(error("0 0 inf"), StartsWith("m.txt:8:5: a normal is not finite"));
+    EXPECT_EQ(error("0 0 1e38"), "no error");
+}
+
+/// A triangle in doubles with normals and uv.
+std::string serialized(double normal, double uv) {
+    std::string raw;
+    const auto put = [&](auto value) { raw.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    put(std::uint32_t{0x2003});
+    raw += '\0';
+    for (const std::uint64_t count : {3, 1})
+        put(count);
+    for (const double x : {0., 0., 0., 1., 0., 0., 0., 1., 0.})
+        put(x);
+    for (const double x : {0., 0., normal, 0., 0., 1., 0., 0., 1.})
+        put(x);
+    for (const double x : {0., uv, 1., 0., 0., 1.})
+        put(x);
+    for (const std::uint32_t i : {0, 1, 2})
+        put(i);
+    std::string stream(compressBound(raw.size()), '\0');
+    uLongf size = stream.size();
+    compress(reinterpret_cast<Bytef*>(stream.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), raw.size());
+    return std::string("\x1c\x04\x04\x00", 4) + stream.substr(0, size);
+}
+
+TEST(FuzzFindings, SerializedNormalsAndUvFitFloat) {
+    const auto error = [](double normal, double uv) {
+        return test::input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
+    };
+    EXPECT_THAT(error(1e39, 0), HasSubstr("the normal of vertex 0 is too large"));
+    EXPECT_THAT(error(1, -1e39), HasSubstr("the texture coordinate of vertex 0 is too large"));
+    EXPECT_EQ(error(1e38, 1e38), "no error");
+}
+
+TEST(FuzzFindings, NormalsSurviveScalesWhoseProductsDoNot) {
+    // Determinants of 0, of infinity and of 0 again in double.
+    MeshData mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.normals.assign(3, Vec3(0.6f, 0, 0.8f));
+    for (const Vec3d& scale :
+         {Vec3d(1e-110, 1e-110, 1e-110), Vec3d(1e120, 1e120, 1e120), Vec3d(-1e-150, 1e-150, 1e-150)}) {
+        Mat4d to_world = Mat4d::Identity();
+        to_world.topLeftCorner<3, 3>() = scale.asDiagonal();
+        MeshData moved = mesh;
+        transform_mesh(moved, to_world);
+        // A uniform scale keeps directions; a mirrored axis turns its component.
+        const Vec3 expected(scale.x() < 0 ? -0.6f : 0.6f, 0, 0.8f);
+        EXPECT_LT((moved.normals[0] - expected).norm(), 1e-6f) << scale.transpose();
+    }
+    // n' = M^-T n: (0.6, 0.8) under (1e-200, 1) leans onto the first axis.
+    Mat4d flat = Mat4d::Identity();
+    flat(0, 0) = 1e-200;
+    flat(1, 1) = 1e-200;
+    transform_mesh(mesh, flat);
+    EXPECT_LT((mesh.normals[0] - Vec3::UnitX()).norm(), 1e-6f);
+}
+
+TEST(FuzzFindings, NormalsOfFacesOfNearlyNoArea) {
+    for (const double side : {1e-150, 1e-160, 1e-161}) {
+        MeshData mesh;
+        mesh.positions = {{0, 0, 0}, {side, 0, 0}, {0, side, 0}};
+        mesh.triangles = {{0, 1, 2}};
+        compute_normals(mesh);
+        for (const Vec3& n : mesh.normals)
+            EXPECT_LT((n - Vec3::UnitZ()).norm(), 1e-6f) << side;
+    }
+}
+
+TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
+    // Along its axis a disk has no extent: any scale there leaves it as it is.
+    for (const char* z : {"1", "1e-320", "1e300"}) {
+        const LoadedScene loaded =
+            test::load(std::string("<shape type=\"disk\"><transform name=\"to_world\"><scale z=\"") + z +
+                       "\"/></transform></shape>");
+        const auto& disk = std::get<Disk>(loaded.scene->shapes()[0]);
+        EXPECT_LT((disk.normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
+    }
+}
+
+/// `count` masks, each of which holds the next one; the last holds a diffuse surface.
+std::string chain(int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i)
+        text += "<bsdf id=\"m" + std::to_string(i) + "\" type=\"mask\"><ref id=\"m" + std::to_string(i + 1) +
+                "\"/></bsdf>\n";
+    return text + "<bsdf id=\"m" + std::to_string(count) +
+           "\" type=\"diffuse\"/>\n<shape type=\"sphere\"><ref id=\"m0\"/></shape>";
+}
+
+TEST(FuzzFindings, MaterialsAreNotTooDeep) {
+    EXPECT_THAT(scene_error(chain(100000)), HasSubstr("nested deeper than 64 levels"));
+    EXPECT_EQ(scene_error(chain(63)), "no error");
+}
+
+TEST(FuzzFindings, TexturesAreNotExponential) {
+    std::string text;
+    for (int i = 0; i < 50; ++i)
+        text += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\">" + "<ref name=\"color0\" id=\"t" +
+                std::to_string(i + 1) + "\"/><ref name=\"color1\" id=\"t" + std::to_string(i + 1) + "\"/></texture>\n";
+    text += "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"/>";
+    EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of more than 1000 parts"));
+}
+
+TEST(FuzzFindings, ManySmallMaterialsAreFine) {
+    std::string text = "<shape type=\"sphere\"/>";
+    for (int i = 0; i < 2000; ++i)
+        text += "<bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\n";
+    EXPECT_EQ(scene_error(text), "no error");
+}
+
+TEST(FuzzFindings, ParametersDoNotGrowWithoutBound) {
+    std::string text = "<default name=\"a0\" value=\"xxxxxxxxxx\"/>\n";
+    for (int i = 1; i < 20; ++i) {
+        const std::string before = "$a" + std::to_string(i - 1) + " ";
+        text += "<default name=\"a" + std::to_string(i) + "\" value=\"";
+        for (int k = 0; k < 10; ++k)
+            text += before;
+        text += "\"/>\n";
+    }
+    const std::string error = scene_error(text + "<shape type=\"sphere\"/>");
+    EXPECT_THAT(error, HasSubstr("parameters of more than 16777216 characters in all"));
+    EXPECT_THAT(error, StartsWith("t.xml:9:20: "));  // a6 has 11,111,110 characters; a0 stands in line 2
+}
+
+TEST(FuzzFindings, IncludesDoNotMultiplyWithoutBound) {
+    // Ten files, each includes the next ten times: 10^10 spheres.
+    const TemporaryFolder folder;
+    for (int i = 0; i < 10; ++i) {
+        std::string text = "<scene version=\"3.0.0\">\n";
+        for (int k = 0; k < 10; ++k)
+            text += "<include filename=\"part" + std::to_string(i + 1) + ".xml\"/>\n";
+        folder.write("part" + std::to_string(i) + ".xml", text + "</scene>");
+    }
+    folder.write("part10.xml", "<scene version=\"3.0.0\"><shape type=\"sphere\"/></scene>");
+    EXPECT_THAT(scene_error("<include filename=\"part0.xml\"/>", folder / "t.xml"),
+                HasSubstr("a scene of more than 1000 includes"));
+    EXPECT_EQ(scene_error("<include filename=\"part8.xml\"/>", folder / "t.xml"), "no error");  // 111 includes
+}
+
+TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
+    const auto error = [](const std::string& sensor, const std::string& film) {
+        return test::input_error_of([&] {
+            parse_scene("<scene version=\"3.0.0\"><sensor type=\"perspective\">" + sensor +
+                            "\n<film type=\"hdrfilm\">" + film + "</film></sensor><shape type=\"sphere\"/></scene>",
+                        "t.xml");
+        });
+    };
+    const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
+    EXPECT_THAT(error("<float name=\"principal_point_offset_x\" value=\"1e38\"/>", ""), StartsWith(message));
+    EXPECT_THAT(error("", "<rfilter type=\"box\"><float name=\"radius\" value=\"1e38\"/></rfilter>"),
+                StartsWith(message));
+    EXPECT_EQ(error("<float name=\"fov\" value=\"179.999\"/>", ""), "no error");
+}
+
+TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
+    const auto ball = [](const char* radius) {
+        return std::string("<shape type=\"sphere\"><float name=\"radius\" value=\"") + radius +
+               "\"/>\n<emitter type=\"area\"/></shape>";
+    };
+    EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
+    EXPECT_EQ(scene_error(ball("1e-18")), "no error");
+    EXPECT_EQ(scene_error(ball("1e17")), "no error");
+    // 6 sides of 4e36.
+    EXPECT_THAT(scene_error("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e18\"/></transform>\n"
+                            "<emitter type=\"area\"/></shape>"),
+                StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
+}
+
+TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
+    // y = 1.5e308 * 8 - 1.5e308 * 8, the difference of two infinities. The other coordinates are near the second mesh,
+    // so that nothing is too far from the scene's centre.
+    const TemporaryFolder folder;
+    folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
+    folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
+    const std::string error = scene_error(
+        "<shape type=\"obj\"><string name=\"filename\" value=\"far.obj\"/><transform name=\"to_world\"><matrix "
+        "value=\"1e297 0 0 1.5e308 -1.5e308 0 0 0 1\"/></transform></shape>\n"
+        "<shape type=\"obj\"><string name=\"filename\" value=\"near.obj\"/></shape>",
+        folder / "t.xml");
+    EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
+}
+
+TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
+    const TemporaryFolder folder;
+    folder.write("sky.pfm", "PF\n100000 100000\n-1.0\n");
+    folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n");
+    for (const std::string file : {"sky.pfm", "sky.hdr"}) {
+        const std::string name = "<string name=\"filename\" value=\"" + file + "\"/>";
+        const std::string ball = "<shape type=\"sphere\"/>";
+        for (const auto& body : {ball + "<emitter type=\"envmap\">" + name + "</emitter>",
+                                 ball + "<texture type=\"bitmap\">" + name + "</texture>"})
+            EXPECT_THAT(scene_error(body, folder / "t.xml"),
+                        StartsWith(folder / file + ":1:1: the image is damaged: 100000 x 100000 pixels in "))
+                << file;
+    }
+}
+
+TEST(FuzzFindings, DevicesAreNoFiles) {
+    EXPECT_THAT(test::input_error_of([] { read_file("/dev/zero"); }),
+                StartsWith("/dev/zero:1:1: cannot read the file: it is a device"));
+    // As good as /dev/zero, of which the libraries of images find no end.
+    const std::string refused = "/dev/null:1:1: cannot read the file: it is a device";
+    EXPECT_EQ(test::input_error_of([] { read_image("/dev/null"); }), refused);
+    EXPECT_EQ(test::input_error_of([] { LinearFile("/dev/null", false); }), refused);
+}
+
+TEST(FuzzFindings, XmlEndsWhereItsFileEnds) {
+    const std::string xml = scene_with("<shape type=\"sphere\"/>");
+    EXPECT_THAT(test::input_error_of([&] { parse_scene(xml + '\0' + "<scene>", "t.xml"); }),
+                StartsWith("t.xml:3:1: malformed XML: a byte of value zero"));
+}
+
+class ExperimentFindings : public ::testing::Test {
+protected:
+    std::string error(const std::string& rest, const std::string& scene = "a.xml") const {
+        return test::input_error_of(
+            [&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
+    }
+    const TemporaryFolder folder_;
+    const std::string scene_ = folder_.write("a.xml", "");
+};
+
+TEST_F(ExperimentFindings, SweepsDoNotMultiplyWithoutBound) {
+    // 10^9 labels.
+    std::string method = "[[method]]\nname = \"photon_mapper\"\n";
+    for (const char* key : {"photons", "caustic_photons", "volume_photons", "k", "gather", "spp", "max_depth",
+                            "shadow_photons", "shadow_k"})
+        method += std::string(key) + " = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11]\n";
+    EXPECT_THAT(error(method), HasSubstr("make more than 10000 combinations of values"));
+}
+
+TEST_F(ExperimentFindings, MethodsAreNotTooMany) {
+    std::string numbers = "2";
+    for (int i = 3; i <= 101; ++i)
+        numbers += ", " + std::to_string(i);
+    std::string methods;
+    for (int i = 1; i <= 2; ++i)
+        methods += "[[method]]\nname = \"photon_mapper\"\nphotons = " + std::to_string(i) + "\nk = [" + numbers +
+                   "]\nspp = [" + numbers + "]\n";
+    EXPECT_THAT(error(methods), HasSubstr("e.toml:7:1: more than 10000 methods and combinations of values"));
+}
+
+TEST_F(ExperimentFindings, NamesThatNoFileCanHave) {
+    EXPECT_THAT(error("", std::string(5000, 'x')), HasSubstr("e.toml:1:11: there is no scene file"));
+}
+
+}  // namespace
+}  // namespace gib

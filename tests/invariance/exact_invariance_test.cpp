@@ -1,0 +1,119 @@
+// Transformations of random scenes that leave every rounding as it was, so that images agree bit for bit with every
+// method.
+//
+// Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum,
+// product, quotient and root of them; comparisons of lengths with lengths, densities of random choices and angles are
+// as before. Only a constant length or power in the code, or a product outside float's range, could tell the
+// difference. With lengths times s, densities of area, squared distances and Embree's determinants range over s^2 to
+// s^3; for 2^20 these stay in range. Translation: positions are dyadic (random_scenes.h), so that moving them and the
+// recentring of the scene, by the middle of bounds that are dyadic too, are exact. Order of shapes: what is hit, and
+// where, does not depend on the numbers of shapes unless two are hit at the same distance; materials and media go with
+// the shapes, and lights keep their numbers. Radiosity numbers its patches by shapes and sums over them in that order:
+// equal only up to rounding and to what its solver leaves, 1e-4 of the light that is reflected first.
+
+#include "tests/invariance/scene_transforms.h"
+#include "tests/support/hard_cases.h"
+
+namespace gib {
+namespace {
+
+using namespace test;
+
+const std::vector<HardMethod>& exact_methods() {
+    static const std::vector<HardMethod> methods = {
+        {"path", "path"},
+        {"photons", "photon_mapper photons=500"},
+        {"photons_all", "photon_mapper photons=500 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
+        {"compensation", "photon_mapper photons=500 k=30 compensation=on"},
+        {"gather", "photon_mapper photons=500 gather=4"},
+        {"gather_paths", "photon_mapper photons=500 gather=4 source=paths"},
+        {"cache", "photon_mapper photons=500 gather=8 cache=on"},
+        {"shadows", "photon_mapper photons=500 shadow_photons=500 shadows=guide"},
+        {"radiosity", "radiosity patch=0.5"},
+    };
+    return methods;
+}
+
+struct ExactInvariance {
+    std::string name;
+    std::function<RandomScene(const RandomScene&, std::uint64_t)> transform;
+    double factor = 1;         ///< of the image
+    std::string without = {};  ///< the method for which it does not hold exactly
+};
+
+ExactInvariance scale_by(const std::string& name, double s) {
+    return {name, [s](const RandomScene& scene, std::uint64_t) { return scaled(scene, s); }};
+}
+ExactInvariance units_by(const std::string& name, double factor) {
+    return {name, [factor](const RandomScene& scene, std::uint64_t) { return brightened(scene, factor); }, factor};
+}
+
+const std::vector<ExactInvariance>& exact_invariances() {
+    static const std::vector<ExactInvariance> invariances = {
+        scale_by("ScaleByTwoToThe20", 0x1p20),
+        scale_by("ScaleByTwoToTheMinus20", 0x1p-20),
+        scale_by("ScaleByHalf", 0.5),
+        units_by("LightTimesTwoToThe30", 0x1p30),
+        units_by("LightTimesTwoToTheMinus30", 0x1p-30),
+        {"Translation",
+         [](const RandomScene& scene, std::uint64_t seed) {
+             Dice dice(seed);
+             const auto far = [&] { return 0x1p-20 * std::round(dice.between(-0x1p36, 0x1p36)); };
+             return moved(scene, {far(), far(), far()});
+         }},
+        {"OrderOfShapes",
+         [](const RandomScene& scene, std::uint64_t seed) {
+             Dice dice(seed);
+             return with_shapes_shuffled(scene, dice);
+         },
+         1, "radiosity"},
+    };
+    return invariances;
+}
+
+using Case = std::pair<const ExactInvariance*, const HardMethod*>;
+
+std::vector<Case> exact_cases() {
+    std::vector<Case> cases;
+    for (const ExactInvariance& invariance : exact_invariances())
+        for (const HardMethod& method : exact_methods())
+            if (invariance.without != method.name) cases.emplace_back(&invariance, &method);
+    return cases;
+}
+
+class ExactInvariances : public testing::TestWithParam<Case> {};
+
+TEST_P(ExactInvariances, HoldBitForBit) {
+    const auto& [invariance, method] = GetParam();
+    const TemporaryFolder folder;
+    int judged = 0, bright = 0;
+    for (std::uint64_t seed = 0; judged < 8; ++seed) {
+        SCOPED_TRACE("scene " + std::to_string(seed));
+        const RandomScene description = random_scene(seed, seed % 3 == 0 ? SceneMood::polygons : SceneMood::any);
+        const LoadedScene before = scene_of(scene_file(description, folder));
+        if (!simulates(method->label, *before.scene)) continue;
+        const LoadedScene after = scene_of(scene_file(invariance->transform(description, seed), folder));
+        const Image a = render(before, method->label, 2, seed, 1).total();
+        const Image b = render(after, method->label, 2, seed, 1).total();
+        double largest = 0, sum = 0;
+        int different = 0;
+        for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+            const double expected = invariance->factor * static_cast<double>(a.rgb[i]),
+                         other = static_cast<double>(b.rgb[i]);
+            sum += expected;
+            if (expected == other) continue;
+            ++different;
+            largest = std::max(largest, std::abs(expected - other) / std::max(expected, other));
+        }
+        EXPECT_EQ(different, 0) << "of " << a.rgb.size() << " numbers, by up to " << largest;
+        ++judged;
+        bright += sum > 0;
+    }
+    EXPECT_GE(bright, 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, ExactInvariances, testing::ValuesIn(exact_cases()),
+                         [](const auto& pair) { return pair.param.first->name + "_" + pair.param.second->name; });
+
+}  // namespace
+}  // namespace gib

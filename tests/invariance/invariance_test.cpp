@@ -1,0 +1,182 @@
+// Transformations of random scenes after which the pictures are other random numbers of the same law: independent
+// seeds of both sides, compared by t-tests of means.
+//
+// Why the law of the biased methods stays, so that differences must vanish within noise there, too:
+// - A density estimate over all photons within a fixed radius (k=all) has the mean of the true light, blurred by the
+//   kernel: how many photons there are, and which light sent them with what power, does not matter. `radius` is in
+//   diagonals of the scene's box, which a rotation changes; it is given so that the length stays.
+// - With k nearest photons the radius, and with it the bias, follows the photons' density. The density stays if lights
+//   are chosen alike and send photons alike: under quarter turns (the box, and the ball around it that lights at
+//   infinity are sampled on, turn with the scene), in another order, and with triangles split, as long as no projection
+//   map is used, whose cells follow the frames of lights. General rotations change that ball, and splitting a light
+//   changes the choice among lights (a tenth goes to all alike): no k nearest photons there. Precomputed irradiance
+//   lies at photons, so the same holds for it.
+// - What a density estimate divides by depends on the surface around a point (methods/parts/density/surface_disc.h), found by rays
+//   that are turned at random: on geometry, not on triangles.
+// - Radiosity: patches follow the shapes' own parameters, and are the same under quarter turns and in another order.
+//   Left out: split triangles (each has patches of its own, so that the refinement error of the mesh changes, which has
+//   no bound below the error itself), split lamps (they, too, are patches), and the general rotation (the direction of
+//   patches' edges stays, but their longest edge is given in diagonals: the quarter turns have tested the rest).
+// - The irradiance cache is left out: its gradients are differences between strata of a hemisphere, whose azimuth
+//   follows an arbitrary frame, and so does their error. It is compared bit for bit in exact_invariance_test.cpp.
+
+#include "tests/invariance/scene_transforms.h"
+#include "tests/support/image_samples.h"
+
+namespace gib {
+namespace {
+
+using namespace test;
+
+/// Of the whole table; half for single numbers (Bonferroni), half for each pair of a method and an invariance over all
+/// scenes (Fisher, Bonferroni).
+constexpr double alpha = 1e-3;
+constexpr std::uint64_t most_scenes = 24, seeds = 8;
+
+enum class Change { general_rotation, quarter_turn, translation, lights_order, lights_split, triangles_split };
+
+struct Invariance {
+    std::string name;
+    Change change;
+};
+const std::vector<Invariance>& invariances() {
+    static const std::vector<Invariance> all = {
+        {"Rotation", Change::general_rotation}, {"QuarterTurns", Change::quarter_turn},
+        {"Translation", Change::translation},   {"OrderOfLights", Change::lights_order},
+        {"SplitLights", Change::lights_split},  {"SplitTriangles", Change::triangles_split},
+    };
+    return all;
+}
+
+RandomScene changed(const RandomScene& scene, Change change, std::uint64_t seed) {
+    Dice dice(seed + 1000);
+    switch (change) {
+        case Change::general_rotation:
+            return rotated(scene, random_rotation(dice));
+        case Change::quarter_turn: {
+            Eigen::Matrix3d turns = Eigen::Matrix3d::Identity();
+            for (int i = 0; i < 3; ++i) {
+                const Vec3d axis = Vec3d::Unit(dice.below(3));
+                turns =
+                    (Eigen::AngleAxisd(0.5 * std::numbers::pi * (1 + dice.below(3)), axis).toRotationMatrix() * turns)
+                        .array()
+                        .round()
+                        .matrix()
+                        .eval();
+            }
+            return rotated(scene, turns);
+        }
+        case Change::translation:
+            return moved(scene, {dice.between(-1e4, 1e4), dice.between(-1e4, 1e4), dice.between(-1e4, 1e4)});
+        case Change::lights_order:
+            return with_lights_shuffled(scene, dice);
+        case Change::lights_split:
+            return with_lights_split(scene, dice);
+        case Change::triangles_split:
+            return with_triangles_split(scene);
+    }
+    return scene;
+}
+
+/// Whether there is anything in the scene for it to change.
+bool changes(const RandomScene& scene, Change change) {
+    const auto any_shape = [&](const auto& condition) {
+        return std::any_of(scene.shapes.begin(), scene.shapes.end(), condition);
+    };
+    const auto lamps = std::count_if(scene.shapes.begin(), scene.shapes.end(), std::mem_fn(&SceneShape::emits));
+    if (change == Change::triangles_split)
+        return any_shape([](const SceneShape& s) { return s.kind == SceneShape::Kind::mesh && !s.mesh.smooth; });
+    if (change == Change::lights_order) return static_cast<std::size_t>(lamps) + scene.lights.size() > 1;
+    if (change != Change::lights_split) return true;
+    return std::any_of(scene.lights.begin(), scene.lights.end(),
+                       [](const SceneLight& light) { return light.kind != SceneLight::Kind::sky; }) ||
+           any_shape([](const SceneShape& s) { return s.emits() && s.kind == SceneShape::Kind::rectangle; });
+}
+
+/// What of the method must not change.
+enum class Needs { nothing, same_photons, same_patches };
+
+struct ComparedMethod {
+    std::string name, label;
+    std::uint32_t passes;
+    std::uint64_t scenes;                                 ///< up to most_scenes
+    std::vector<std::pair<std::string, double>> lengths;  ///< parameters in diagonals of the scene
+    Needs needs = Needs::nothing;
+
+    /// With lengths that are what they were in a scene of the diagonal `original`.
+    std::string label_for(double original, double diagonal) const {
+        std::string text = label;
+        for (const auto& [parameter, length] : lengths)
+            text += " " + parameter + "=" + exact(length * original / diagonal);
+        return text;
+    }
+    bool can_be_compared(Change change) const {
+        if (needs == Needs::nothing || change == Change::translation) return true;
+        if (change == Change::general_rotation || change == Change::lights_split) return false;
+        return needs == Needs::same_photons || change != Change::triangles_split;
+    }
+};
+const std::vector<ComparedMethod>& methods() {
+    const std::vector<std::pair<std::string, double>> radii = {
+        {"radius", 0.05}, {"caustic_radius", 0.03}, {"volume_radius", 0.05}};
+    static const std::vector<ComparedMethod> all = {
+        {"path", "path", 16, most_scenes, {}},
+        {"photons_all", "photon_mapper photons=500 k=all kernel=cone", 4, 6, radii},
+        {"photons", "photon_mapper photons=500 k=10 projection=off", 4, 6, {}, Needs::same_photons},
+        {"gather_all", "photon_mapper photons=500 k=all gather=2 source=photons", 2, 6, radii},
+        {"gather", "photon_mapper photons=500 k=10 projection=off gather=4", 4, 6, {}, Needs::same_photons},
+        {"shadows", "photon_mapper photons=500 k=all shadow_photons=500 shadows=guide", 4, 6, radii},
+        {"radiosity", "radiosity patch=0.5", 4, 6, {}, Needs::same_patches},
+    };
+    return all;
+}
+
+using Case = std::pair<const Invariance*, const ComparedMethod*>;
+std::vector<Case> cases() {
+    std::vector<Case> all;
+    for (const Invariance& invariance : invariances())
+        for (const ComparedMethod& method : methods())
+            if (method.can_be_compared(invariance.change)) all.emplace_back(&invariance, &method);
+    return all;
+}
+
+class Invariances : public testing::TestWithParam<Case> {};
+
+TEST_P(Invariances, HoldInDistribution) {
+    const auto& [invariance, method] = GetParam();
+    const auto pairs = static_cast<double>(cases().size());
+    const double least = 0.5 * alpha / (pairs * most_scenes * numbers_of_a_picture);
+    const TemporaryFolder folder;
+    std::vector<double> probabilities;
+    Dice dice(static_cast<std::uint64_t>(invariance->change));
+    for (std::uint64_t seed = 100; probabilities.size() < method->scenes; ++seed) {
+        SCOPED_TRACE("scene " + std::to_string(seed));
+        const bool plain = method->needs == Needs::same_patches || seed % 4 == 0;
+        const RandomScene description = random_scene(seed, plain ? SceneMood::polygons : SceneMood::any);
+        if (!changes(description, invariance->change)) continue;
+        const LoadedScene before = scene_of(scene_file(description, folder));
+        const auto diagonal = static_cast<double>(before.scene->diagonal());
+        const std::string label = method->label_for(diagonal, diagonal);
+        if (!simulates(label, *before.scene)) continue;
+        const LoadedScene after = scene_of(scene_file(changed(description, invariance->change, seed), folder));
+        const std::string other = method->label_for(diagonal, static_cast<double>(after.scene->diagonal()));
+        const auto a = replicates(before, label, method->passes, dice.bits(), seeds);
+        const auto b = replicates(after, other, method->passes, dice.bits(), seeds);
+        for (std::size_t i = 0; i < a.size(); ++i)
+            EXPECT_GT(welch_probability(a[i], b[i]), least)
+                << "number " << i << ": " << a[i].mean() << " +- " << a[i].standard_error() << ", then " << b[i].mean()
+                << " +- " << b[i].standard_error();
+        probabilities.push_back(welch_probability(a[1], b[1]));  // of green
+    }
+    const double together = fisher_probability(probabilities);
+    RecordProperty("probability", std::to_string(together));
+    EXPECT_GT(together, 0.5 * alpha / pairs);
+    if (std::getenv("GIB_PROPERTY_PRINT"))
+        std::printf("%-16s %-12s p = %.3g\n", invariance->name.c_str(), method->name.c_str(), together);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, Invariances, testing::ValuesIn(cases()),
+                         [](const auto& pair) { return pair.param.first->name + "_" + pair.param.second->name; });
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,62 @@
+// What a child process says reaches its parent whole.
+
+#include "experiments/system/child_process.h"
+
+#include "common/core/error.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <vector>
+
+namespace gib::test {
+namespace {
+
+/// `first_takes` [us]: how long the parent is busy with the first line.
+std::vector<std::string> lines_of(const std::string& script, unsigned first_takes = 0) {
+    std::vector<std::string> lines;
+    run_child({"/bin/sh", "-c", script}, [&](const std::string& line) {
+        if (lines.empty()) usleep(first_takes);
+        lines.push_back(line);
+    });
+    return lines;
+}
+
+// A pipe holds 64 KiB: the child ends while most of its last words are still in it.
+TEST(ChildProcess, LastWordsAreReadAfterItsEnd) {
+    const auto lines = lines_of("echo first; head -c 60000 /dev/zero | tr '\\0' x; echo", 300'000);
+    ASSERT_EQ(lines.size(), 2u);
+    EXPECT_EQ(lines[0], "first");
+    EXPECT_EQ(lines[1].size(), 60000u);
+}
+
+TEST(ChildProcess, AFailureIsToldWithItsLastMessage) {
+    try {
+        lines_of("echo beside >&2; echo 'what was wrong' >&2; exit 3");
+        FAIL() << "it failed";
+    } catch (const RunError& error) {
+        EXPECT_THAT(error.what(), ::testing::HasSubstr("what was wrong"));
+    }
+    EXPECT_THROW(lines_of("kill -9 $$"), RunError);
+}
+
+TEST(ChildProcess, OneThatCannotStartIsNoFailureOfItsOwn) {
+    EXPECT_THROW(run_child({"/no/such/program"}, [](const std::string&) {}), ChildNotStarted);
+    rlimit old;
+    getrlimit(RLIMIT_NOFILE, &old);
+    const rlimit none{3, old.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+    EXPECT_THROW(lines_of("true"), ChildNotStarted);
+    setrlimit(RLIMIT_NOFILE, &old);
+    try {
+        lines_of("exit 3");
+        FAIL() << "it failed";
+    } catch (const ChildNotStarted&) {
+        FAIL() << "it was started";
+    } catch (const RunError&) {
+    }
+}
+
+}  // namespace
+}  // namespace gib::test

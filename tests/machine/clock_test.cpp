@@ -1,0 +1,66 @@
+// A wall clock that jumps by decades changes nothing but the manifest's date.
+
+#include "tests/machine/run_content.h"
+#include "tests/support/run_fixtures.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace gib::test {
+namespace {
+
+class ClockTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    ProgramResult run_with_jumps() const {
+        // Sanitizers want to be the first library, which they need not be for this one.
+        setenv("LD_PRELOAD", GIB_JUMPING_CLOCK, 1);
+        const char* options = std::getenv("ASAN_OPTIONS");
+        const std::string before = options ? options : "";
+        setenv("ASAN_OPTIONS", (before + ":verify_asan_link_order=0").c_str(), 1);
+        ProgramResult result = run();
+        unsetenv("LD_PRELOAD");
+        setenv("ASAN_OPTIONS", before.c_str(), 1);
+        return result;
+    }
+    std::string date() const { return nlohmann::json::parse(read_file(results("manifest.json"))).at("date"); }
+};
+
+TEST_F(ClockTest, JumpsChangeNoResult) {
+    ASSERT_EQ(run().code, 0);
+    const auto steady = content_of(results(""));
+    std::filesystem::remove_all(path("results"));
+    const ProgramResult jumping = run_with_jumps();
+    ASSERT_EQ(jumping.code, 0) << jumping.err;
+    EXPECT_TRUE(date().rfind("200", 0) == 0 || date().rfind("206", 0) == 0) << date() << ": the clock did not jump";
+    EXPECT_TRUE(content_of(results("")) == steady) << "an image, a table or the set of files differs";
+    // Neither is a cell believed or done again because of a file's time.
+    for (const auto& [name, time] : cells())
+        std::filesystem::last_write_time(results("cells/" + name + "/cell.json"),
+                                         time + std::chrono::hours(24 * 365 * (name.back() == '1' ? 20 : -20)));
+    const auto before = cells();
+    ASSERT_EQ(run().code, 0);
+    EXPECT_EQ(cells(), before);
+}
+
+TEST_F(ClockTest, DurationsAreThoseOfASteadyClock) {
+    write_experiment("[100000000]", "target = 0.0001\nseconds = 0.1\n", "budget = { seconds = 0.05 }\n");
+    const ProgramResult jumping = run_with_jumps();
+    ASSERT_EQ(jumping.code, 0) << jumping.err;
+    const CsvTable curves = table("curves.csv");
+    const auto column = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::find(curves.columns.begin(), curves.columns.end(), name) -
+                                        curves.columns.begin());
+    };
+    double before = 0;
+    for (const auto& row : curves.rows) {
+        if (row[column("pass")] == "1") before = 0;
+        const double seconds = std::stod(row[column("seconds")]);
+        EXPECT_GE(seconds, before) << "time went back";
+        EXPECT_LT(seconds, 3600) << "a jump was charged";
+        before = seconds;
+    }
+    EXPECT_GT(curves.rows.size(), 4u) << "a jump ended a cell after its first pass";
+}
+
+}  // namespace
+}  // namespace gib::test

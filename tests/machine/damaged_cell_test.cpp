@@ -1,0 +1,235 @@
+// Records and images of complete cells that were damaged: found, said, and done again.
+
+#include "tests/machine/run_content.h"
+#include "tests/support/run_fixtures.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class DamagedCellTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// Replaces a file in place, as no program that writes whole files does.
+    static void damage(const std::string& file, const std::string& content) {
+        std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
+    }
+    std::string file_of_cell(const std::string& name) const {
+        return results("cells/" + cells().begin()->first + "/" + name);
+    }
+};
+
+TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    const std::string image = file_of_cell("final.exr"), record = file_of_cell("cell.json");
+    const std::string pixels = read_file(image), text = read_file(record);
+
+    std::string flipped = pixels, other_number = text;
+    flipped[flipped.size() / 2] ^= 1;
+    const std::size_t digit = other_number.find_first_of("12345678", other_number.find("\"rel_mse\": 0.") + 13);
+    ++other_number[digit];
+    const std::vector<std::tuple<std::string, std::string, std::string>> damages = {
+        {image, flipped, "not that of the image that was rendered"},
+        {image, pixels.substr(0, 100), "not that of the image that was rendered"},
+        {record, other_number, "not what its digest says"},
+        {record, text.substr(0, text.size() / 2), "not a record of a cell"},
+        {record, "", "not a record of a cell"}};
+    for (const auto& [file, content, said] : damages) {
+        damage(file, content);
+        const ProgramResult again = run();
+        EXPECT_EQ(again.code, 0) << again.err;
+        EXPECT_THAT(again.err, HasSubstr("warning: results/e/cells/")) << said;
+        EXPECT_THAT(again.err, HasSubstr(said + "; the cell is done again"));
+        EXPECT_THAT(again.err, HasSubstr("not done again: 3"));
+        EXPECT_TRUE(content_of(results("")) == good) << said;
+    }
+    fs::remove(image);
+    EXPECT_THAT(run().err, HasSubstr("the file is missing; the cell is done again"));
+}
+
+TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
+    ASSERT_EQ(run().code, 0);
+    std::string pixels = read_file(file_of_cell("final.exr"));
+    pixels[pixels.size() / 2] ^= 1;
+    damage(file_of_cell("final.exr"), pixels);
+    const ProgramResult report = run_gibench("report results/e", path());
+    EXPECT_EQ(report.code, 0);
+    EXPECT_THAT(report.err,
+                HasSubstr("final.exr: its content is not that of the image that was rendered; the cell is left "
+                          "out"));
+    const CsvTable rows = table("table.csv");
+    EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
+}
+
+TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
+    ASSERT_EQ(run().code, 0);
+    std::string frame;  // of whichever cell has seed 1
+    for (const auto& [name, time] : cells())
+        if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
+    ASSERT_FALSE(frame.empty());
+    const std::string pixels = read_file(results(frame)), rows = read_file(results("table.csv"));
+    std::string flipped = pixels;
+    flipped[flipped.size() - 10] ^= 1;
+    for (const std::string& content : {pixels.substr(0, pixels.size() / 2), std::string(), flipped}) {
+        damage(results(frame), content);
+        for (const ProgramResult& said : {run(), run_gibench("report results/e", path())}) {
+            EXPECT_EQ(said.code, 0) << said.err;
+            EXPECT_THAT(said.err, HasSubstr("warning: results/e/" + frame +
+                                            ": it cannot be read; the image on the way is left out\n"));
+        }
+        EXPECT_EQ(read_file(results("table.csv")), rows);
+    }
+}
+
+TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const std::string record = file_of_cell("flip.json"), map = file_of_cell("flip.png");
+    const std::string text = read_file(record), picture = read_file(map), rows = read_file(results("table.csv"));
+    std::vector<std::pair<std::string, std::string>> damages = {
+        {map, picture.substr(0, picture.size() / 2)}, {map, ""}, {record, ""}, {record, "[]"}};
+    for (const nlohmann::json& value : {nlohmann::json(123), nlohmann::json(-5), nlohmann::json("x"),
+                                        nlohmann::json(0.25), nlohmann::json(nullptr)}) {
+        nlohmann::json other = nlohmann::json::parse(text);
+        other["flip"] = value;
+        damages.emplace_back(record, other.dump());
+        damages.emplace_back(record, nlohmann::json({{"flip", value}}).dump());  // as earlier versions wrote it
+    }
+    for (const std::string& command : {std::string("run e.toml --threads 1"), std::string("report results/e")}) {
+        for (const auto& [file, content] : damages) {
+            damage(file, content);
+            const ProgramResult again = run_gibench(command, path());
+            EXPECT_EQ(again.code, 0) << again.err;
+            EXPECT_EQ(read_file(record), text) << command << content;
+            EXPECT_EQ(read_file(map), picture) << command << content;
+            EXPECT_EQ(read_file(results("table.csv")), rows) << command << content;
+        }
+        fs::remove(map);
+        EXPECT_EQ(run_gibench(command, path()).code, 0);
+        EXPECT_EQ(read_file(map), picture) << "it is made again";
+    }
+}
+
+TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    std::vector<std::string> folders;
+    for (const auto& [name, time] : cells())
+        folders.push_back(results("cells/" + name));
+    for (const char* file : {"/flip.json", "/flip.png"})  // whole, but another cell's
+        fs::copy_file(folders.front() + file, folders.back() + file, fs::copy_options::overwrite_existing);
+    EXPECT_EQ(run().code, 0);
+    EXPECT_TRUE(content_of(results("")) == good);
+}
+
+// Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
+TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("index.json");
+    const nlohmann::json good = nlohmann::json::parse(read_file(file));
+    for (const auto& [key, value] : std::vector<std::pair<std::string, nlohmann::json>>{
+             {"seeds", 2147483647}, {"seeds", 1e300}, {"seeds", 0}, {"seeds", "1"}, {"threads", 2000000000}}) {
+        nlohmann::json bad = good;
+        bad[key] = value;
+        damage(file, bad.dump());
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 2) << value;
+        EXPECT_THAT(report.err, HasSubstr("index.json:1:1: '" + key + "' is no whole number from ")) << value;
+    }
+}
+
+TEST_F(DamagedCellTest, EpsilonHasBounds) {
+    ASSERT_EQ(run().code, 0);
+    nlohmann::json index = nlohmann::json::parse(read_file(results("index.json")));
+    index["epsilon"] = 0;
+    damage(results("index.json"), index.dump());
+    const ProgramResult report = run_gibench("report results/e", path());
+    EXPECT_EQ(report.code, 2);
+    EXPECT_THAT(report.err, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0"));
+}
+
+// Values this deep overflow the stack where they are compared, copied or, as for a digest, written.
+TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
+    ASSERT_EQ(run().code, 0);
+    const auto good = content_of(results(""));
+    const std::string brackets = std::string(1000000, '[') + std::string(1000000, ']');
+    damage(file_of_cell("cell.json"), "{\"digest\": \"0\", \"key\": " + brackets + "}");
+    damage(file_of_cell("flip.json"), "{\"flip\": 0, \"deep\": " + brackets + "}");
+    const ProgramResult again = run();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("cell.json: it cannot be read; the cell is done again"));
+    EXPECT_TRUE(content_of(results("")) == good);
+    for (const char* name : {"index.json", "manifest.json"}) {
+        const std::string file = results(name), content = read_file(file);
+        damage(file, brackets);
+        const bool index = std::string(name) == "index.json";
+        const ProgramResult refused = run_gibench(index ? "report results/e" : "run --repeat results/e", path());
+        EXPECT_EQ(refused.code, 2) << name;
+        EXPECT_THAT(refused.err, HasSubstr(std::string(name) + ":1:1: nested more than 64 levels deep")) << name;
+        damage(file, content);
+    }
+    // What stands in a text is no level, and 64 are not too many.
+    damage(results("index.json"), R"(["\"[[", )" + std::string(63, '[') + std::string(63, ']') + "]");
+    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("not an index of results"));
+    damage(results("index.json"), "[" + std::string(64, '[') + std::string(64, ']') + "]");
+    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("nested more than 64"));
+}
+
+TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
+    write("other.xml", tiny_scene_xml(6));
+    write("e.toml",
+          "scenes = ['tiny.xml', 'other.xml']\nseeds = 2\n[reference]\ntarget = '40%'\n[[method]]\nname = "
+          "'path'\nspp = [4, 8]\n");
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("images/tiny-reference.exr");
+    const auto left_out = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 0) << report.err;
+        EXPECT_THAT(report.err, HasSubstr(said));
+        for (const char* name : {"table.csv", "curves.csv"}) {
+            const CsvTable rows = table(name);
+            EXPECT_FALSE(rows.rows.empty()) << name;
+            for (const auto& row : rows.rows)
+                EXPECT_EQ(row.at(0), "other") << name;
+        }
+        EXPECT_THAT(read_file(results("table.md")), HasSubstr("4 cells of the experiment are not complete"));
+    };
+    damage(file, read_file(file).substr(0, 200));
+    left_out("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    left_out("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
+    EXPECT_EQ(run().code, 0);  // it is made again
+    EXPECT_EQ(table("table.csv").rows.at(0).at(0), "tiny");
+}
+
+TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
+    ASSERT_EQ(run().code, 0);
+    const std::string file = results("images/tiny-reference.exr");
+    std::string pixels = read_file(file);
+    pixels[pixels.size() * 9 / 10] ^= 1;  // behind the header
+    damage(file, pixels);                 // the cached one too: they are one file
+    const std::string rows = read_file(results("table.csv"));
+    const auto refused = [&](const std::string& said) {
+        const ProgramResult report = run_gibench("report results/e", path());
+        EXPECT_EQ(report.code, 2);
+        EXPECT_THAT(report.err, HasSubstr(said));
+        EXPECT_THAT(report.err, HasSubstr("no scene of 'results/e' has a reference that can be read"));
+        EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
+    };
+    refused("warning: results/e/images/tiny-reference.exr:1:1: ");
+    fs::remove(file);
+    refused("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
+    const ProgramResult again = run();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("made again"));
+    EXPECT_EQ(run_gibench("report results/e", path()).code, 0);
+}
+
+}  // namespace
+}  // namespace gib::test

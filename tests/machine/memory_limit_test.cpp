@@ -1,0 +1,270 @@
+// Requests for more memory than there is: refused with both numbers before the memory is taken.
+
+#include "common/core/memory_limit.h"
+
+#include "common/lights/environment_map.h"
+#include "common/mesh_files/mesh_data.h"
+#include "common/shapes/accelerator.h"
+#include "methods/parts/gathering/irradiance_cache.h"
+#include "tests/support/input_error.h"
+#include "tests/support/run_fixtures.h"
+#include "tests/support/source_path.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace gib::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+class MemoryLimitTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    double available() const { return available_memory(path("proc"), path("groups")); }
+    /// `number needed, and number available`.
+    static ::testing::Matcher<std::string> refusal(const std::string& what) {
+        return ContainsRegex(what + ".* needs [0-9]+ bytes, and [0-9]+ are available");
+    }
+};
+
+TEST_F(MemoryLimitTest, IsTheLeastOfWhatTheSystemAndTheGroupsLeave) {
+    EXPECT_TRUE(std::isinf(available())) << "nothing says so";
+    write("proc/meminfo", "MemTotal:       2000 kB\nMemFree:   10 kB\nMemAvailable:    1000 kB\n");
+    EXPECT_EQ(available(), 1000 * 1024);
+    write("proc/self/cgroup", "0::/outer/inner\n");
+    EXPECT_EQ(available(), 1000 * 1024) << "the group's files are not there";
+    write("groups/outer/inner/memory.max", "max\n");
+    EXPECT_EQ(available(), 1000 * 1024);
+    write("groups/outer/memory.max", "500000\n");
+    EXPECT_EQ(available(), 500000) << "the limit of a group above";
+    write("groups/outer/memory.current", "300000\n");
+    EXPECT_EQ(available(), 200000);
+    write("groups/outer/memory.stat", "anon 200000\ninactive_file 100000\n");
+    EXPECT_EQ(available(), 300000) << "pages of files are given up";
+    write("groups/outer/inner/memory.max", "1000\n");
+    write("groups/outer/inner/memory.current", "4000\n");
+    EXPECT_EQ(available(), 0);
+}
+
+TEST_F(MemoryLimitTest, KnowsTheOlderControlGroups) {
+    write("proc/self/cgroup", "5:cpu,cpuacct:/other\n3:memory:/box\n");
+    write("groups/memory/box/memory.limit_in_bytes", "10000\n");
+    write("groups/memory/box/memory.usage_in_bytes", "7000\n");
+    write("groups/memory/box/memory.stat", "inactive_file 5\ntotal_inactive_file 500\n");
+    EXPECT_EQ(available(), 3500);
+}
+
+TEST_F(MemoryLimitTest, RefusalsHaveBothNumbers) {
+    EXPECT_NO_THROW(require_memory(100e6, "a little"));
+    try {
+        require_memory(1e18, "the thing", {"file.xml", 3, 4});
+        FAIL() << "an exabyte was granted";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("file.xml:3:4: the thing needs 1000000000000000000 bytes, and "));
+        EXPECT_THAT(error.what(), refusal("the thing"));
+    }
+}
+
+/// While it lives, programs that the test starts have that much address space.
+class AddressSpace {
+public:
+    explicit AddressSpace(rlim_t bytes) {
+        getrlimit(RLIMIT_AS, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(RLIMIT_AS, &limit);
+    }
+    ~AddressSpace() { setrlimit(RLIMIT_AS, &before_); }
+    AddressSpace(const AddressSpace&) = delete;
+    AddressSpace& operator=(const AddressSpace&) = delete;
+
+private:
+    rlimit before_;
+};
+
+TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    const std::string many = "=4000000000";  // the most that the parameters take
+    const std::vector<std::pair<std::string, std::string>> requests = {
+        {"photon_mapper photons" + many, "photons" + many},
+        {"photon_mapper gather=4 photons" + many, "photons" + many},
+        {"photon_mapper photons=1000 shadow_photons" + many, "shadow_photons" + many},
+        {"photon_view photons" + many, "photons" + many},
+        {"radiosity patch=1e-5", "radiosity"},
+        {"radiosity patch=0.002 solver=direct", "radiosity"},
+        {"radiosity patch=5e-4 memory=1000", "radiosity of [0-9]+ patches needs"}};
+    for (const auto& [method, what] : requests) {
+        const ProgramResult result = run_gibench(
+            "render '" + source_path("scenes/cornell-box.xml") + "' --method '" + method + "' -o out.exr", path());
+        EXPECT_EQ(result.code, 2) << method << ": " << result.err;
+        EXPECT_THAT(result.err, ContainsRegex(what + ".* [0-9]+ bytes")) << method;
+        EXPECT_FALSE(std::filesystem::exists(path("out.exr"))) << method;
+    }
+}
+
+TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    std::string large = tiny_scene_xml(30000);
+    large.replace(large.find("'sample_count' value='4'"), 24, "'sample_count' value='1'");
+    write("large.xml", large);
+    const ProgramResult render = run_gibench("render large.xml --method 'path spp=1' -o out.exr", path());
+    EXPECT_EQ(render.code, 2);
+    EXPECT_THAT(render.err, refusal("a film of 30000 x 30000 pixels"));
+    const ProgramResult reference = run_gibench("reference large.xml -o out.exr", path());
+    EXPECT_EQ(reference.code, 2);
+    EXPECT_THAT(reference.err, refusal("a reference of 30000 x 30000 pixels"));
+    write("e.toml", "scenes = ['" + source_path("scenes/cornell-box.xml") +
+                        "']\nresolution = [8, 8]\n[reference]\ntarget = '90%'\n[[method]]\nname = 'path'\nspp = 1\n"
+                        "[[method]]\nname = 'photon_mapper'\nphotons = 4000000000\n");
+    const ProgramResult result = run();
+    EXPECT_EQ(result.code, 1);
+    EXPECT_THAT(result.err, refusal("cornell-box, photon_mapper photons=4000000000, seed 1: photons=4000000000"));
+    EXPECT_EQ(cells().size(), 1u) << "the other cell is complete";
+}
+
+TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const AddressSpace limit(rlim_t{4} << 30);
+    // With so many bytes it is not taken for damaged before anything is asked of memory.
+    write("large.pfm", "PF\n50000 50000\n-1.0\n" + std::string(1 << 20, '\0'));
+    const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
+    EXPECT_EQ(result.code, 2);
+    EXPECT_THAT(result.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
+    std::string sky = tiny_scene_xml(4);
+    sky.insert(sky.find("</scene>"), "<emitter type='envmap'><string name='filename' value='large.pfm'/></emitter>");
+    write("sky.xml", sky);
+    const ProgramResult render = run_gibench("render sky.xml --method 'path spp=1' -o out.exr", path());
+    EXPECT_EQ(render.code, 2);
+    EXPECT_THAT(render.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
+}
+
+TEST_F(MemoryLimitTest, APipeWithoutEndIsRefusedWhereMemoryEnds) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    ASSERT_EQ(
+        std::system(("mkfifo '" + path("pipe.xml") + "' && (yes >'" + path("pipe.xml") + "' 2>/dev/null &)").c_str()),
+        0);
+    const AddressSpace limit(rlim_t{2} << 30);
+    const ProgramResult result = run_gibench("plan pipe.xml", path());
+    EXPECT_EQ(result.code, 2);
+    EXPECT_THAT(result.err, refusal("pipe.xml:1:1: the file"));
+}
+
+/// What this process has [bytes].
+rlim_t address_space_in_use() {
+    std::ifstream statistics("/proc/self/statm");
+    rlim_t pages = 0;
+    statistics >> pages;
+    return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Nobody knows beforehand how many records there will be: each time their room is to be doubled it is asked for.
+TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    IrradianceCache cache({Vec3::Zero(), Vec3::Ones()}, 0.1f);
+    const AddressSpace limit(address_space_in_use() + (rlim_t{64} << 20));
+    IrradianceRecord record{};
+    record.irradiance = Color::Ones();
+    record.rotation.fill(Vec3::Zero());
+    record.translation.fill(Vec3::Zero());
+    record.n = Vec3::UnitZ();
+    record.distance = 1e-3f;
+    const std::string error = input_error_of([&] {
+        for (int i = 0; i < 1'000'000; ++i) {
+            record.p =
+                Vec3(static_cast<float>(i % 100), static_cast<float>(i / 100 % 100), static_cast<float>(i / 10'000)) /
+                100;
+            cache.insert(record, {1e-4f, 1e-4f});
+        }
+    });
+    EXPECT_THAT(error, refusal("an irradiance cache of more than [0-9]+ records"));
+    EXPECT_GT(cache.size(), 1'000u);
+}
+
+TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    Image image(4096, 1025);
+    const AddressSpace limit(address_space_in_use() + (rlim_t{32} << 20));
+    const std::string error = input_error_of([&] { const EnvironmentMap map(std::move(image), Frame(Vec3::UnitZ())); });
+    EXPECT_THAT(error, refusal("an environment of 4096 x 1025 pixels"));
+    EXPECT_THAT(error, HasSubstr(" needs 50331648 bytes")) << "three floats for each column of 1024 rows of cells";
+}
+
+/// A serialized mesh of `vertices` zeros: a thousandth of what it unpacks to.
+std::string serialized_zeros(std::uint64_t vertices) {
+    const std::uint32_t in_float = 0x1000;
+    std::string raw;
+    const auto append = [&raw](const auto& value) { raw.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    append(in_float);
+    raw += '\0';  // no name
+    append(vertices);
+    append(std::uint64_t{1});
+    raw.resize(raw.size() + 12 * vertices);
+    std::string packed(compressBound(raw.size()), '\0');
+    uLongf size = packed.size();
+    EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
+                        raw.size(), Z_BEST_SPEED),
+              Z_OK);
+    packed.resize(size);
+    return "\x1c\x04\x04" + std::string(1, '\0') + packed;
+}
+
+TEST_F(MemoryLimitTest, ASerializedMeshAsksAsItGrows) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    const std::string content = serialized_zeros(8'000'000);
+    EXPECT_LT(content.size(), 1u << 20);
+    const AddressSpace limit(address_space_in_use() + (rlim_t{64} << 20));
+    EXPECT_THAT(input_error_of([&] { parse_serialized(content, "m.serialized", 0); }),
+                refusal("m.serialized:1:1: the mesh"));
+}
+
+Mesh strip_of_triangles(std::uint32_t count) {
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < count + 3; ++i)  // and the extra one at the end
+        mesh.vertices.push_back({static_cast<float>(i), static_cast<float>(i % 2), 0.f});
+    for (std::uint32_t i = 0; i < count; ++i)
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    return mesh;
+}
+
+TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
+#ifdef GIB_SANITIZED
+    GTEST_SKIP() << "the sanitizer's address space has no limit";
+#endif
+    std::vector<Shape> shapes = {strip_of_triangles(3'000'000)};
+    Mesh& mesh = std::get<Mesh>(shapes.front());
+    {
+        const AddressSpace limit(address_space_in_use() + (rlim_t{128} << 20));
+        const std::string error = input_error_of([&] { mesh.prepare(); });
+        EXPECT_THAT(error, refusal("a mesh of 3000000 triangles"));
+        EXPECT_THAT(error, HasSubstr(" needs 192000000 bytes"));
+    }
+    mesh.prepare();
+    // What Embree starts with, and some.
+    const AddressSpace limit(address_space_in_use() + (rlim_t{256} << 20));
+    EXPECT_THAT(input_error_of([&] { const Accelerator accelerator(shapes, {}); }),
+                refusal("the tree of 3000000 triangles and other shapes"));
+}
+
+}  // namespace
+}  // namespace gib::test

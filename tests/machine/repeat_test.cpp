@@ -1,0 +1,210 @@
+// `gibench run --repeat`: the same images, or a plain word on why not.
+
+#include "common/images/image_file.h"
+#include "experiments/analysis/analysis.h"
+#include "tests/support/run_fixtures.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace gib::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RepeatTest : public ::testing::Test, protected ExperimentFolder {
+protected:
+    ProgramResult repeat(const std::string& options = "results/e") const {
+        return run_gibench("run --repeat " + options, path());
+    }
+    nlohmann::json manifest(const std::string& folder = "results/e") const {
+        return nlohmann::json::parse(read_file(path(folder + "/manifest.json")));
+    }
+    void set_manifest(const nlohmann::json& manifest) { write("results/e/manifest.json", manifest.dump()); }
+    /// From here on the cell of seed 1 cannot succeed: a folder stands where its image belongs.
+    void block_cell(const std::string& folder, const std::string& method) const {
+        const std::string image = path(folder + "/cells/" + cell_folder_name("tiny", method, 1) + "/final.exr");
+        fs::remove(image);
+        fs::create_directories(image + "/in-the-way");
+    }
+};
+
+TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
+    write_experiment("[4, 8]", "target = '40%'\n", "resolution = [12, 6]\n");
+    ASSERT_EQ(run("--only spp=4").code, 0);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"
+                                     "identical     tiny, path spp=4, seed 2, 4 passes\n2 of 2 identical\n"));
+    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    for (const char* name : {"table.csv", "report.html", "images/tiny-path_spp=4.exr", "images/tiny-reference.exr"})
+        EXPECT_TRUE(fs::exists(path("results/e-repeat/" + std::string(name)))) << name;
+    EXPECT_EQ(read_image(path("results/e-repeat/images/tiny-path_spp=4.exr")).layers[0].second.width, 12);
+    EXPECT_EQ(manifest("results/e-repeat").at("cells"), manifest().at("cells"));
+    EXPECT_EQ(manifest().at("resolution"), nlohmann::json({12, 6}));
+    // A repetition can be repeated, and is told from what stands in its folder.
+    EXPECT_EQ(repeat("results/e-repeat/ --out elsewhere").code, 0);
+    EXPECT_EQ(run_gibench("report elsewhere", path()).code, 0);
+}
+
+TEST_F(RepeatTest, ABudgetOfTimeBecomesItsPasses) {
+    write_experiment("[100000000]", "target = '40%'\n", "budget = { seconds = 0.03 }\n");
+    ASSERT_EQ(run().code, 0);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.out << again.err;
+    const auto cells = manifest().at("cells");
+    for (const auto& cell : cells)
+        EXPECT_THAT(again.out,
+                    HasSubstr("seed " + cell.at("seed").dump() + ", " + cell.at("passes").dump() + " passes"));
+    EXPECT_EQ(manifest("results/e-repeat").at("cells"), cells);
+}
+
+TEST_F(RepeatTest, AChangedSceneIsNamedBeforeAnythingIsDone) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    write("tiny.xml", tiny_scene_xml(9));
+    const ProgramResult again = repeat("results/e --out b");
+    EXPECT_EQ(again.code, 2);
+    EXPECT_THAT(again.err, HasSubstr("tiny.xml:1:1: the scene was changed"));
+    EXPECT_FALSE(fs::exists(path("b")));
+}
+
+TEST_F(RepeatTest, OtherImagesAreToldApart) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    auto changed = manifest();
+    changed["cells"][0]["image"] = std::string(40, '0');
+    set_manifest(changed);
+    ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out, HasSubstr("differs       tiny, path spp=4, seed 1, 4 passes: 0 of "));
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=8, seed 1, 8 passes\n1 of 2 identical"));
+
+    changed = manifest();
+    changed["cells"][0]["passes"] = 3;  // the image is that of 4
+    changed["cells"][1]["method"] = "path spp=16";
+    set_manifest(changed);
+    again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out,
+                ::testing::ContainsRegex("differs       tiny, path spp=4, seed 1, 3 passes: [1-9][0-9]* of 1"));
+    EXPECT_THAT(again.out, HasSubstr("not repeated  tiny, path spp=16"));
+}
+
+TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    block_cell("results/e", "path spp=8");
+    ASSERT_EQ(run("--seeds 1 --fresh").code, 1);
+    ASSERT_EQ(manifest().at("cells").size(), 1u);
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n1 of 1 identical\n"));
+    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    EXPECT_FALSE(fs::exists(path("results/e-repeat/cells/" + cell_folder_name("tiny", "path spp=8", 1))));
+}
+
+TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    ASSERT_EQ(repeat().code, 0);
+    block_cell("results/e-repeat", "path spp=8");
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"));
+    EXPECT_THAT(again.out, ::testing::ContainsRegex(
+                               "not repeated  tiny, path spp=8, seed 1, 8 passes: [^\n]*final.exr: cannot write"));
+    EXPECT_THAT(again.out, HasSubstr("1 of 2 identical\n"));
+}
+
+TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
+    ASSERT_EQ(run("--seeds 1").code, 0);
+    ASSERT_EQ(repeat().code, 0);
+    fs::remove(path("results/e/images/tiny-reference.exr"));  // it has to be made, and its lock cannot be
+    fs::create_directories(fs::directory_iterator(path("results/references"))->path().string() + ".lock");
+    const ProgramResult again = repeat();
+    EXPECT_EQ(again.code, 1);
+    for (const std::string passes : {"4", "8"})
+        EXPECT_THAT(again.out, ::testing::ContainsRegex("not repeated  tiny, path spp=" + passes + ", seed 1, " +
+                                                        passes + " passes: [^\n]*cannot write here"));
+    EXPECT_THAT(again.out, HasSubstr("0 of 2 identical\n"));
+}
+
+TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    auto changed = manifest();
+    changed["compiler"] = "Other 1.0";
+    changed["libraries"]["Embree"] = "0.1";
+    set_manifest(changed);
+    write("elsewhere/x", "");
+    const ProgramResult again = run_gibench("run --repeat ../results/e", path("elsewhere"));
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("warning: the compiler is another one: 'Other 1.0' then"));
+    EXPECT_THAT(again.err, HasSubstr("warning: the Embree is another one: '0.1' then"));
+    EXPECT_THAT(again.err, Not(HasSubstr("the processor is another")));
+}
+
+TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    for (const auto& [folder, here] :
+         {std::pair("results/e", "."), std::pair("results/e", "./"), std::pair("results/e/cells", "..")}) {
+        const ProgramResult again = run_gibench("run --repeat " + std::string(here), path(folder));
+        EXPECT_EQ(again.code, 0) << here << again.err;
+        EXPECT_TRUE(fs::exists(path("results/e-repeat/report.html"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/.-repeat"))) << here;
+        EXPECT_FALSE(fs::exists(path("results/e/..-repeat"))) << here;
+        fs::remove_all(path("results/e-repeat"));
+    }
+}
+
+// Converted without a look, the first is 2^32 - 1 passes, which would take days, and the last is 2.
+TEST_F(RepeatTest, NumbersOfTheManifestHaveBounds) {
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    const nlohmann::json good = manifest();
+    for (const auto& [key, value] :
+         std::vector<std::pair<std::string, nlohmann::json>>{{"passes", -1},
+                                                             {"passes", 0},
+                                                             {"passes", 1e30},
+                                                             {"passes", 2.5},
+                                                             {"passes", "4"},
+                                                             {"passes", 4294967298},
+                                                             {"passes", 18446744073709551615u},
+                                                             {"seed", -1},
+                                                             {"seed", 0},
+                                                             {"seed", 1e30},
+                                                             {"seed", 18446744073709551615u}}) {
+        nlohmann::json bad = good;
+        bad["cells"][0][key] = value;
+        set_manifest(bad);
+        const ProgramResult again = repeat();
+        EXPECT_EQ(again.code, 2) << value;
+        EXPECT_THAT(again.err, HasSubstr("manifest.json:1:1: '" + key + "' is no whole number from 1 to ")) << value;
+        EXPECT_FALSE(fs::exists(path("results/e-repeat"))) << value;
+    }
+}
+
+TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
+    const auto refused = [&](const std::string& arguments, const std::string& said) {
+        const ProgramResult result = run_gibench("run " + arguments, path());
+        EXPECT_EQ(result.code, 2) << arguments;
+        EXPECT_THAT(result.err, HasSubstr(said)) << arguments;
+    };
+    refused("", "EXPERIMENT or --repeat");
+    refused("--repeat results/e e.toml", "excludes");
+    refused("--repeat results/e --threads 2", "excludes");
+    refused("--repeat results/e --seeds 2", "excludes");
+    refused("--repeat results/e", "manifest.json");
+    write("results/e/manifest.json", "{}");
+    refused("--repeat results/e", "not a manifest");
+    write("results/e/manifest.json", "{\"experiment\": \"\"}");
+    refused("--repeat results/e", "earlier gibench");
+    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    for (const char* out : {"results/../results/e", "results/e/", "results/e/cells", "results/e/not/there/yet/"})
+        refused("--repeat results/e --out " + std::string(out), "a folder of its own");
+    fs::create_directory_symlink("e", path("results/link"));
+    refused("--repeat results/e --out results/link/inside", "a folder of its own");
+    EXPECT_FALSE(fs::exists(path("results/e/inside")));
+    refused("--repeat results/e --out 'o\xff'", "the command line is not UTF-8");
+    EXPECT_FALSE(fs::exists(path("o\xff")));
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,178 @@
+#include "methods/parts/density/density_estimate.h"
+
+#include "tests/methods/parts/density/density_fixtures.h"
+
+namespace gib {
+namespace {
+
+using test::down_at;
+using test::Moments;
+using test::photon_at;
+using test::scene_of_shapes;
+using test::spread;
+using test::white;
+
+TEST(Kernel, EachIntegratesToOneOverItsDisc) {
+    for (std::size_t i = 0; i < kernel_names.size(); ++i) {
+        const auto kernel = static_cast<Kernel>(i);
+        const double r = 2.5;
+        double integral = 0;
+        constexpr int n = 200000;
+        for (int j = 0; j < n; ++j) {
+            const double d = r * (j + 0.5) / n;
+            integral += static_cast<double>(kernel_weight(kernel, static_cast<float>(d * d), static_cast<float>(r))) *
+                        2 * std::numbers::pi * d * r / n;
+            if (j % 20000 == 0) {
+                EXPECT_NEAR(kernel_mass(kernel, static_cast<float>(d / r)), integral, 2e-4) << kernel_names[i];
+            }
+        }
+        EXPECT_NEAR(integral, 1, 1e-4) << kernel_names[i];
+        for (float u : {0.f, 0.01f, 0.3f, 0.5f, 0.9f, 1.f})
+            EXPECT_NEAR(kernel_mass(kernel, kernel_radius(kernel, u)), u, 1e-5f) << kernel_names[i];
+    }
+}
+
+/// Evenly spread photons of 1 [W/area] on a square, looked up far enough apart that no two discs overlap.
+Moments on_even_photons(const DensityEstimator& estimator, std::uint64_t look_ups) {
+    static const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
+    constexpr std::size_t n = 20000;
+    const float spacing = 2.5f * std::sqrt(static_cast<float>(estimator.k) / (pi * n));
+    const auto per_side = static_cast<std::size_t>(1.f / spacing) - 1;
+    std::vector<Ray> eyes;
+    for (std::size_t i = 0; i < per_side * per_side; ++i)
+        eyes.push_back(down_at(static_cast<float>(i % per_side + 1) / static_cast<float>(per_side + 1),
+                               static_cast<float>(i / per_side + 1) / static_cast<float>(per_side + 1)));
+    return test::relative_estimates(*scene.scene, {estimator}, look_ups / eyes.size() + 1, 1.0,
+                                    [](std::uint64_t seed) {
+                                        std::vector<Photon> photons;
+                                        spread(photons, n, Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
+                                               1.f, seed);
+                                        return photons;
+                                    },
+                                    {eyes})[0][0];
+}
+
+// The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel, so 4e5, 6e4, 2.4e4 and 8e3 look-ups
+// put 0.3 % at three standard errors or more (alpha < 0.003 each). k photons instead of k - 1 would be off by 25, 5, 2
+// and 0.5 %.
+TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
+    const std::vector<std::pair<std::size_t, std::uint64_t>> cases = {
+        {5, 400000}, {20, 60000}, {50, 24000}, {200, 8000}};
+    for (const auto& [k, look_ups] : cases)
+        EXPECT_NEAR(on_even_photons({Kernel::uniform, k, 1.f, DiscArea::plain}, look_ups).mean(), 1.0, 0.003) << k;
+}
+
+// For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, with v = 0, 1/2, 0.313 and 1/3 that of a kernel's
+// weights: at most 0.5, which over 6e5 look-ups in hundreds of independent maps leaves a standard error below 0.001.
+// The part of the disc on the surface is all of it, which `surface` must find.
+TEST(DensityEstimate, EveryKernelIsUnbiasedOnUniformPhotons) {
+    const std::array variance = {1. / 3, 0.5, 4. / 3 * (1 + 0.313 / 4) - 1, 4. / 3 * (1 + 1. / 12) - 1};
+    for (std::size_t i = 0; i < kernel_names.size(); ++i)
+        for (DiscArea area : {DiscArea::plain, DiscArea::surface}) {
+            SCOPED_TRACE(kernel_names[i]);
+            const Moments found = on_even_photons({static_cast<Kernel>(i), 5, 1.f, area}, 600000);
+            EXPECT_GE(found.count(), 300000u);
+            EXPECT_NEAR(found.mean(), 1.0, 0.003);
+            EXPECT_NEAR(found.standard_error() * std::sqrt(static_cast<double>(found.count())), std::sqrt(variance[i]),
+                        0.03);
+        }
+}
+
+/// A white square, few photons around its middle.
+struct FewPhotons {
+    LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
+    RayQueries rays{*scene.scene};
+    DensityEstimator::Found found;
+
+    float radiance(const DensityEstimator& e, const std::vector<Photon>& photons, int max_edges = 100) {
+        const Ray eye = down_at(0, 0);
+        return e
+            .reflected_radiance(PhotonMap(photons, 1), rays, *scene.scene->intersect(eye), -eye.d, EyePath{max_edges},
+                                Sampler(PointSet::independent, 1, 0, 0), 0, found)
+            .between_surfaces[0];
+    }
+};
+
+const Vec3 up(0, 0, 1);
+
+TEST(DensityEstimate, FewerThanKPhotonsAreDividedByTheLargestDisc) {
+    const std::vector<Photon> photons = {photon_at(Vec3(0.1f, 0, 0), up, 1), photon_at(Vec3(0, -0.2f, 0), up, 1),
+                                         photon_at(Vec3(1.5f, 0, 0), up, 1)};
+    for (std::size_t k : {std::size_t{10}, all_photons})
+        EXPECT_NEAR(FewPhotons().radiance({Kernel::uniform, k, 0.5f, DiscArea::plain}, photons),
+                    2.f / (pi * 0.25f) / pi, 1e-6f);
+}
+
+TEST(DensityEstimate, PhotonsOfTooLongPathsDoNotCount) {
+    std::vector<Photon> photons;
+    spread(photons, 1000, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 1.f, 1);
+    for (DiscArea area : {DiscArea::surface, DiscArea::plain})
+        for (std::size_t k : {std::size_t{10}, all_photons}) {
+            FewPhotons few;
+            const DensityEstimator e{Kernel::uniform, k, 0.5f, area};
+            EXPECT_GT(few.radiance(e, photons, 2), 0.f);
+            EXPECT_EQ(few.radiance(e, photons, 1), 0.f);
+        }
+}
+
+// What the textbooks' estimate counts, and what is rejected: photons of the underside, of a wall, and of a ledge above.
+TEST(DensityEstimate, PlainCountsEveryPhotonInTheBall) {
+    const std::vector<Photon> photons = {photon_at(Vec3(0.1f, 0, 0), up, 1),
+                                         photon_at(Vec3(0.1f, 0.1f, -1e-3f), -up, 2),
+                                         photon_at(Vec3(0.2f, 0, 0.05f), Vec3(-1, 0, 0), 4),
+                                         photon_at(Vec3(0.1f, 0, 0.2f), up, 8), photon_at(Vec3(0.4f, 0.4f, 0), up, 16)};
+    const float disc = pi * 0.25f * pi;
+    for (std::size_t k : {std::size_t{10}, all_photons}) {
+        const auto of = [&](DiscArea area) {
+            return FewPhotons().radiance({Kernel::uniform, k, 0.5f, area}, photons) * disc;
+        };
+        EXPECT_NEAR(of(DiscArea::plain), 15.f, 1e-4f);
+        EXPECT_NEAR(of(DiscArea::rejected), 1.f, 1e-5f);
+        EXPECT_NEAR(of(DiscArea::surface), 1.f, 1e-5f);
+    }
+}
+
+// A fixed radius counts every photon within it, however many there are, and stores none.
+TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
+    std::vector<Photon> photons;
+    spread(photons, 200000, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, 1);
+    for (std::size_t i = 0; i < kernel_names.size(); ++i) {
+        const auto kernel = static_cast<Kernel>(i);
+        double expected = 0;
+        for (const Photon& p : photons)
+            if (p.p.squaredNorm() <= 0.25f)
+                expected += static_cast<double>(p.power()[0]) *
+                            static_cast<double>(kernel_weight(kernel, p.p.squaredNorm(), 0.5f)) / std::numbers::pi;
+        FewPhotons few;
+        EXPECT_NEAR(few.radiance({kernel, all_photons, 0.5f, DiscArea::surface}, photons), expected, 1e-5 * expected);
+        EXPECT_LE(few.found.capacity(), 32u);
+    }
+}
+
+// The bound of the ratio of normals loses sin^2(delta) / 200 of even light to second order; |wi.ns| integrates to pi
+// over every hemisphere.
+TEST(DensityEstimate, TheBoundOfTheNormalsRatioLosesWhatItsCommentSays) {
+    const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
+    SurfaceHit hit = *scene.scene->intersect(down_at(0, 0));
+    for (const double degrees : {5.0, 10.0, 30.0, 45.0}) {
+        const double delta = degrees * std::numbers::pi / 180;
+        hit.ns = Vec3(static_cast<float>(std::sin(delta)), 0, static_cast<float>(std::cos(delta)));
+        double E = 0;
+        constexpr int rings = 16000, steps = 100;
+        for (int i = 0; i < rings; ++i) {
+            // More rings near the horizon, where the bound acts: z = v^2.
+            const double v = (i + 0.5) / rings, z = v * v;
+            for (int j = 0; j < steps; ++j) {
+                const double phi = 2 * std::numbers::pi * (j + 0.5) / steps, s = std::sqrt(1 - z * z);
+                const Vec3 wi = Vec3d(s * std::cos(phi), s * std::sin(phi), z).cast<float>();
+                E += static_cast<double>(shading_normal_factor(hit, wi)) * z * 2 * v / rings * 2 * std::numbers::pi /
+                     steps;
+            }
+        }
+        const double expected = std::pow(std::sin(delta), 2) / 200;
+        EXPECT_NEAR(1 - E / std::numbers::pi, expected, 0.1 * expected + 1e-6) << degrees;
+    }
+}
+
+}  // namespace
+}  // namespace gib

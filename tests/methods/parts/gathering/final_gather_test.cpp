@@ -1,0 +1,139 @@
+// Final gathering and the irradiance cache as the photon mapper uses them.
+
+#include "methods/parts/gathering/gather_ray.h"
+#include "tests/support/seed_means.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::means_over_seeds;
+using test::render;
+
+const std::vector<std::string> ways = {
+    "gather=16 source=irradiance",
+    "gather=4 source=photons",
+    "gather=16 source=paths",
+    "gather=128 cache=on source=irradiance accuracy=0.3",
+    "gather=128 cache=on source=photons accuracy=0.3",
+    "gather=128 cache=on source=paths accuracy=0.3",
+};
+
+/// The indirect light's mean over the image is the path tracer's, by channel: within 1 %, which blurring may cost, and
+/// 4 standard errors of less than `resolution`.
+void expect_the_path_tracers_mean(const LoadedScene& scene, const std::string& depth, double resolution) {
+    const auto truth = means_over_seeds(scene, 256, 8, Component::indirect, "path" + depth);
+    for (const auto& way : ways) {
+        const auto found = means_over_seeds(scene, 4, 8, Component::indirect,
+                                            "photon_mapper photons=1e5 caustic_photons=1000 " + way + depth);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double error = std::hypot(truth[c].standard_error(), found[c].standard_error());
+            EXPECT_LT(error, resolution * truth[c].mean()) << way << depth;
+            EXPECT_NEAR(found[c].mean(), truth[c].mean(), 0.01 * truth[c].mean() + 4 * error) << way << depth;
+        }
+    }
+}
+
+TEST(FinalGather, IndirectLightIsThePathTracers) {
+    expect_the_path_tracers_mean(test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}}), "", 0.01);
+}
+
+// Paths of 3, 4 and 6 edges, also where glass and a mirror make those to and from a gather ray longer.
+TEST(FinalGather, NoPathIsLongerThanAllowed) {
+    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
+    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
+    expect_the_path_tracers_mean(box, " max_depth=3", 0.015);
+    expect_the_path_tracers_mean(box, " max_depth=4", 0.015);
+    expect_the_path_tracers_mean(glass, " max_depth=6", 0.02);
+}
+
+TEST(FinalGather, NeedsPathsOfThreeEdges) {
+    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{8, 8}});
+    for (const auto& way : ways)
+        EXPECT_EQ(mean_of(*render(box, "photon_mapper photons=1000 max_depth=2 " + way, 1)[Component::indirect]).sum(),
+                  0)
+            << way;
+}
+
+/// Relative RMSE of the indirect light against an image that is taken as the truth.
+double relative_error(const Image& image, const Image& truth) {
+    double sum = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+        const double r = double{truth.rgb[i]}, d = double{image.rgb[i]} - r;
+        sum += d * d / (r * r + 0.01 * 0.01);
+    }
+    return std::sqrt(sum / static_cast<double>(image.rgb.size()));
+}
+
+// More rays, more records and more photons: each step brings the image nearer, until the truth's own noise is met.
+TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
+    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{48, 48}});
+    const Image truth = *render(box, "photon_mapper source=paths gather=256 photons=0", 64, 99)[Component::indirect];
+    for (const std::string source : {"irradiance", "paths"}) {
+        double previous = infinity;
+        for (const char* effort : {"photons=3000 gather=32 accuracy=0.6 min_spacing=0.008",
+                                   "photons=3e4 gather=128 accuracy=0.3 min_spacing=0.004",
+                                   "photons=3e5 gather=1024 accuracy=0.15 min_spacing=0.002"}) {
+            const Image image = *render(
+                box, std::string("photon_mapper k=auto cache=on spacing=diagonals ") + effort + " source=" + source,
+                8)[Component::indirect];
+            const double error = relative_error(image, truth);
+            EXPECT_LT(error, 0.7 * previous) << effort << ' ' << source;
+            previous = error;
+        }
+        EXPECT_LT(previous, 0.05) << source;
+    }
+}
+
+// Walls thinner than the spacing of photons, places and records: what is gathered must not be farther from the path
+// tracer's image than the estimate that ends where the surface does. A leak is ten times as much.
+TEST(FinalGather, LeaksNotThroughThinWalls) {
+    const auto wall = test::shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
+    const Image truth = *render(wall, "path", 1024, 99)[Component::indirect];
+    const std::string photons = "photon_mapper photons=5e5 caustic_photons=1000 ";
+    const double estimate = relative_error(*render(wall, photons, 4)[Component::indirect], truth);
+    for (const char* way : {"gather=32", "gather=256 cache=on"})
+        EXPECT_LT(relative_error(*render(wall, photons + way, 4)[Component::indirect], truth), estimate) << way;
+}
+
+// In a furnace of albedo 1/2 indirect light is 1/4 of its radiance, whatever is gathered: no gradient, no blur. An
+// estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)); what a pixel gathers is the mean of many, of
+// which 4 or more do not overlap.
+TEST(FinalGather, FurnaceIsEven) {
+    const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
+    for (const auto& way : ways) {
+        const Image indirect = *render(furnace, "photon_mapper photons=100000 " + way, 4)[Component::indirect];
+        EXPECT_NEAR(4 * mean_of(indirect).mean(), 1, 0.015) << way;
+        double squares = 0;
+        for (const float x : indirect.rgb)
+            squares += sqr(4 * static_cast<double>(x) - 1) / static_cast<double>(indirect.rgb.size());
+        EXPECT_LT(std::sqrt(squares), 0.14 / 2) << way;
+    }
+}
+
+TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
+    const auto& method = find_method("photon_mapper");
+    const auto plan_of = [&](const char* file, const std::vector<std::pair<std::string, std::string>>& values) {
+        return method.create(ParameterValues(all_parameters(method), {"photon_mapper", values}), {})
+            ->plan(*test::shipped_scene(file).scene);
+    };
+    const Plan none = plan_of("cornell-box.xml", {{"photons", "1000"}});
+    EXPECT_FALSE(none.runs("final gathering"));
+    EXPECT_TRUE(none.runs("global map"));
+    const Plan cached = plan_of("cornell-box.xml", {{"photons", "1000"}, {"gather", "16"}, {"cache", "on"}});
+    EXPECT_TRUE(cached.runs("final gathering") && cached.runs("irradiance cache") && cached.runs("global map") &&
+                cached.runs("precomputed irradiance"));
+    const Plan paths = plan_of("cornell-box.xml", {{"photons", "1000"}, {"gather", "16"}, {"source", "paths"}});
+    EXPECT_TRUE(paths.runs("final gathering"));
+    EXPECT_FALSE(paths.runs("global map") || paths.runs("precomputed irradiance") || paths.runs("irradiance cache"));
+    EXPECT_FALSE(plan_of("fog.xml", {{"photons", "1000"}, {"gather", "16"}}).runs("final gathering"));
+    EXPECT_THROW(plan_of("cornell-box.xml", {{"cache", "on"}}), InputError);
+    EXPECT_THROW(plan_of("cornell-box.xml", {{"gather", "4"}, {"min_spacing", "9"}, {"max_spacing", "3"}}), InputError);
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,100 @@
+// Ways on from a surface whose shading normal leans away from its own.
+
+#include "methods/parts/transport/scattered_ray.h"
+
+#include "common/sampling/warp.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+/// A surface of these normals.
+SurfaceHit surface_of(const Vec3& ng, const Vec3& ns, const Bsdf& bsdf) {
+    SurfaceGeometry geometry{};
+    geometry.p = Vec3::Zero();
+    geometry.ng = ng;
+    geometry.ns = ns;
+    geometry.uv = Vec2::Zero();
+    SurfaceHit hit(geometry);
+    hit.shading = Frame(ns);
+    hit.bsdf = &bsdf;
+    return hit;
+}
+
+struct Leaning {
+    SurfaceHit hit;
+    Vec3 wo;
+};
+
+/// Normals up to 75 degrees apart, seen from a direction about whose side they agree.
+Leaning leaning(std::uint64_t i, const Bsdf& bsdf) {
+    const Sampler u(PointSet::independent, 1, i, 0);
+    const Vec3 ng = square_to_sphere(u.get_2d(0));
+    const auto [tangent, lean] = std::pair(Frame(ng).s, 1.3f * u.get_2d(2).x());
+    const Vec3 ns = (std::cos(lean) * ng + std::sin(lean) * tangent).normalized();
+    for (std::uint32_t d = 4;; d += 2) {
+        const Vec3 wo = square_to_sphere(u.get_2d(d));
+        if (ns.dot(wo) * ng.dot(wo) > 0.f) return {surface_of(ng, ns, bsdf), wo};
+    }
+}
+
+constexpr float rounding = 1e-5f;  // of a sine near 1
+
+// Whatever the normals are, what is reflected stays on its side of the surface and what is refracted does not, and all
+// light is in one of both: its weights are R and (1 - R) times the square of the relative index.
+TEST(ScatteredRay, OfSmoothInterfacesKeepsToTheSidesOfTheSurface) {
+    for (const float eta : {1.5f, 1 / 1.5f}) {
+        const Bsdf glass(Dielectric{eta});
+        int bent = 0;
+        for (std::uint64_t i = 0; i < 20000; ++i) {
+            const auto [hit, wo] = leaning(i, glass);
+            const Vec3 wo_local = hit.shading.to_local(wo);
+            float sum = 0;
+            const auto check = [&](const ScatteredRay& ray) {
+                EXPECT_NEAR(ray.wi.norm(), 1.f, rounding);
+                const bool passes = ray.wi.dot(hit.ng) * wo.dot(hit.ng) < 0.f;
+                EXPECT_EQ(passes, ray.eta != 1.f);
+                if (ray.normal != hit.ns) ++bent;
+                sum += ray.weight.x() * ray.pdf_w * sqr(ray.eta);
+            };
+            for (const float u_lobe : {0.f, 1.f - unit_roundoff}) {
+                const auto ray = sample_scattering(hit, wo_local, Vec2(u_lobe, 0.f), Vec2::Zero(), Transport::radiance);
+                ASSERT_TRUE(ray);
+                check(*ray);
+                if (ray->pdf_w == 1.f) break;  // total reflection
+            }
+            EXPECT_NEAR(sum, 1.f, rounding);
+            const auto both = both_ways(hit, wo_local, Transport::radiance);
+            if (!both) continue;
+            EXPECT_NEAR((*both)[0].weight.x() * sqr((*both)[0].eta) + (*both)[1].weight.x() * sqr((*both)[1].eta), 1.f,
+                        rounding);
+        }
+        EXPECT_GT(bent, 1000) << "the case that is tested";
+    }
+}
+
+// Of a diffuse surface, a part of the hemisphere about the shading normal lies behind the surface: nothing goes there.
+TEST(ScatteredRay, OfDiffuseSurfacesLosesWhatWouldGoBehindThem) {
+    const Bsdf white(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
+    int lost = 0;
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+        const auto [hit, wo] = leaning(i, white);
+        const Sampler u(PointSet::independent, 2, i, 0);
+        const auto ray =
+            sample_scattering(hit, hit.shading.to_local(wo), u.get_2d(0), u.get_2d(2), Transport::radiance);
+        if (!ray) {
+            ++lost;
+            continue;
+        }
+        EXPECT_GT(ray->wi.dot(hit.ng) * wo.dot(hit.ng), 0.f);
+        EXPECT_NEAR(ray->weight.x(), 1.f, rounding);
+    }
+    // The share of a cosine-weighted hemisphere that is behind a plane at an angle a is (1 - cos a) / 2; its mean for a
+    // uniform to 1.3. Five standard deviations.
+    const double share = 0.5 * (1 - std::sin(1.3) / 1.3);
+    EXPECT_NEAR(lost / 20000.0, share, 5 * std::sqrt(share * (1 - share) / 20000));
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,206 @@
+// The photon mapper in media and behind glass that splits light, against furnaces, closed forms and the path tracer.
+
+#include "methods/parts/photons/photon_walk.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/seed_means.h"
+
+#include <fmt/format.h>
+#include <limits>
+#include <map>
+#include <numbers>
+
+namespace gib {
+namespace {
+
+using test::box_film;
+using test::means_over_seeds;
+using test::Moments;
+using test::scene_of;
+using test::scene_xml;
+
+constexpr double pi_d = std::numbers::pi;
+constexpr double sigmas = 5;  ///< of means of seeds
+constexpr int unlimited = std::numeric_limits<int>::max();
+
+const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+
+std::string camera(int size, double fov) {
+    return fmt::format(
+        "<sensor type='perspective'><float name='fov' value='{}'/><transform name='to_world'><translate "
+        "z='-4'/></transform>{}</sensor>",
+        fov, box_film(size));
+}
+std::string ball(const std::string& bsdf, const std::string& sigma_s, double g = 0) {
+    return "<shape type='sphere'>" + bsdf + "<medium name='interior' type='homogeneous'><rgb name='sigma_s' value='" +
+           sigma_s + fmt::format("'/><phase type='hg'><float name='g' value='{}'/></phase></medium></shape>", g);
+}
+const std::string no_surface = "<bsdf type='null'/>";
+const std::string glass =
+    "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+
+/// Of the unit ball with extinction sigma under a sky of radiance 1 that nothing absorbs: the integral of fluence over
+/// it. All is 4 pi V. What comes straight from the sky: every line crosses a chord l = 2 mu, cosine-distributed over
+/// the surface, integral of exp(-sigma t) over it = (1 - exp(-sigma l)) / sigma.
+double fluence_of_ball(double sigma, bool straight_only) {
+    if (!straight_only) return 4 * pi_d * 4 / 3 * pi_d;
+    const double a = 2 * sigma;
+    return pi_d * 4 * pi_d / sigma * (1 - 2 * (1 - (1 + a) * std::exp(-a)) / (a * a));
+}
+
+TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
+    for (const auto& [sigma, g] : {std::pair{0.5, 0.0}, {3.0, 0.0}, {3.0, 0.8}}) {
+        const auto scene = scene_of(
+            scene_xml(camera(4, 40) + constant_sky + ball(no_surface, fmt::format("{0}, {0}, {0}", sigma), g)));
+        Moments stored;
+        for (std::uint64_t seed = 1; seed <= 32; ++seed) {
+            double sum = 0;
+            const auto walk = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed);
+            for (const Photon& photon : walk.photons)
+                sum += walk.unit * static_cast<double>(photon.power()[1]);
+            stored.add(sum);
+        }
+        const double expected = fluence_of_ball(sigma, false) - fluence_of_ball(sigma, true);
+        EXPECT_LT(stored.standard_error(), 0.01 * expected) << "the test would not see an error";
+        EXPECT_NEAR(stored.mean(), expected, sigmas * stored.standard_error()) << sigma << ' ' << g;
+    }
+}
+
+// Nothing is absorbed: what leaves the light escapes again, in each channel, though the channels are scattered
+// differently.
+TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
+    const auto scene = scene_of(scene_xml(camera(4, 40) + constant_sky + ball(glass, "0.3, 1, 4", 0.3)));
+    std::array<Moments, 3> escaped, lost;
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+        const auto balance = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).balance;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto channel = static_cast<int>(c);
+            escaped[c].add(balance.escaped[channel] / balance.emitted[channel]);
+            lost[c].add(balance.lost_in_media[channel] / balance.emitted[channel]);
+        }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_LT(escaped[c].standard_error(), 0.01);
+        EXPECT_NEAR(escaped[c].mean(), 1, sigmas * escaped[c].standard_error() + 1e-6) << c;
+        EXPECT_NEAR(lost[c].mean(), 0, sigmas * lost[c].standard_error() + 1e-6) << c;
+    }
+}
+
+// The camera stands outside of a ball of fog, the lamp in its middle: what the lamp lies in is found from the camera.
+TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
+    const auto scene = scene_of(scene_xml(camera(4, 40) +
+                                          "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
+                                          "name='intensity' value='1'/></emitter>" +
+                                          ball(no_surface, "0.5, 0.5, 0.5")));
+    EXPECT_FALSE(trace_photons(*scene.scene, PhotonMapKind::volume, 1000, unlimited, 1).photons.empty());
+    // Once scattered a photon of a path of three edges is stored at its second event only.
+    for (const Photon& photon : trace_photons(*scene.scene, PhotonMapKind::volume, 1000, 3, 1).photons)
+        EXPECT_EQ(photon.edges, 2);
+}
+
+// A medium that absorbs nothing cannot be seen under a sky of radiance 1. Photons hold what was scattered before: in a
+// thin ball that is the same everywhere, nearly.
+TEST(PhotonMapperInMedia, WhiteMediaVanish) {
+    const std::vector<std::pair<std::string, std::string>> bodies = {
+        {"thin", ball(no_surface, "0.3, 0.3, 0.3")},    {"denser", ball(no_surface, "2, 2, 2")},
+        {"forwards", ball(no_surface, "4, 4, 4", 0.7)}, {"coloured", ball(no_surface, "0.2, 1, 5")},
+        {"in glass", ball(glass, "2, 2, 2")},
+    };
+    for (const auto& [name, body] : bodies)
+        for (const char* kernel : {"uniform", "gaussian"}) {
+            const auto found = means_over_seeds(scene_of(scene_xml(camera(16, 25) + constant_sky + body)), 32, 12, {},
+                                                std::string("photon_mapper photons=2e5 kernel=") + kernel);
+            for (const Moments& m : found) {
+                EXPECT_LT(m.standard_error(), 0.01) << name;
+                EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + 0.002) << name << ' ' << kernel;
+            }
+        }
+}
+
+// In a dense ball that fluence falls by half towards the surface, which is all that the camera sees. Estimates there
+// take photons from up to a radius further inside: too bright by a share that is proportional to the radius.
+TEST(PhotonMapperInMedia, DenseWhiteMediaVanishAsTheRadiusShrinks) {
+    const auto scene = scene_of(scene_xml(camera(16, 25) + constant_sky + ball(no_surface, "8, 8, 8")));
+    const auto excess = [&](const char* radius) {
+        const Moments green = means_over_seeds(
+            scene, 32, 12, {}, std::string("photon_mapper photons=2e5 k=all volume_radius=") + radius)[1];
+        return std::pair(green.mean() - 1, green.standard_error());
+    };
+    const auto [wide, wide_error] = excess("0.05");
+    const auto [narrow, narrow_error] = excess("0.0125");
+    EXPECT_GT(wide, sigmas * wide_error);
+    EXPECT_LT(narrow, 0.5 * wide);
+    EXPECT_NEAR(narrow, 0.25 * wide, sigmas * std::hypot(narrow_error, 0.25 * wide_error));
+}
+
+using ComponentMoments = std::map<Component, std::array<Moments, 3>>;
+
+ComponentMoments components_over_seeds(const LoadedScene& scene, const std::string& method, std::uint32_t passes,
+                                       const std::vector<Component>& components) {
+    ComponentMoments moments;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        const auto image = test::render(scene, method, passes, seed);
+        for (Component c : components) {
+            const Colord mean = test::mean_of(*image[c]);
+            for (std::size_t i = 0; i < 3; ++i)
+                moments[c][i].add(mean[static_cast<int>(i)]);
+        }
+    }
+    return moments;
+}
+
+void expect_components(const LoadedScene& scene, std::uint32_t path_passes, const std::string& photon_mapper,
+                       std::uint32_t photon_passes, const std::vector<Component>& components) {
+    const auto path = components_over_seeds(scene, "path", path_passes, components);
+    const auto photons = components_over_seeds(scene, photon_mapper, photon_passes, components);
+    for (Component c : components)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Moments &expected = path.at(c)[i], &found = photons.at(c)[i];
+            const double error = std::hypot(expected.standard_error(), found.standard_error());
+            EXPECT_LT(error, 0.04 * expected.mean()) << name_of(c) << ' ' << i;
+            EXPECT_NEAR(found.mean(), expected.mean(), 0.01 * expected.mean() + sigmas * error)
+                << name_of(c) << ' ' << i;
+        }
+}
+
+const std::string grey_floor =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' "
+    "angle='-90'/><translate y='-1'/></transform><bsdf type='diffuse'/></shape>";
+const std::string grey_wall =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
+    "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
+
+// A cube of fog over a floor, with a ball of glass in it and a lamp outside: every class of paths once, also those that
+// a surface sends into the fog and the fog to a surface. Emission is left out: the lamp is not in view.
+TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
+    const std::string fog =
+        "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
+        "value='0.9, 0.8, 0.95'/><phase type='hg'><float name='g' value='0.4'/></phase></medium>";
+    const auto scene = scene_of(scene_xml(
+        fog + camera(16, 40) + grey_floor + grey_wall +
+        "<shape type='rectangle'><transform name='to_world'><scale value='1.5'/><rotate x='1' angle='90'/><translate "
+        "y='3'/></transform><emitter type='area'><rgb name='radiance' value='10, 8, 6'/></emitter></shape>" +
+        "<shape type='cube'><transform name='to_world'><scale x='1.5' y='0.9' z='1.5'/></transform>" + no_surface +
+        "<ref name='interior' id='fog'/></shape><shape type='sphere'><point name='center' x='0.5' y='0' z='0'/><float "
+        "name='radius' value='0.5'/>" +
+        glass + "<ref name='exterior' id='fog'/></shape>"));
+    expect_components(scene, 512, "photon_mapper photons=2e5", 16,
+                      {Component::direct, Component::caustic, Component::indirect, Component::volume});
+}
+
+// The floor is seen through the ball that split the light which falls on it: both paths have a stratum.
+TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
+    const std::string split =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
+        "value='1'/><float name='cauchy_b' value='0.03'/></bsdf>";
+    const auto scene = scene_of(scene_xml(
+        camera(16, 40) + grey_floor + grey_wall +
+        "<shape type='sphere'><point name='center' x='1' y='3' z='0'/><float name='radius' value='1.2'/><emitter "
+        "type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape><shape type='sphere'>" +
+        split + "</shape>"));
+    ASSERT_TRUE(scene.scene->has_dispersion());
+    expect_components(scene, 1024, "photon_mapper photons=1e5", 16,
+                      {Component::direct, Component::caustic, Component::indirect});
+}
+
+}  // namespace
+}  // namespace gib

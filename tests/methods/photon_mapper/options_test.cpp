@@ -1,0 +1,114 @@
+// What must hold for the photon mapper whatever its options: every combination that its parameter table allows is
+// tried.
+
+#include "tests/support/scene_fixtures.h"
+
+#include <algorithm>
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::render;
+
+const std::vector<std::string> gathering = {"source", "cache", "spacing"};
+
+bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool has(const std::string& label, const char* option) { return label.find(option) != std::string::npos; }
+
+/// `start` with every combination of the choices of those parameters that `counts`, and of the words that stand beside
+/// a number with that number's default.
+template <typename Counts>
+std::vector<std::string> combined(const std::string& start, Counts&& counts) {
+    std::vector<std::string> labels = {start};
+    for (const Parameter& p : find_method("photon_mapper").parameters) {
+        std::vector<std::string> values = p.choices;
+        if (values.empty() || !counts(p.name)) continue;
+        if (p.kind != Parameter::Kind::choice) values.push_back(p.default_value);
+        std::vector<std::string> extended;
+        for (const auto& label : labels)
+            for (const auto& value : values)
+                extended.push_back(label + " " + p.name + "=" + value);
+        labels = std::move(extended);
+    }
+    return labels;
+}
+
+/// Those of the density estimates without gathering, and those of gathering with each of the options that reach into
+/// it.
+std::vector<std::string> combinations() {
+    auto labels = combined("photon_mapper", [](const std::string& name) {
+        // Without shadow photons, which have tests of their own, what they are for makes no difference.
+        return !is_one_of(name, gathering) && name != "shadows";
+    });
+    auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
+        return is_one_of(name, gathering) || name == "area" || name == "projection";
+    });
+    // Estimates at every ray's end are slow; a record's are few, and 8 would be too noisy for 1.5 % of the image's
+    // mean.
+    for (std::string& label : gathered)
+        if (has(label, "source=photons") && has(label, "cache=off"))
+            label.replace(label.find("gather=32"), 9, "gather=8");
+    // Refused: there are no records to space.
+    std::erase_if(gathered,
+                  [](const std::string& label) { return has(label, "cache=off") && has(label, "spacing=diagonals"); });
+    for (std::string& label : gathered)
+        if (has(label, "cache=off")) label.erase(label.find(" spacing="));
+    labels.insert(labels.end(), gathered.begin(), gathered.end());
+    // Refused: there is nothing to choose where all photons within the radius count.
+    std::erase_if(labels, [](const std::string& label) {
+        return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;
+    });
+    return labels;
+}
+
+TEST(PhotonOptions, CoverWhatTheTableOffers) {
+    const auto labels = combinations();
+    EXPECT_GE(labels.size(), 16u);
+    for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
+        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [&](const auto& label) { return has(label, option); }))
+            << option;
+}
+
+// Of the radiance 1 everywhere indirect light is rho^2 = 1/4. 1e5 photons are good for 0.3 %. Whole discs are too dark
+// along the edges of the box, unless they count the photons of the next wall too (plain), which is too many.
+TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
+    const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
+    for (const auto& label : combinations()) {
+        const Image indirect = *render(furnace, label + " photons=100000 radius=0.03", 4)[Component::indirect];
+        const double mean = 4 * mean_of(indirect).mean();
+        EXPECT_GT(mean, has(label, "area=surface") ? 0.985 : 0.95) << label;
+        EXPECT_LT(mean, has(label, "area=plain") ? 1.04 : 1.015) << label;
+    }
+}
+
+// The image's mean is the path tracer's: no path class is lost or counted twice by any option.
+TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
+    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
+    const double truth = mean_of(render(glass, "path", 1024).total()).mean();
+    for (const auto& label : combinations()) {
+        const double mean =
+            mean_of(render(glass, label + " photons=20000 radius=0.03 caustic_radius=0.02", 4).total()).mean();
+        EXPECT_NEAR(mean / truth, 1, has(label, "area=surface") ? 0.03 : 0.06) << label;
+    }
+}
+
+TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
+    for (const char* file : {"cornell-glass.xml", "fog.xml"}) {
+        const auto scene = test::shipped_scene(file, {{}, std::pair{20, 20}});
+        for (const auto& label : combinations()) {
+            const std::string small = label + " photons=6000 radius=0.02 caustic_radius=0.02";
+            // What a pass adds to the cache is seen by the next one.
+            const std::uint32_t passes = has(label, "cache=on") ? 3 : 1;
+            const Image one = render(scene, small, passes, 1, 1).total();
+            for (int threads : {2, 5})
+                ASSERT_EQ(one.rgb, render(scene, small, passes, 1, threads).total().rgb) << label << ' ' << threads;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,399 @@
+// Shadow photons: what they say of the lights against exact visibility, and direct light sampled by it against plain
+// direct light.
+#include "methods/photon_mapper/shadow_photons.h"
+
+#include "methods/photon_mapper/light_visibility.h"
+#include "methods/photon_mapper/photon_mapper.h"
+#include "tests/support/light_fixtures.h"
+#include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
+
+#include <fmt/format.h>
+#include <iostream>
+#include <map>
+#include <numbers>
+
+namespace gib {
+namespace {
+
+using test::mean_of;
+using test::render;
+
+/// A square of the plane z = 0 as wide as the scene, seen from just below what blocks the light at z = 2.
+constexpr const char* floor_xml =
+    "<shape type='rectangle'><transform name='to_world'><scale value='4'/></transform>"
+    "<bsdf type='diffuse'><rgb name='reflectance' value='0.8'/></bsdf></shape>";
+
+std::string camera_xml(int size) {
+    return "<sensor type='perspective'><float name='fov' value='80'/><transform name='to_world'><lookat "
+           "origin='0,0,1.9' "
+           "target='0,0,0' up='0,1,0'/></transform>" +
+           test::box_film(size) + "</sensor>";
+}
+
+/// A square of half the width `half` at z = 2.
+std::string blocker_xml(double half, const std::string& bsdf) {
+    return fmt::format(
+        "<shape type='rectangle'><transform name='to_world'><scale value='{}'/>"
+        "<translate z='2'/></transform>{}</shape>",
+        half, bsdf);
+}
+
+constexpr int lights_a_side = 4;
+
+/// Squares at z = 4 that shine down, 0.3 wide, of colours and strengths that all differ.
+std::string lamps_xml() {
+    std::string xml;
+    for (int i = 0; i < lights_a_side; ++i)
+        for (int j = 0; j < lights_a_side; ++j)
+            xml += fmt::format(
+                "<shape type='rectangle'><transform name='to_world'><scale value='0.15'/><rotate x='1' "
+                "angle='180'/><translate x='{}' y='{}' z='4'/></transform><bsdf type='diffuse'/><emitter "
+                "type='area'><rgb name='radiance' value='{},{},20'/></emitter></shape>",
+                1.5 * i - 2.2, 1.4 * j - 2.1, 20 + 15 * i, 20 + 15 * j);
+    return xml;
+}
+
+/// The same in their middles.
+std::string points_xml() {
+    std::string xml;
+    for (int i = 0; i < lights_a_side; ++i)
+        for (int j = 0; j < lights_a_side; ++j)
+            xml += fmt::format(
+                "<emitter type='point'><point name='position' x='{}' y='{}' z='4'/><rgb name='intensity' "
+                "value='{},{},2'/></emitter>",
+                1.5 * i - 2.2, 1.4 * j - 2.1, 2 + 1.5 * i, 2 + 1.5 * j);
+    return xml;
+}
+
+LoadedScene floor_scene(const std::string& body, int size = 16) {
+    return test::scene_of(test::scene_xml("<integrator type='path'><integer name='max_depth' value='2'/></integrator>" +
+                                          camera_xml(size) + floor_xml + body));
+}
+
+std::string label(const char* use, const char* photons, const char* more = "") {
+    return fmt::format("photon_mapper photons=0 shadow_photons={} shadows={} {}", photons, use, more);
+}
+
+struct DirectLight {
+    Image direct;
+    RunCounts counts;
+};
+
+DirectLight direct_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes, std::uint64_t seed = 1) {
+    const test::Rendered rendered = test::render_and_count(scene, text, passes, seed);
+    return {*rendered.image[Component::direct], rendered.counts};
+}
+
+/// Each channel's mean of `direct` over seeds.
+std::array<test::Moments, 3> means_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes,
+                                      int seeds = 16) {
+    std::array<test::Moments, 3> moments;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        const Colord mean = mean_of(*render(scene, text, passes, static_cast<std::uint64_t>(seed))[Component::direct]);
+        for (std::size_t c = 0; c < 3; ++c)
+            moments[c].add(mean[static_cast<int>(c)]);
+    }
+    return moments;
+}
+
+/// Equal within 5 standard errors of the difference (16 seeds each: once in 5e4 comparisons by chance; there are
+/// about 40) and a part `bias` of the value; the errors must be small enough to show 2 %.
+void expect_equal_means(const std::array<test::Moments, 3>& found, const std::array<test::Moments, 3>& expected,
+                        double bias = 0) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double error = std::hypot(found[c].standard_error(), expected[c].standard_error());
+        EXPECT_NEAR(found[c].mean(), expected[c].mean(), 5 * error + bias * expected[c].mean()) << c;
+        EXPECT_LT(5 * error, 0.02 * expected[c].mean()) << c;
+    }
+}
+
+/// Solid angle of a square of half the width a, from the distance h above its middle.
+double square_solid_angle(double a, double h) { return 4 * std::atan(a * a / (h * std::sqrt(2 * a * a + h * h))); }
+
+// Under a point light the floor receives I times its solid angle, all of it kept, though the blocker hides its own
+// part. The photons are a net, so their error is far below 1 / sqrt(n).
+TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
+    const auto scene = floor_scene(blocker_xml(0.5, test::diffuse(0.5)) +
+                                   "<emitter type='point'><point name='position' x='0' y='0' z='4'/><rgb "
+                                   "name='intensity' value='3'/></emitter>");
+    const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 17, 1);
+    std::map<float, double> power, arriving;  // by height above the floor
+    const float floor = scene.scene->bounds().lower.z();
+    for (const ShadowPhoton& photon : result.photons) {
+        const float z = std::round(photon.p.z() - floor);
+        EXPECT_EQ(SurfaceSide::side_of_key(photon.surface), 4u);
+        power[z] += result.unit * static_cast<double>(photon.power);
+        arriving[z] += result.unit * static_cast<double>(photon.power * photon.visibility);
+    }
+    const double on_floor = 3 * square_solid_angle(4, 4), on_blocker = 3 * square_solid_angle(0.5, 2);
+    EXPECT_NEAR(power[0], on_floor, 2e-3 * on_floor);
+    EXPECT_NEAR(arriving[0], on_floor - on_blocker, 2e-3 * on_floor);
+    EXPECT_NEAR(power[2], on_blocker, 5e-3 * on_blocker);
+    EXPECT_EQ(arriving[2], power[2]);
+    EXPECT_EQ(result.emitted, 1u << 17);
+    EXPECT_GE(result.rays, result.emitted + result.photons.size());
+}
+
+// 8e-43 W in 2^14 photons: a float holds none of them. In an empty box each way meets one surface, so that they have pi
+// times radiance times area together. Rounded are the radiance, the size (twice in an area), the area, and each power.
+TEST(ShadowPhotons, FaintLightLosesNone) {
+    const auto scene = test::scene_of(test::scene_xml(
+        "<sensor type='perspective'/><shape type='cube'><boolean name='flip_normals' value='true'/>"
+        "<transform name='to_world'><scale value='1e-12'/></transform>" +
+        test::diffuse(0.5) + "<emitter type='area'><rgb name='radiance' value='1e-20'/></emitter></shape>"));
+    const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 14, 1);
+    double sum = 0;
+    for (const ShadowPhoton& photon : result.photons)
+        sum += result.unit * static_cast<double>(photon.power);
+    EXPECT_EQ(result.photons.size(), 1u << 14);
+    EXPECT_NEAR(sum / (std::numbers::pi * 1e-20 * 24e-24), 1, 5 * 0x1p-24);
+}
+
+/// Of the floor, on the side that the lights shine at.
+SurfaceHit floor_hit(const Scene& scene, float x, float y) {
+    return scene.intersect({Vec3(x, y, scene.bounds().lower.z() - 1.f), Vec3::UnitZ()}).value();
+}
+
+struct Agreement {
+    double wrong, open;  ///< shares of all (point, light)
+};
+
+/// Verdicts on point lights against their shadow rays at points of the floor.
+Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) {
+    const Scene& scene = *loaded.scene;
+    const ShadowPhotonSettings settings{photons, Shadows::both, 32};
+    const LightVisibility map(scene, trace_shadow_photons(scene, photons, 1).photons, settings);
+    RayQueries rays(scene);
+    int wrong = 0, open = 0, all = 0;
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+        const Vec2 u = Sampler(PointSet::sobol, 3, 0, i).get_2d(0);
+        const SurfaceHit hit = floor_hit(scene, 5.f * u.x() - 2.5f, 5.f * u.y() - 2.5f);
+        for (std::uint32_t light = 0; light < scene.lights().size(); ++light, ++all) {
+            const auto sample = sample_light(scene.lights()[light], scene.shapes(), hit.p, Vec2(0.5f, 0.5f));
+            const bool seen = rays.visibility(hit, *sample) > 0.f;
+            const LightVerdict verdict = map.verdict(hit, hit.ng, light);
+            if (verdict == LightVerdict::open) ++open;
+            else if (seen != (verdict == LightVerdict::lit)) ++wrong;
+        }
+    }
+    return {static_cast<double>(wrong) / all, static_cast<double>(open) / all};
+}
+
+// Shadows have edges of a length that stays, so what is open lies in cells along them: a share that falls with their
+// width, about as photons^(-1/2); by a factor of 16 in photons it must fall to less than half. Where an edge crosses
+// a cell, a share v of it lit, v^n (1 - v) + (1 - v)^n v of it has a wrong verdict on average: 2 / ((n + 1) (n + 2))
+// if v is uniform, 1.8e-3 at n = 32. Larger cells around it that decided before add less than as much again.
+TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
+    const auto scene = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + points_xml());
+    std::optional<Agreement> before;
+    for (const std::uint64_t photons : {1u << 14, 1u << 18, 1u << 22}) {
+        const Agreement found = agreement_with_rays(scene, photons);
+        std::cout << photons << " photons: wrong " << found.wrong << ", open " << found.open << '\n';
+        if (before) {
+            EXPECT_LT(found.open, 0.5 * before->open);
+        }
+        EXPECT_LT(found.wrong, 4e-3 * found.open);
+        before = found;
+    }
+}
+
+// What a number of u leads to a light is the probability that the estimator divides by; every light has one.
+TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
+    const auto loaded = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + lamps_xml());
+    const Scene& scene = *loaded.scene;
+    for (const Shadows use : {Shadows::skip, Shadows::guide, Shadows::both}) {
+        const ShadowPhotonSettings settings{20000, use, 32};
+        const LightVisibility map(scene, trace_shadow_photons(scene, settings.photons, 1).photons, settings);
+        constexpr int steps = 1 << 14;
+        for (const float x : {-2.f, -0.3f, 0.f, 1.1f}) {
+            const SurfaceHit hit = floor_hit(scene, x, 0.4f);
+            const Vec3 wo = Vec3::UnitZ();
+            std::vector<int> chosen(scene.lights().size());
+            for (int i = 0; i < steps; ++i) {
+                const auto choice = map.choose(hit, wo, (static_cast<float>(i) + 0.5f) / steps);
+                EXPECT_EQ(choice.verdict, map.verdict(hit, wo, choice.light));
+                EXPECT_FLOAT_EQ(choice.probability, map.probability(hit, wo, choice.light));
+                ++chosen[choice.light];
+            }
+            for (std::uint32_t light = 0; light < chosen.size(); ++light) {
+                const double probability = static_cast<double>(map.probability(hit, wo, light));
+                EXPECT_NEAR(chosen[light], steps * probability, 2.5) << light;
+                if (use != Shadows::both) {
+                    EXPECT_GT(probability, 0) << light;
+                }
+            }
+        }
+    }
+}
+
+// Few photons: many cells are wrong about many lights, and the estimate must not depend on it.
+TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
+    const auto scene = floor_scene(blocker_xml(0.9, test::diffuse(0.5)) + lamps_xml());
+    const auto expected = means_of(scene, "path", 256);
+    for (const char* photons : {"60", "600", "60000"}) {
+        SCOPED_TRACE(photons);
+        expect_equal_means(means_of(scene, label("guide", photons, "shadow_k=1"), 128), expected);
+    }
+}
+
+TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
+    const auto scene = floor_scene(lamps_xml());
+    const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 4);
+    const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
+    EXPECT_EQ(plain.direct.rgb, skipped.direct.rgb);
+    const std::uint64_t eye_rays = 16 * 16 * 4;
+    const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 100000, 1).rays;
+    EXPECT_EQ(skipped.counts.rays, eye_rays + photon_rays);
+    EXPECT_GE(plain.counts.rays, 2 * eye_rays - eye_rays / 20);
+    EXPECT_EQ(skipped.counts.photons, 100000u);
+}
+
+// Under a blocker that hides every lamp only photons that say so leave out the rays, and the image is black.
+TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
+    const auto scene = floor_scene(blocker_xml(40, test::diffuse(0.5)) + lamps_xml());
+    const DirectLight both = direct_of(scene, label("both", "1e5"), 4);
+    EXPECT_EQ(mean_of(both.direct).maxCoeff(), 0);
+    EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
+}
+
+/// Mean over pixels and channels of the square of the mean error over seeds, less its variance, as a share of the
+/// light.
+double relative_bias(const LoadedScene& scene, const std::string& text, const Image& truth) {
+    constexpr int seeds = 16;
+    Image sum(truth.width, truth.height), squares(truth.width, truth.height);
+    for (int seed = 1; seed <= seeds; ++seed) {
+        const Image image = direct_of(scene, text, 64, static_cast<std::uint64_t>(seed)).direct;
+        for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+            const float error = image.rgb[i] - truth.rgb[i];
+            sum.rgb[i] += error;
+            squares.rgb[i] += error * error;
+        }
+    }
+    double bias2 = 0, light2 = 0;
+    for (std::size_t i = 0; i < truth.rgb.size(); ++i) {
+        const double mean = static_cast<double>(sum.rgb[i]) / seeds;
+        const double variance = (static_cast<double>(squares.rgb[i]) / seeds - mean * mean) / (seeds - 1);
+        bias2 += mean * mean - variance;
+        light2 += sqr(static_cast<double>(truth.rgb[i]));
+    }
+    return std::sqrt(std::max(bias2, 0.0) / light2);
+}
+
+TEST(ShadowPhotons, BiasOfSkippingShrinksWithTheirNumber) {
+    const auto scene = floor_scene(blocker_xml(0.9, test::diffuse(0.5)) + lamps_xml());
+    const Image truth = direct_of(scene, label("guide", "1e5"), 1 << 14, 99).direct;
+    double before = infinity;
+    for (const char* photons : {"1e3", "1e4", "1e5"}) {
+        const double bias = relative_bias(scene, label("both", photons, "shadow_k=4"), truth);
+        std::cout << photons << " photons: bias " << bias << '\n';
+        EXPECT_LT(bias, 0.6 * before);
+        before = bias;
+    }
+    EXPECT_LT(before, 0.01);
+}
+
+TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
+    const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{32, 24}});
+    const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 500000, 1).rays;
+    std::map<std::string, std::uint64_t> shadow_rays;
+    for (const char* use : {"rays", "skip", "guide", "both"}) {
+        const std::uint64_t rays = direct_of(scene, label(use, "5e5"), 4).counts.rays;
+        shadow_rays[use] = rays - 32 * 24 * 4 - (std::string(use) == "rays" ? 0 : photon_rays);
+    }
+    std::cout << "shadow rays: " << shadow_rays["rays"] << ", skip " << shadow_rays["skip"] << ", guide "
+              << shadow_rays["guide"] << ", both " << shadow_rays["both"] << '\n';
+    EXPECT_LT(shadow_rays["skip"], shadow_rays["rays"] / 4);
+    EXPECT_LT(shadow_rays["both"], 0.85 * static_cast<double>(shadow_rays["guide"]));
+}
+
+// Half of the light passes the holes of a mask, so that its photons can say neither lit nor dark.
+TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
+    const std::string mask = "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>";
+    const auto holes = floor_scene(blocker_xml(40, mask) + lamps_xml());
+    const auto open = floor_scene(blocker_xml(40, "<bsdf type='null'/>") + lamps_xml());
+    const auto whole = means_of(floor_scene(lamps_xml()), "path", 128);
+    for (const char* use : {"skip", "guide", "both"}) {
+        SCOPED_TRACE(use);
+        auto half = means_of(holes, label(use, "1e5"), 128);
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(half[c].mean() / whole[c].mean(), 0.5, 0.01);
+        expect_equal_means(means_of(open, label(use, "1e5"), 128), whole);
+    }
+}
+
+// Light that comes through glass is a caustic: behind it every photon is a shadow photon.
+TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
+    const auto scene = test::shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
+    for (const char* use : {"skip", "guide", "both"})
+        EXPECT_EQ(mean_of(direct_of(scene, label(use, "1e4"), 4).direct).maxCoeff(), 0) << use;
+}
+
+// A lamp with a dark half, a point, a spot, sunlight and sky with a blocker, over a floor that a sphere stands on.
+TEST(ShadowPhotons, EveryKindOfLightIsRight) {
+    const auto scene = floor_scene(
+        blocker_xml(0.7, test::diffuse(0.5)) +
+        "<shape type='sphere'><point name='center' x='0.9' y='0.2' z='0.4'/><float name='radius' value='0.4'/>" +
+        test::diffuse(0.6) +
+        "</shape><shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' "
+        "angle='180'/><translate x='-1' y='0.5' z='3.5'/></transform><bsdf type='diffuse'/><emitter "
+        "type='area'><texture "
+        "name='radiance' type='checkerboard'><rgb name='color0' value='0'/><rgb name='color1' "
+        "value='20,4,4'/></texture></emitter></shape>"
+        "<shape type='sphere'><point name='center' x='1.5' y='1' z='3'/><float name='radius' value='0.2'/><emitter "
+        "type='area'><rgb name='radiance' value='4,20,4'/></emitter></shape>"
+        "<emitter type='point'><point name='position' x='1' y='-1' z='3'/><rgb name='intensity' "
+        "value='4,4,9'/></emitter>"
+        "<emitter type='spot'><transform name='to_world'><lookat origin='-1,-2,3' target='0,0,0' "
+        "up='0,0,1'/></transform><rgb name='intensity' value='20,10,3'/><float name='cutoff_angle' "
+        "value='25'/></emitter>"
+        "<emitter type='directional'><vector name='direction' x='0.3' y='0.4' z='-1'/><rgb name='irradiance' "
+        "value='1,1,0.5'/></emitter>"
+        "<emitter type='constant'><rgb name='radiance' value='0.2,0.3,0.5'/></emitter>");
+    const auto expected = means_of(scene, "path", 512);
+    for (const auto& [use, bias] : {std::pair{"guide", 0.0}, std::pair{"skip", 0.003}, std::pair{"both", 0.003}}) {
+        SCOPED_TRACE(use);
+        expect_equal_means(means_of(scene, label(use, "2e5"), 256), expected, bias);
+    }
+}
+
+TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
+    const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
+    for (const char* use : {"skip", "guide", "both"}) {
+        // Enough that cells are built in parallel.
+        const std::string text = label(use, "1e5");
+        const Image one = *render(scene, text, 1, 1, 1)[Component::direct];
+        for (const int threads : {2, 5})
+            EXPECT_EQ(one.rgb, (*render(scene, text, 1, 1, threads)[Component::direct]).rgb) << use << ' ' << threads;
+    }
+}
+
+TEST(ShadowPhotons, ChangeNothingWhereTheyAreNotAskedFor) {
+    const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
+    const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 2);
+    for (const std::string& text : {label("both", "0"), label("rays", "1e5")}) {
+        const DirectLight off = direct_of(scene, text, 2);
+        EXPECT_EQ(plain.direct.rgb, off.direct.rgb) << text;
+        EXPECT_EQ(plain.counts.rays, off.counts.rays) << text;
+    }
+}
+
+TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
+    const auto reason_of = [](const char* file, const std::string& text) {
+        const MethodLabel parsed = MethodLabel::parse(text);
+        const auto& method = find_method("photon_mapper");
+        const auto scene = test::shipped_scene(file);
+        const Plan plan = method.create(ParameterValues(all_parameters(method), parsed), {})->plan(*scene.scene);
+        for (const auto& step : plan.steps)
+            if (step.pass == pass_shadow_map) return step.runs ? std::string("runs") : step.reason;
+        return std::string();
+    };
+    EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper shadow_photons=1e4"), "runs");
+    EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper"), "no photons are asked for");
+    EXPECT_EQ(reason_of("many-lights.xml", label("rays", "1e4")), "shadows=rays");
+    EXPECT_EQ(reason_of("many-lights.xml", label("both", "1e4", "max_depth=1")), "lights are not sampled");
+    EXPECT_EQ(reason_of("fog.xml", label("both", "1e4")), "media dim light on its way, which only rays can tell");
+}
+
+}  // namespace
+}  // namespace gib

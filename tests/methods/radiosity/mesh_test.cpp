@@ -1,0 +1,308 @@
+// How surfaces become patches.
+#include "methods/radiosity/contacts.h"
+#include "tests/methods/radiosity/fixtures.h"
+#include "tests/support/scene_text.h"
+
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+const std::string tilt = "<rotate x='1' y='2' z='3' angle='40'/><translate x='0.3' y='-2' z='5'/></transform>";
+const std::string grey = one_sided("0.5");
+
+struct NamedShape {
+    std::string name, xml;
+    double area;
+    std::size_t charts;
+};
+void PrintTo(const NamedShape& shape, std::ostream* out) { *out << shape.name; }
+
+std::string shape(const std::string& type, const std::string& transform, const std::string& inside = grey) {
+    return "<shape type='" + type + "'><transform name='to_world'>" + transform + tilt + inside + "</shape>";
+}
+
+/// A shape of a mesh, its vertices and faces as an OBJ file has them; the file is there until the program ends.
+std::string obj_shape(const std::string& name, const std::string& obj, const std::string& transform = "") {
+    static const TemporaryFolder folder;
+    return shape("obj", transform, "<string name='filename' value='" + folder.write(name, obj) + "'/>" + grey);
+}
+
+/// Four triangles around a point, no two of them in one plane.
+std::string pyramid() {
+    return obj_shape("pyramid.obj",
+                     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+                     "<scale value='2'/>");
+}
+/// One quadrilateral, no parallelogram, of two triangles.
+std::string trapezoid() {
+    return obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
+}
+
+std::vector<NamedShape> shapes() {
+    return {
+        {"pyramid", pyramid(), 16 * std::numbers::sqrt2, 4},
+        {"trapezoid", trapezoid(), 5, 1},
+        {"rectangle", shape("rectangle", "<scale x='3' y='0.5'/>"), 6, 1},
+        {"cube", shape("cube", "<scale x='1' y='2' z='3'/>"), 8 * (2 + 3 + 6), 6},
+        {"sphere", shape("sphere", "<scale value='2'/>"), 16 * pi, 6},
+        {"disk", shape("disk", "<scale value='2'/>"), 4 * pi, 1},
+        {"cylinder", shape("cylinder", "<scale value='2'/>"), 2 * pi * 2 * 2, 4},
+        {"instance",
+         "<shape type='shapegroup' id='g'><shape type='rectangle'>" + grey +
+             "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
+             tilt + "</shape>",
+         16, 1},
+    };
+}
+
+class EveryShapeInPatches : public testing::TestWithParam<NamedShape> {
+protected:
+    EveryShapeInPatches()
+        : scene_(scene_of(scene_xml(inside_view + GetParam().xml))),
+          charts_(*scene_.scene),
+          mesh_(charts_, 0.4, 100000) {}
+    LoadedScene scene_;
+    Charts charts_;
+    PatchMesh mesh_;
+};
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShapeInPatches, testing::ValuesIn(shapes()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(EveryShapeInPatches, HasAsManyChartsAsItHasFaces) { EXPECT_EQ(charts_.size(), GetParam().charts); }
+
+TEST_P(EveryShapeInPatches, CoversItOnce) {
+    double area = 0;
+    for (const PatchNode& node : mesh_.nodes())
+        if (node.is_leaf()) area += node.area;
+    EXPECT_NEAR(area / GetParam().area, 1, 1e-5);
+}
+
+TEST_P(EveryShapeInPatches, HasNoLongerEdgesThanAsked) {
+    std::size_t leaves = 0;
+    for (const PatchNode& node : mesh_.nodes()) {
+        if (!node.is_leaf()) continue;
+        ++leaves;
+        const auto corners = node.polygon.corners();
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            EXPECT_LT((corners[(i + 1) % corners.size()] - corners[i]).norm(), 0.4 * 1.01);
+    }
+    EXPECT_GT(static_cast<double>(leaves), GetParam().area / (0.4 * 0.4));
+    EXPECT_LT(static_cast<double>(leaves), 12 * GetParam().area / (0.4 * 0.4));
+}
+
+TEST_P(EveryShapeInPatches, FindsThePlaceOfEveryPoint) {
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const Sampler u(PointSet::sobol, 3, 0, i);
+        const PatchNode& root = mesh_.nodes()[mesh_.sides()[i % mesh_.sides().size()].root];
+        const SurfaceHit hit = mesh_.point_on(root, u.get_2d(0).cast<double>());
+        const auto place = mesh_.locate(hit, hit.ng);
+        ASSERT_TRUE(place);
+        const PatchNode& leaf = mesh_.nodes()[place->leaf];
+        EXPECT_TRUE(leaf.is_leaf());
+        const auto weights = mesh_.weights(leaf, place->uv);
+        Vec3d p = Vec3d::Zero();
+        double sum = 0;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.corner_count()); ++k) {
+            p += weights[k] * charts_.position(charts_[mesh_.sides()[leaf.side].chart], uv_of(leaf.corners[k]));
+            sum += weights[k];
+        }
+        EXPECT_NEAR(sum, 1, 1e-9);
+        // Chords of an arc of 20 degrees are 1.5 % of its radius away.
+        EXPECT_LT((p - hit.p.cast<double>()).norm(), 0.04) << i;
+        EXPECT_FALSE(mesh_.locate(hit, -hit.ng)) << "the back of a one-sided material has no patch";
+    }
+}
+
+TEST_P(EveryShapeInPatches, TurnsItsPolygonsToItsFront) {
+    for (const PatchNode& node : mesh_.nodes()) {
+        const SurfaceHit hit = mesh_.point_on(node, Vec2d::Constant(0.5));
+        EXPECT_GT(node.polygon.normal.dot(hit.ng.cast<double>()), node.is_leaf() ? 0.95 : 0.5);
+    }
+}
+
+TEST(PatchMesh, GivesTwoSidedMaterialsPatchesOnBothSides) {
+    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + diffuse(0.5) + "</shape>"));
+    const Charts charts(*scene.scene);
+    const PatchMesh mesh(charts, 1.01, 100);
+    ASSERT_EQ(mesh.sides().size(), 2u);
+    EXPECT_EQ(mesh.leaf_count(), 8u);
+    EXPECT_LT(mesh.nodes()[0].polygon.normal.dot(mesh.nodes()[1].polygon.normal), -0.999);
+}
+
+TEST(PatchMesh, MakesNoneOfSpecularSurfaces) {
+    const auto scene = scene_of(
+        scene_xml(inside_view + "<shape type='sphere'><bsdf type='conductor'/></shape><shape type='rectangle'>" + grey +
+                  "</shape>"));
+    const Charts charts(*scene.scene);
+    EXPECT_EQ(PatchMesh(charts, 1, 1000).sides().size(), 1u);
+}
+
+// A triangle is halved at its longest edge again and again, so that no part is a narrower needle than the whole.
+TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
+    const auto scene =
+        scene_of(scene_xml(inside_view + obj_shape("triangle.obj", "v 0 0 0\nv 5 0 0\nv 0 1 0\nf 1 2 3\n")));
+    const Charts charts(*scene.scene);
+    const PatchMesh mesh(charts, 0.1, 100000);
+    for (const PatchNode& node : mesh.nodes()) {
+        if (!node.is_leaf()) continue;
+        double longest2 = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            longest2 =
+                std::max(longest2, (node.polygon.vertices[(i + 1) % 3] - node.polygon.vertices[i]).squaredNorm());
+        EXPECT_GT(node.area, 0.99 * 2.5 / 26 * longest2);  // as the first one's
+    }
+}
+
+// A box stands on the floor: the leaves that its outline crosses are halved as often as asked, and no others.
+TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
+    constexpr int halvings = 6;
+    const auto scene = scene_of(scene_xml(
+        inside_view + "<shape type='rectangle'>" + grey +
+        "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='0.3'/></transform>" +
+        grey + "</shape>"));
+    const Charts charts(*scene.scene);
+    PatchMesh mesh(charts, 1.01, 100);  // 2 x 2 on the floor
+    const auto crossed = [&](const PatchNode& node) {
+        Vec2d lower = Vec2d::Constant(2), upper = -lower;
+        for (const Vec3d& corner : node.polygon.corners()) {
+            lower = lower.cwiseMin(corner.head<2>());
+            upper = upper.cwiseMax(corner.head<2>());
+        }
+        const bool meets = (lower.array() < 0.3).all() && (upper.array() > -0.3).all();
+        return meets && !((lower.array() > -0.3).all() && (upper.array() < 0.3).all());
+    };
+    std::uint64_t rays = 0;
+    halve_at_contacts(mesh, halvings, 100000, rays);
+    EXPECT_GT(rays, 0u);
+    int halved = 0;
+    for (const PatchNode& node : mesh.nodes()) {
+        const bool floor = node.side == 0;
+        if (!floor) {
+            EXPECT_TRUE(node.is_leaf());  // the box's faces are smaller than asked, and nothing stands on them
+        } else if (node.is_leaf()) {
+            EXPECT_TRUE(!crossed(node) || node.across + node.along == 2 + halvings);
+        } else if (node.across + node.along >= 2) {
+            EXPECT_TRUE(crossed(node));
+            ++halved;
+        }
+    }
+    EXPECT_GE(halved, 4 * halvings);  // each quarter of the floor, at every size
+    PatchMesh other(charts, 1.01, 100);
+    EXPECT_THROW(halve_at_contacts(other, halvings, 30, rays), InputError);
+}
+
+TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
+    const auto scene = scene_of(
+        scene_xml(inside_view + "<shape type='shapegroup' id='g'><shape type='sphere'>" + grey +
+                  "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
+                  tilt + "</shape>"));
+    const Charts charts(*scene.scene);
+    const PatchMesh mesh(charts, 0.4, 100000);
+    ASSERT_EQ(mesh.sides().size(), 6u);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const Sampler u(PointSet::sobol, 3, 0, i);
+        const SurfaceHit hit = mesh.point_on(mesh.nodes()[mesh.sides()[i % 6].root], u.get_2d(0).cast<double>());
+        const auto place = mesh.locate(hit, hit.ng);
+        ASSERT_TRUE(place);
+        const Chart& chart = charts[mesh.sides()[mesh.nodes()[place->leaf].side].chart];
+        EXPECT_LT((charts.position(chart, place->uv) - hit.p.cast<double>()).norm(), 1e-4) << i;
+    }
+}
+
+/// Ever smaller patches into a corner of the first side: `rounds` halvings, each of the last half or the one before.
+void halve_into_a_corner(PatchMesh& mesh, int rounds) {
+    auto node = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
+    for (int k = 0; k < rounds; ++k) {
+        ASSERT_TRUE(mesh.nodes()[node].is_leaf());
+        mesh.split(node);
+        node = static_cast<std::uint32_t>(mesh.nodes().size() - (k % 4 == 0 ? 1 : 2));
+    }
+}
+
+/// Values of all vertices by chance, those at T-junctions as they are bound.
+std::vector<double> bound_values(const PatchVertices& vertices) {
+    std::vector<double> values(vertices.vertices().size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<double>(mix64(i) % 1000);
+    for (const auto& bound : vertices.bound())
+        values[bound.vertex] = 0.5 * (values[bound.first] + values[bound.second]);
+    return values;
+}
+
+// Whatever the corners' values are, what is interpolated from both sides of an edge agrees, also where small patches
+// meet a large one.
+TEST(PatchVertices, InterpolateWithoutCracks) {
+    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + grey + "</shape>"));
+    const Charts charts(*scene.scene);
+    PatchMesh mesh(charts, 1.01, 100);  // 2 x 2
+    halve_into_a_corner(mesh, 9);
+    const PatchVertices vertices(mesh);
+    EXPECT_FALSE(vertices.bound().empty());
+    const std::vector<double> values = bound_values(vertices);
+    const auto value_in = [&](std::uint32_t leaf, const Vec2d& uv) {
+        const auto weights = mesh.weights(mesh.nodes()[leaf], uv);
+        double value = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            value += weights[k] * values[vertices.of_leaf(leaf)[k]];
+        return value;
+    };
+    int compared = 0;
+    for (std::uint32_t a = 0; a < mesh.nodes().size(); ++a)
+        for (std::uint32_t b = 0; b < a; ++b) {
+            const PatchNode &p = mesh.nodes()[a], &q = mesh.nodes()[b];
+            if (!p.is_leaf() || !q.is_leaf()) continue;
+            const Vec2d lower = uv_of(p.corners[0]).cwiseMax(uv_of(q.corners[0])),
+                        upper = uv_of(p.corners[2]).cwiseMin(uv_of(q.corners[2]));
+            if ((lower.array() > upper.array()).any()) continue;
+            for (const double t : {0.0, 0.3, 0.5, 0.9}) {
+                const Vec2d uv = lower + t * (upper - lower);
+                EXPECT_NEAR(value_in(a, uv), value_in(b, uv), 1e-6);
+                ++compared;
+            }
+        }
+    EXPECT_GT(compared, 100);
+}
+
+// The same between triangles: on every edge, at points of it that another leaf has too.
+TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
+    const auto scene = scene_of(scene_xml(inside_view + obj_shape("one.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")));
+    const Charts charts(*scene.scene);
+    PatchMesh mesh(charts, 1.01, 100);
+    halve_into_a_corner(mesh, 9);
+    const PatchVertices vertices(mesh);
+    EXPECT_FALSE(vertices.bound().empty());
+    const std::vector<double> values = bound_values(vertices);
+    const auto value_in = [&](std::uint32_t leaf, const Vec2d& uv) -> std::optional<double> {
+        const auto weights = mesh.weights(mesh.nodes()[leaf], uv);
+        double value = 0;
+        Vec2d there = Vec2d::Zero();
+        for (std::size_t k = 0; k < 3; ++k) {
+            value += weights[k] * values[vertices.of_leaf(leaf)[k]];
+            there += weights[k] * uv_of(mesh.nodes()[leaf].corners[k]);
+        }
+        if ((there - uv).norm() > 1e-9) return std::nullopt;  // outside, where weights are cut off
+        return value;
+    };
+    int compared = 0;
+    for (std::uint32_t a = 0; a < mesh.nodes().size(); ++a)
+        for (std::size_t k = 0; k < 3 && mesh.nodes()[a].is_leaf(); ++k)
+            for (const double t : {0.0, 0.3, 0.5, 0.9}) {
+                const Vec2d from = uv_of(mesh.nodes()[a].corners[k]), to = uv_of(mesh.nodes()[a].corners[(k + 1) % 3]);
+                const Vec2d uv = from + t * (to - from);
+                const auto here = value_in(a, uv);
+                ASSERT_TRUE(here);
+                for (std::uint32_t b = 0; b < mesh.nodes().size(); ++b) {
+                    const auto there = b != a && mesh.nodes()[b].is_leaf() ? value_in(b, uv) : std::nullopt;
+                    if (!there) continue;
+                    EXPECT_NEAR(*here, *there, 1e-6);
+                    ++compared;
+                }
+            }
+    EXPECT_GT(compared, 100);
+}
+
+}  // namespace
+}  // namespace gib::test

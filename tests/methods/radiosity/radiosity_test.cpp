@@ -1,0 +1,257 @@
+// Radiosity as a method: what its images show, refuse and leave out.
+#include "common/core/files.h"
+#include "common/mesh_files/mesh_data.h"
+#include "methods/radiosity/view.h"
+#include "tests/methods/radiosity/fixtures.h"
+#include "tests/support/scene_text.h"
+
+#include <gmock/gmock.h>
+
+#include <map>
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The runs of a label on a scene: what `use` says of one after `passes` passes.
+template <typename Use>
+auto after(const LoadedScene& scene, const std::string& label, std::uint32_t passes, Use&& use) {
+    const MethodLabel parsed = MethodLabel::parse(label);
+    const MethodDescription& description = find_method(parsed.name);
+    const auto method =
+        description.create(ParameterValues(all_parameters(description), parsed), MethodDefaults{scene.max_edges});
+    StageTimes stages;
+    const auto run = method->start(*scene.scene, 1, stages);
+    for (std::uint32_t pass = 0; pass < passes; ++pass)
+        if (run->advance(pass) == Progress::converged) break;
+    return use(*run, stages);
+}
+
+std::map<std::string, std::string> facts_of(const LoadedScene& scene, const std::string& label, std::uint32_t passes) {
+    return after(scene, label, passes, [](const gib::Run& run, const StageTimes&) {
+        const auto facts = run.facts();
+        return std::map<std::string, std::string>(facts.begin(), facts.end());
+    });
+}
+
+const std::string room = hollow_cube(one_sided("0.7 0.5 0.3")) + point_light("0.3 0.2 0.6", 1);
+
+double mean_difference(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i)
+        sum += static_cast<double>(std::abs(a.rgb[i] - b.rgb[i]));
+    return sum / static_cast<double>(a.rgb.size());
+}
+
+TEST(Radiosity, ShowsWhatPathTracingDoes) {
+    const std::string block =
+        "<shape type='cube'><transform name='to_world'><scale value='0.3'/><translate x='-0.3' y='0.1' "
+        "z='-0.6'/></transform>" +
+        one_sided("0.6") + "</shape>";
+    const auto scene = scene_of(scene_xml(inside_view + room + block));
+    const ComponentImages truth = render(scene, "path", 1024);
+    const double level = mean_of(*truth[Component::indirect]).mean();
+    for (const char* label : {"radiosity patch=0.04 links=0.005", "radiosity patch=0.1 links=0.005 gather=16"}) {
+        const ComponentImages found = render(scene, label, 32);
+        // 16 x 16 pixels of 1024 paths: noise of 2 % a pixel.
+        EXPECT_LT(mean_difference(*found[Component::indirect], *truth[Component::indirect]), 0.035 * level) << label;
+        EXPECT_NEAR(mean_of(*found[Component::indirect]).mean() / level, 1, 0.01) << label;
+    }
+}
+
+/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum
+/// over the wall.
+double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensity, double rho) {
+    constexpr int n = 400;
+    double E = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const Vec3d w(0, -1 + 2 * (i + 0.5) / n, (j + 0.5) / n * 2);
+            const Vec3d to_light = light - w, to_p = p - w;
+            const double B = rho * intensity * to_light.x() / std::pow(to_light.norm(), 3);
+            E += B / pi * to_p.x() * w.z() / sqr(to_p.squaredNorm()) * (4.0 / (n * n));
+        }
+    return E;
+}
+
+// Away from edges of shadows, the error falls at first order or better in the size of patches.
+TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
+    const Vec3d light(0.8, 0.2, 1.3);
+    const auto scene = scene_of(
+        scene_xml(inside_view + "<shape type='rectangle'><transform name='to_world'><translate x='1'/></transform>" +
+                  one_sided("0.5") +
+                  "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
+                  "z='1'/></transform>" +
+                  one_sided("0.8") + "</shape>" + point_light("0.8 0.2 1.3", 1)));
+    std::vector<double> errors;
+    for (const double patch : {0.3, 0.15, 0.075}) {
+        StageTimes stages;
+        RadiositySettings settings{patch, RadiositySolver::hierarchical, 0.002, false, 0, 1e9, "", 3};
+        RadiosityModel model(*scene.scene, settings, 1, stages);
+        while (!model.has_converged())
+            model.advance();
+        double error = 0, level = 0;
+        for (int i = 0; i < 64; ++i) {
+            const Vec3d p(0.2 + 1.6 * (i % 8 + 0.3) / 8, -0.8 + 1.6 * (i / 8 + 0.6) / 8, 0);
+            const Vec3d center(1, 0, 1);  // of the scene, where its own origin is
+            const auto hit =
+                scene.scene->intersect({Vec3((p - center).cast<float>() + Vec3(0, 0, 0.1f)), Vec3(0, 0, -1)});
+            ASSERT_TRUE(hit);
+            const double truth = light_by_way_of_a_wall(p, light, 1, 0.8);
+            error += sqr(static_cast<double>(model.display().irradiance(*hit, Vec3::UnitZ())[0]) - truth);
+            level += sqr(truth);
+        }
+        errors.push_back(std::sqrt(error / level));
+    }
+    EXPECT_LT(errors[2], 0.02);
+    EXPECT_GT(std::log2(errors[0] / errors[2]) / 2, 1) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+}
+
+TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    const auto other =
+        scene_of(scene_xml("<sensor type='perspective'><float name='fov' value='70'/><transform "
+                           "name='to_world'><lookat origin='0.5 0.5 0.5' target='-1 -1 -1' up='0 0 1'/></transform>" +
+                           box_film(16) + "</sensor>" + room));
+    StageTimes stages;
+    RadiosityModel model(*scene.scene, {0.1, RadiositySolver::hierarchical, 0.02, true, 0, 1e9, "", 1000}, 1, stages);
+    while (!model.has_converged())
+        model.advance();
+    const auto before = stages.stages();
+    RadiosityView view(*other.scene, effects_of(*other.scene), &model, {1000, true, 0}, 1, stages);
+    for (std::uint32_t pass = 0; pass < 8; ++pass)
+        view.sample(pass, false);
+    const auto alone = after(other, "radiosity patch=0.1 links=0.02 max_depth=1000", 40,
+                             [](const gib::Run& run, const StageTimes&) { return run.image(); });
+    EXPECT_LT(mean_difference(*view.image()[Component::indirect], *alone[Component::indirect]),
+              0.01 * mean_of(*alone[Component::indirect]).mean());
+    const auto stages_after = stages.stages();
+    ASSERT_EQ(stages_after.size(), before.size() + 1);
+    for (std::size_t i = 0; i < before.size(); ++i)
+        EXPECT_EQ(stages_after[i].seconds, before[i].seconds) << before[i].name;
+    EXPECT_EQ(stages_after.back().name, "view");
+}
+
+// While the solution changes, images show the last one only.
+TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    StageTimes stages;
+    RadiosityModel model(*scene.scene, {0.2, RadiositySolver::gauss_seidel, 0.02, true, 0, 1e9, "", 1000}, 1, stages);
+    RadiosityView changed(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
+    model.advance();
+    changed.sample(0, true);
+    const double early = mean_of(*changed.image()[Component::indirect]).mean();
+    while (!model.has_converged())
+        model.advance();
+    RadiosityView fresh(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
+    for (std::uint32_t pass = 1; pass < 3; ++pass) {
+        changed.sample(pass, pass == 1);
+        fresh.sample(pass, pass == 1);
+    }
+    EXPECT_EQ(changed.image()[Component::indirect]->rgb, fresh.image()[Component::indirect]->rgb);
+    const double late = mean_of(*fresh.image()[Component::indirect]).mean();
+    EXPECT_GT(early, 0.3 * late);
+    EXPECT_LT(early, 0.99 * late);
+}
+
+// A floor under a plate that is lit from above and reflects there only.
+TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
+    const auto scene = scene_of(scene_xml(
+        "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><lookat origin='0 -3 0.4' "
+        "target='0 0 0' up='0 0 1'/></transform>" +
+        box_film(16) + "</sensor><shape type='rectangle'>" + one_sided("0.8") +
+        "</shape><shape type='rectangle'><transform name='to_world'><translate z='1'/></transform>" + one_sided("0.8") +
+        "</shape>" + point_light("0 0 2", 5) + point_light("0 -2 0.3", 5)));
+    for (const char* label : {"radiosity patch=0.1", "radiosity patch=0.1 gather=4"}) {
+        const ComponentImages image = render(scene, label, 4);
+        EXPECT_GT(mean_of(*image[Component::direct]).sum(), 0.01) << label;
+        EXPECT_EQ(mean_of(*image[Component::indirect]).sum(), 0) << label;
+    }
+}
+
+// A wall that stands on the floor makes edges in its light, which patches of the solution's size cannot show.
+TEST(Radiosity, HalvesPatchesWhereLightChanges) {
+    const std::string wall =
+        "<shape type='cube'><transform name='to_world'><scale x='0.02' y='0.7' z='0.4'/><translate x='0.13' "
+        "z='-0.6'/></transform>" +
+        one_sided("0.6") + "</shape>";
+    const auto scene = scene_of(scene_xml(inside_view + room + wall));
+    const ComponentImages truth = render(scene, "radiosity patch=0.05 links=0.005 gather=64", 32);
+    const auto error_of = [&](const std::string& label) {
+        return mean_difference(*render(scene, label, 32)[Component::indirect], *truth[Component::indirect]);
+    };
+    const double on = error_of("radiosity patch=0.15"), off = error_of("radiosity patch=0.15 adapt=off");
+    EXPECT_LT(on, off);
+    auto with = facts_of(scene, "radiosity patch=0.15", 30),
+         without = facts_of(scene, "radiosity patch=0.15 adapt=off", 30);
+    EXPECT_GT(std::stoul(with["patches"]), std::stoul(without["patches"])) << "along the foot of the wall";
+    EXPECT_GT(std::stoul(with["vertices"]), 2 * std::stoul(without["vertices"]));
+}
+
+TEST(Radiosity, SaysHowFarItCame) {
+    const auto scene = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.999")) + point_light("0.5 0 0", 1)));
+    auto facts = facts_of(scene, "radiosity patch=0.2 solver=gauss_seidel", 3);
+    EXPECT_EQ(facts["converged"], "no");
+    EXPECT_EQ(facts["sweeps"], "3");
+    EXPECT_GT(std::stod(facts["residual"]), 0.1);
+    EXPECT_EQ(facts["closed"], "yes");
+    EXPECT_LT(std::stod(facts["closure_mean"]), 0.01);
+    facts = facts_of(scene, "radiosity patch=0.2", 30);
+    EXPECT_EQ(facts["converged"], "yes");
+    EXPECT_LT(std::stod(facts["residual"]), 1e-4);
+}
+
+TEST(Radiosity, RefusesWhatDoesNotFitBeforeItIsMade) {
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    for (const char* label : {"radiosity patch=1e-5", "radiosity patch=0.004 solver=conjugate_gradient",
+                              "radiosity patch=0.02 memory=0.01", "radiosity patch=0.1 solver=direct memory=0.004"})
+        try {
+            facts_of(scene, label, 1);
+            ADD_FAILURE() << label;
+        } catch (const InputError& error) {
+            EXPECT_THAT(error.what(), testing::ContainsRegex("needs [0-9]+ bytes")) << label;
+            EXPECT_THAT(error.what(), testing::HasSubstr("larger patch")) << label;
+        }
+}
+
+TEST(Radiosity, WritesItsPatchesWithTheirLight) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "patches.ply";
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    auto facts = facts_of(scene, "radiosity patch=0.2 adapt=off ply=" + file, 30);
+    const std::string text = read_file(file);
+    EXPECT_THAT(text, testing::HasSubstr("property float B_red"));
+    const MeshData mesh = parse_ply(text, file);
+    EXPECT_EQ(mesh.positions.size(), std::stoul(facts["vertices"]));
+    EXPECT_EQ(mesh.triangles.size(), 2 * std::stoul(facts["patches"]));
+    double area = 0;
+    for (const auto& t : mesh.triangles) {
+        const Vec3d n =
+            (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
+        area += n.norm() / 2;
+        EXPECT_GT(n.dot(mesh.normals[t[0]].cast<double>()), 0) << "faces turn as their normals do";
+    }
+    EXPECT_NEAR(area, 24, 1e-4);
+}
+
+TEST(Radiosity, NamesWhatItLeavesOut) {
+    const auto scene = shipped_scene("cornell-glass.xml");
+    const MethodDescription& description = find_method("radiosity");
+    const auto plan =
+        description.create(ParameterValues(description.parameters, {"radiosity", {}}), {})->plan(*scene.scene);
+    for (const Effect e : {Effect::specular_reflection, Effect::refraction, Effect::caustics})
+        EXPECT_TRUE(plan.missing.has(e)) << name_of(e);
+    EXPECT_THAT(plan.unresolved, testing::IsSupersetOf({Component::direct, Component::indirect, Component::caustic}));
+    EXPECT_TRUE(plan.runs("patches and links"));
+    EXPECT_FALSE(plan.runs("final gather"));
+}
+
+TEST(Radiosity, LinksAreOfTheHierarchicalSolverOnly) {
+    const auto scene = scene_of(scene_xml(inside_view + room));
+    EXPECT_THROW(facts_of(scene, "radiosity solver=direct links=0.1", 1), InputError);
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,221 @@
+// The equation system of radiosity and its solvers, against closed forms.
+#include "methods/radiosity/model.h"
+#include "tests/methods/radiosity/fixtures.h"
+
+#include <numbers>
+
+namespace gib::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::string grey(double rho) { return one_sided(std::to_string(rho)); }
+
+/// A cubic room whose walls reflect differently, one of them nothing in two channels, with a block in it.
+const std::string coloured_room =
+    "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform>" + one_sided("0.8 0.6 0.4") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate "
+    "z='1'/></transform>" +
+    one_sided("0.3 0.3 0.9") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
+    "x='-1'/></transform>" +
+    one_sided("0.7 0 0") +
+    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='-90'/><translate "
+    "x='1'/></transform>" +
+    one_sided("0.5") +
+    "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='-0.7'/></transform>" +
+    one_sided("0.9") + "</shape>" + point_light("0.3 0.2 0.6", 1);
+
+double mean_over(const RadiositySystem& system, const PatchColors& values, int channel) {
+    double sum = 0, area = 0;
+    for (const std::uint32_t leaf : system.leaves()) {
+        sum += system.area(leaf) * values[leaf][channel];
+        area += system.area(leaf);
+    }
+    return sum / area;
+}
+
+std::unique_ptr<RadiositySolution> solved(const RadiositySystem& system, RadiositySolver solver, double residual,
+                                          int most = 10000) {
+    auto solution = start_solution(system, solver);
+    while (solution->residual() > residual && solution->sweeps() < most)
+        solution->sweep();
+    return solution;
+}
+
+TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
+    const PatchedScene scene(coloured_room, 0.51, 0, false);
+    for (const PatchLink& link : scene.links.links)
+        for (const std::uint32_t end : {link.p, link.q})
+            ASSERT_TRUE(scene.mesh.nodes()[end].is_leaf());
+    const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10, 1);
+    EXPECT_LT(truth->residual(), 1e-10);
+    for (const auto solver :
+         {RadiositySolver::gauss_seidel, RadiositySolver::shooting, RadiositySolver::conjugate_gradient}) {
+        const auto found = solved(scene.system, solver, 1e-6);
+        for (const std::uint32_t leaf : scene.system.leaves())
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(found->radiosity()[leaf][c], truth->radiosity()[leaf][c],
+                            1e-4 * truth->radiosity()[leaf][c])
+                    << radiosity_solver_names[static_cast<std::size_t>(solver)] << ' ' << leaf;
+    }
+}
+
+// What was reflected first has been absorbed, or waits to be shot.
+TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
+    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
+    const double first = scene.system.power(solution->radiosity())[0];
+    for (int sweep = 0; sweep < 6; ++sweep) {
+        solution->sweep();
+        double received = 0;  // of reflected light: (X - B1) / rho
+        for (const std::uint32_t leaf : scene.system.leaves())
+            received += scene.system.area(leaf) *
+                        (solution->radiosity()[leaf][0] - scene.system.first_reflection(leaf)[0]) / 0.6;
+        EXPECT_NEAR(0.4 * received + solution->residual() * first, first, 1e-5 * first) << sweep;
+        EXPECT_LT(solution->residual(), std::pow(0.6, sweep + 1));
+    }
+}
+
+// In a closed room of one reflectance, the ambient estimate adds just the power that is still to be reflected, and it
+// is no part of the solution.
+TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
+    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
+    const double first = scene.system.power(solution->radiosity())[0];
+    for (int sweep = 0; sweep < 4; ++sweep) {
+        EXPECT_NEAR(scene.system.power(solution->shown())[0], first / 0.4, 1e-5 * first) << sweep;
+        EXPECT_NEAR(scene.system.power(solution->radiosity())[0],
+                    first / 0.4 - solution->residual() * first * 0.6 / 0.4, 1e-5 * first)
+            << sweep;
+        solution->sweep();
+    }
+}
+
+// Were patches to gather what the sweep before left, each sweep would add one reflection, and rho^(n + 1) would be
+// missing after n of them.
+TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
+    const PatchedScene scene(hollow_cube(grey(0.9)) + point_light("0.5 0 0", 1), 0.7);
+    const auto solution = start_solution(scene.system, RadiositySolver::gauss_seidel);
+    for (int sweep = 1; sweep <= 8; ++sweep)
+        solution->sweep();
+    EXPECT_LT(solution->residual(), std::pow(0.9, 9) / 2);
+}
+
+// Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho),
+// whatever its walls see.
+TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
+    for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
+        const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
+        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+        const PatchColors E = scene.system.gather(solution->radiosity());
+        EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
+    }
+}
+
+// Between flat patches that nothing hides, form factors are those of the closed form: what scaling has to mend is
+// small.
+TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
+    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0 0 0", 1), 0.51);
+    EXPECT_LT(scene.system.closure().largest, 1e-3);
+}
+
+// Whatever the light, every point of a sphere receives the same from all others: 4 pi / (4 pi r^2) rho / (1 - rho).
+TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
+    for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
+        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
+        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+        const PatchColors E = scene.system.gather(solution->radiosity());
+        EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
+        for (const std::uint32_t leaf : scene.system.leaves())
+            EXPECT_NEAR(E[leaf][0] / (rho / (1 - rho)), 1, 0.05) << rho;
+    }
+}
+
+/// Standard deviation of indirect light over an integrating sphere's patches, over its mean.
+double unevenness_of_a_sphere(double size) {
+    const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
+    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
+    PatchColors E = scene.system.gather(solution->radiosity());
+    for (Colord& e : E)
+        e = (e - 1).square();
+    return std::sqrt(mean_over(scene.system, E, 0));
+}
+
+// Chords are not the sphere, and those of larger and smaller patches are off by different shares, of second order in
+// their size.
+TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
+    const double coarse = unevenness_of_a_sphere(0.45), fine = unevenness_of_a_sphere(0.225);
+    EXPECT_LT(fine, coarse / 2) << coarse << ' ' << fine;
+}
+
+TEST(RadiositySystem, WhiteWallsConverge) {
+    const PatchedScene scene(hollow_cube(grey(0.999)) + point_light("0.5 0 0", 1), 0.51, 0.02);
+    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
+    EXPECT_LT(solution->residual(), 1e-4);
+    EXPECT_NEAR(mean_over(scene.system, scene.system.gather(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1, 0.005);
+}
+
+TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
+    const PatchedScene scene(coloured_room, 0.6, 0, false);
+    PatchColors series, term(scene.mesh.nodes().size(), Colord::Zero());
+    for (const std::uint32_t leaf : scene.system.leaves())
+        term[leaf] = scene.system.first_reflection(leaf);
+    series = term;
+    for (int n = 1; n <= 4; ++n) {
+        const auto solution = start_series(scene.system, n);
+        while (solution->residual() > 0)
+            solution->sweep();
+        for (const std::uint32_t leaf : scene.system.leaves())
+            EXPECT_NEAR(solution->radiosity()[leaf].sum(), series[leaf].sum(), 1e-12 * series[leaf].sum()) << n;
+        const PatchColors E = scene.system.gather(term);
+        for (const std::uint32_t leaf : scene.system.leaves()) {
+            term[leaf] = scene.system.reflectance(leaf) * E[leaf];
+            series[leaf] += term[leaf];
+        }
+    }
+}
+
+// Links between groups give what links between all patches do, with fewer of them.
+TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
+    const PatchedScene all(coloured_room, 0.26, 0, false), grouped(coloured_room, 0.26, 0.05, false);
+    EXPECT_LT(grouped.links.links.size(), all.links.links.size() / 2);
+    const auto truth = solved(all.system, RadiositySolver::conjugate_gradient, 1e-6);
+    const auto found = solved(grouped.system, RadiositySolver::hierarchical, 1e-6);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(mean_over(grouped.system, found->radiosity(), c) / mean_over(all.system, truth->radiosity(), c), 1,
+                    0.01);
+}
+
+// What patches reflect of evenly distributed light, whatever makes it up.
+TEST(PatchLight, ReflectsTheMeanOfAPatch) {
+    const auto reflectance_of = [](const std::string& material) {
+        const PatchedScene scene("<shape type='rectangle'>" + material + "</shape>" + point_light("0 0 1", 1), 3, 0,
+                                 false);
+        EXPECT_EQ(scene.system.size(), 1u);
+        return scene.light.reflectance[0][1];
+    };
+    EXPECT_NEAR(reflectance_of(grey(0.5)), 0.5, 1e-6);
+    EXPECT_NEAR(reflectance_of("<bsdf type='mask'><float name='opacity' value='0.3'/>" + grey(0.5) + "</bsdf>"), 0.15,
+                1e-6);
+    const std::string board =
+        "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'><rgb name='color0' value='0.2'/><rgb "
+        "name='color1' value='0.8'/></texture></bsdf>";
+    EXPECT_NEAR(reflectance_of(board), 0.5, 0.05);
+}
+
+TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
+    const std::string walls = hollow_cube(grey(0.5));
+    const auto links_with = [&](const std::string& position) {
+        const PatchedScene scene(walls + point_light(position, 1), 0.26, 0.02);
+        std::size_t low = 0, high = 0;
+        for (const PatchLink& link : scene.links.links)
+            for (const std::uint32_t end : {link.p, link.q})
+                ++(scene.mesh.nodes()[end].center.z() > 0 ? high : low);
+        return static_cast<double>(high) / static_cast<double>(low);
+    };
+    EXPECT_GT(links_with("0 0 0.9"), 1.2 * links_with("0 0 -0.9"));
+}
+
+}  // namespace
+}  // namespace gib::test

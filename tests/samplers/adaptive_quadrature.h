@@ -1,0 +1,37 @@
+#pragma once
+// Integrals over rectangles of functions that may have narrow peaks and jumps, with an estimate of the error.
+
+#include "common/core/math.h"
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace gib::test {
+
+struct Rectangle {
+    Vec2d lower, upper;
+
+    Vec2d extent() const { return upper - lower; }
+    double area() const { return extent().prod(); }
+};
+
+using PlaneFunction = std::function<double(const Vec2d&)>;
+
+struct Integral {
+    double value = 0;
+    double error = 0;  ///< estimated standard deviation, see integrate()
+    std::size_t evaluations = 0;
+    bool converged = true;  ///< the error is below the tolerance
+};
+
+/// The integral over the union of `boxes`, which must be fine enough for a rule of 3 x 3 points to notice what is in
+/// them. The box with the largest error is halved, across the direction in which halving changes its integral most,
+/// until the error is below `tolerance(value)` or `max_evaluations` are spent. The error of a box is how much halving
+/// it changes its integral: an overestimate by orders of magnitude where the function is smooth, about right where a
+/// jump crosses the box; jumps err in either direction, so the boxes' errors add like independent ones. Throws
+/// std::domain_error where the function is not finite.
+Integral integrate(const PlaneFunction& f, const std::vector<Rectangle>& boxes,
+                   const std::function<double(double)>& tolerance, std::size_t max_evaluations);
+
+}  // namespace gib::test

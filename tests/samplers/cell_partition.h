@@ -1,0 +1,39 @@
+#pragma once
+// A rectangle cut into cells that hold equal shares of a sample.
+
+#include "tests/samplers/sampled_density.h"
+
+#include <span>
+
+namespace gib::test {
+
+/// A complete binary tree of cuts at medians, across x and y in turn. The cells of a coarser partition are unions of
+/// neighbours in the order of the leaves.
+class CellPartition {
+public:
+    /// Cells with fewer than `least` points are not made; at most 2^max_levels.
+    CellPartition(const Domain& domain, std::vector<Vec2d> points, int max_levels, std::size_t least);
+
+    int levels() const { return levels_; }
+    std::size_t cells() const { return std::size_t{1} << levels_; }
+    std::size_t cell_of(const Vec2d& point) const;
+    /// The cell cut into boxes that are fine where the points are: few points in each, no break inside, no larger than
+    /// a given part of the domain.
+    std::vector<Rectangle> boxes(std::size_t cell) const;
+
+private:
+    void cut(std::size_t node, int level, const Rectangle& area, std::size_t begin, std::size_t end);
+
+    struct Leaf {
+        Rectangle area;
+        std::size_t begin, end;  ///< of its points
+    };
+
+    Domain domain_;
+    std::vector<Vec2d> points_;
+    int levels_ = 0;
+    std::vector<double> cuts_;  ///< of the inner nodes; the children of i are 2 i + 1 and 2 i + 2
+    std::vector<Leaf> leaves_;
+};
+
+}  // namespace gib::test

@@ -1,0 +1,84 @@
+#include "tests/samplers/chi_square.h"
+
+#include "tests/samplers/adaptive_quadrature.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <stdexcept>
+
+namespace gib::test {
+namespace {
+
+// With 2 m degrees of freedom the tail is a sum of m Poisson probabilities; with one, it is the normal law's.
+TEST(ChiSquare, TailAgreesWithTheClosedFormsOfEvenAndSingleDegrees) {
+    for (int m : {1, 2, 10, 512, 2000}) {
+        for (double x : {0.1, 0.8, 1.0, 1.1, 2.0, 5.0}) {
+            const double half = x * m;
+            double sum = 0;
+            for (int k = 0; k < m; ++k)
+                sum += std::exp(k * std::log(half) - half - std::lgamma(k + 1.0));
+            EXPECT_NEAR(chi_square_tail(2 * half, 2.0 * m), sum, 1e-10 * sum + 1e-12) << m << ' ' << x;
+        }
+    }
+    for (double x : {0.01, 1.0, 3.841458820694124, 30.0, 300.0})
+        EXPECT_NEAR(chi_square_tail(x, 1), std::erfc(std::sqrt(x / 2)), 1e-9 * std::erfc(std::sqrt(x / 2)) + 1e-14);
+    EXPECT_EQ(chi_square_tail(0, 5), 1);
+    EXPECT_NEAR(normal_two_sided_tail(1.959963984540054), 0.05, 1e-12);
+}
+
+TEST(ChiSquare, CellsThatExpectLittleArePooled) {
+    const PearsonTest test = pearson_test({{12, 10}, {8, 10}, {1, 2}, {4, 2}, {2, 3}});
+    EXPECT_EQ(test.degrees, 2);
+    EXPECT_NEAR(test.statistic, 0.4 + 0.4 + 0.0, 1e-12);
+    // The pool expects 3 and joins the smaller cell: (8 + 0 - 13)^2 / 13.
+    EXPECT_NEAR(pearson_test({{22, 20}, {8, 10}, {0, 3}}).statistic, 0.2 + 25.0 / 13, 1e-12);
+    EXPECT_EQ(pearson_test({{3, 3}}).p_value, 1);
+}
+
+TEST(Holm, StepsDownAndCountsWhatIsNotANumberAsRejected) {
+    using Indices = std::vector<std::size_t>;
+    // Thresholds 0.05 / 4, / 3, / 2, / 1.
+    EXPECT_EQ(holm_rejections({0.02, 0.001, 0.016, 0.9}, 0.05), (Indices{1, 2, 0}));
+    EXPECT_EQ(holm_rejections({0.02, 0.013, 0.016, 0.9}, 0.05), Indices{});
+    EXPECT_EQ(holm_rejections({0.5, std::nan("")}, 0.05), Indices{1});
+    EXPECT_EQ(holm_rejections({}, 0.05), Indices{});
+}
+
+/// `n` x `n` boxes of a square.
+std::vector<Rectangle> grid(double lower, double upper, int n) {
+    std::vector<Rectangle> boxes;
+    const double step = (upper - lower) / n;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            boxes.push_back({{lower + i * step, lower + j * step}, {lower + (i + 1) * step, lower + (j + 1) * step}});
+    return boxes;
+}
+
+TEST(AdaptiveQuadrature, MeetsItsToleranceForPeaksJumpsAndCorners) {
+    const auto square = grid(0, 1, 16);
+    const auto tolerance = [](double) { return 1e-5; };
+    const auto disk = [](const Vec2d& x) { return x.squaredNorm() < 0.25 ? 1.0 : 0.0; };
+    const Integral quarter = integrate(disk, square, tolerance, 10'000'000);
+    EXPECT_TRUE(quarter.converged);
+    EXPECT_NEAR(quarter.value, std::numbers::pi / 16, 5e-5);
+    const auto peak = [](const Vec2d& x) { return std::exp(-(x - Vec2d(0.37, 0.61)).squaredNorm() / 2e-4); };
+    const Integral gauss = integrate(
+        peak, square, [](double) { return 1e-9; }, 10'000'000);
+    EXPECT_NEAR(gauss.value, std::numbers::pi * 2e-4, 1e-9);
+    const auto root = [](const Vec2d& x) { return 1 / std::sqrt(x.x()); };
+    EXPECT_NEAR(integrate(root, square, tolerance, 10'000'000).value, 2, 1e-4);
+}
+
+TEST(AdaptiveQuadrature, SaysWhenItGaveUpAndRefusesWhatIsNotFinite) {
+    const auto square = grid(-1, 1, 1);
+    const auto disk = [](const Vec2d& x) { return x.norm() < 0.7 ? 1.0 : 0.0; };
+    EXPECT_FALSE(integrate(
+                     disk, square, [](double) { return 1e-9; }, 10'000)
+                     .converged);
+    const auto tolerance = [](double) { return 1e-3; };
+    const auto pole = [](const Vec2d& x) { return x.x() == 0 ? std::numeric_limits<double>::infinity() : 1 / x.x(); };
+    EXPECT_THROW(integrate(pole, square, tolerance, 10'000), std::domain_error);
+}
+
+}  // namespace
+}  // namespace gib::test

@@ -1,0 +1,283 @@
+// The lights, as seen from a point, and as sources of light paths.
+
+#include "tests/samplers/sampler_cases.h"
+#include "tests/support/light_fixtures.h"
+#include "tests/support/scene_text.h"
+
+#include <fmt/format.h>
+
+namespace gib::test {
+
+namespace {
+
+using ScenePointer = std::shared_ptr<const Scene>;
+
+double mean(const Color& c) { return c.cast<double>().mean(); }
+
+std::string emitter(const std::string& radiance) {
+    return "<emitter type='area'><rgb name='radiance' value='" + radiance + "'/></emitter>";
+}
+
+std::string number(const std::string& name, double value) {
+    return fmt::format("<float name='{}' value='{}'/>", name, value);
+}
+
+/// A shape that emits; `placing` stands inside its to_world.
+std::string area_light(const std::string& type, const std::string& placing, const std::string& parameters = "",
+                       const std::string& radiance = "1") {
+    return "<shape type='" + type + "'>" + parameters + "<transform name='to_world'>" + placing + "</transform>" +
+           emitter(radiance) + "</shape>";
+}
+
+std::string translate(double x, double y, double z) {
+    return fmt::format("<translate x='{}' y='{}' z='{}'/>", x, y, z);
+}
+
+/// What a path that finds the light by chance must assume: the density of the light that the ray meets. Surfaces that
+/// do not emit are looked through, as the samplers do.
+double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
+    const auto hit = scene.intersect(Ray{p, w});
+    return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
+}
+
+double radiance(const Scene& scene, const Vec3& p, const Vec3& w) {
+    const auto hit = scene.intersect(Ray{p, w});
+    return mean(hit && hit->emitter ? hit->Le(-w) : scene.environment_radiance(w));
+}
+
+struct Seen {
+    Vec3 axis;  ///< roughly towards the light; a break's 1 - cos is measured from here
+    std::optional<double> total = 1.0;
+    std::vector<double> breaks = {};
+};
+
+/// Lights as they are seen from p. They must not hide each other: the sampler does not look.
+SamplerCase light_case(const std::string& name, const std::string& xml, const Vec3& p_file, const Seen& seen) {
+    const ScenePointer scene = load(xml).scene;
+    // Scenes are recentred when they are loaded; the camera stands at the file's origin.
+    const Vec3 p = p_file + scene->sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
+    const SphereChart chart(seen.axis.cast<double>());
+    SamplerCase test = sphere_case(
+        "light: " + name, chart,
+        [scene, p](const RandomNumbers& r) -> std::optional<SampledDirection> {
+            const auto s = scene->sample_light(p, r.choice.x(), r.u);
+            if (!s) return std::nullopt;
+            const auto pdf = static_cast<double>(s->pdf_w);
+            return SampledDirection{s->wi, pdf, mean(s->Le) / pdf, s->delta};
+        },
+        [scene, p](const Vec3& w) { return light_pdf(*scene, p, w); });
+    test.value = [scene, p, chart](const Vec2d& point) {
+        return radiance(*scene, p, chart.direction(point).cast<float>());
+    };
+    test.domain = SphereChart::domain(seen.breaks);
+    test.total = seen.total;
+    return test;
+}
+
+/// A cylinder from outside, by the angle and height of its points. By direction its density has no bound at the
+/// silhouette, and what lies within a float's rounding of that is more than the scatter of the counts.
+SamplerCase outside_of_cylinder_case() {
+    const ScenePointer scene = load(area_light("cylinder", "")).scene;
+    const Vec3 origin = scene->sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
+    const Vec3d p(3, 1, 2);
+    constexpr double per_area = 1 / (2 * std::numbers::pi);
+    // A float's cosine is wrong by some 1e-6, which is less than limits::pdf_mismatch of it only above this.
+    constexpr double clear_of_silhouette = 0.01;
+    const auto normal = [](double phi) { return Vec3d(std::cos(phi), std::sin(phi), 0); };
+    SamplerCase test;
+    test.name = "light: cylinder";
+    test.sample = [=](const RandomNumbers& r) -> std::optional<Sampled> {
+        const auto s = scene->sample_light(p.cast<float>() + origin, r.choice.x(), r.u);
+        if (!s) return std::nullopt;
+        const Vec3d target = (s->target - origin).cast<double>();
+        const double phi = std::atan2(target.y(), target.x()), z = std::clamp(target.z(), 0.0, 1.0);
+        const Vec3d n = normal(phi), to_p = p - n - Vec3d(0, 0, z);
+        const double cosine = n.dot(to_p.normalized());
+        const double pdf = static_cast<double>(s->pdf_w) * cosine / to_p.squaredNorm();
+        return Sampled{{phi, z}, cosine > clear_of_silhouette ? pdf : per_area, per_area};
+    };
+    test.pdf = [=](const Vec2d& point) { return normal(point.x()).dot(p) > 1 ? per_area : 0; };
+    const double axis = std::atan2(p.y(), p.x()), half = std::acos(1 / std::hypot(p.x(), p.y()));
+    test.domain = {{-std::numbers::pi, axis - half, axis + half, std::numbers::pi}, {0, 1}};
+    test.total = half / std::numbers::pi;
+    return test;
+}
+
+/// 1 - cos of the half-angle of a sphere's cone.
+double cone_of_sphere(double radius, double distance) { return 1 - std::sqrt(1 - sqr(radius / distance)); }
+
+/// Light paths' starts, by the point of the plane or sphere that `place` makes of them, against `pdf` there. Their mean
+/// power must be the light's.
+template <typename Place>
+auto emission_sampler(const ScenePointer& scene, const Place& place, const std::function<double(const Vec3&)>& pdf) {
+    const double power = scene->emitted_power().mean();
+    return [scene, place, pdf, power](const RandomNumbers& r) -> std::optional<SampledDirection> {
+        const EmissionSample s = scene->sample_emission(r.choice.x(), r.u, r.v);
+        const Vec3 w = place(s);
+        return SampledDirection{w, pdf(w), s.power.mean() / power};
+    };
+}
+
+/// The directions of light paths, about the normal where they start (z where there is none).
+SamplerCase emission_direction_case(const std::string& name, const std::string& xml,
+                                    const std::function<double(const Vec3&)>& pdf,
+                                    const std::vector<double>& breaks = {}) {
+    const auto place = [](const EmissionSample& s) -> Vec3 {
+        return s.normal.isZero() ? s.ray.d : Frame(s.normal).to_local(s.ray.d);
+    };
+    SamplerCase test =
+        sphere_case("emission: direction, " + name, SphereChart(), emission_sampler(load(xml).scene, place, pdf), pdf);
+    test.domain = SphereChart::domain(breaks);
+    test.mean_weight = 1;
+    return test;
+}
+
+const std::function<double(const Vec3&)> uniform = [](const Vec3&) { return 1 / (4 * std::numbers::pi); };
+
+/// The starts of light paths on a sphere at the origin.
+SamplerCase emission_sphere_case() {
+    const ScenePointer scene = load(area_light("sphere", "", number("radius", 2))).scene;
+    const auto place = [](const EmissionSample& s) -> Vec3 { return s.ray.o.normalized(); };
+    return sphere_case("emission: position, sphere", SphereChart(), emission_sampler(scene, place, uniform), uniform);
+}
+
+/// The starts of light paths on a rectangle [-2, 2] x [-1, 1] in the plane z = 0.
+SamplerCase emission_rectangle_case() {
+    const ScenePointer scene = load(area_light("rectangle", "<scale x='2' y='1' z='1'/>")).scene;
+    return plane_case(
+        "emission: position, rectangle", {{-2, 2}, {-1, 1}},
+        [scene](const RandomNumbers& r) {
+            return Vec2(scene->sample_emission(r.choice.x(), r.u, r.v).ray.o.head<2>());
+        },
+        [](const Vec2d&) { return 1.0 / 8; });
+}
+
+const std::string small_shape = "<shape type='sphere'><float name='radius' value='0.5'/></shape>";
+
+/// The starts of parallel light's paths, along z, on a disk that hides a sphere of radius 1/2 and the box around it.
+SamplerCase emission_disk_case() {
+    const ScenePointer scene =
+        load(small_shape + "<emitter type='directional'><vector name='direction' x='0' y='0' z='1'/></emitter>").scene;
+    const double radius = 0.5 * std::sqrt(3.0);
+    return plane_case(
+        "emission: position, directional", {{-1, 1}, {-1, 1}},
+        [scene](const RandomNumbers& r) {
+            return Vec2(scene->sample_emission(r.choice.x(), r.u, r.v).ray.o.head<2>());
+        },
+        [radius](const Vec2d& x) {
+            // The program's disk is larger by a share of 1e-5.
+            return x.norm() <= radius * (1 + 2e-5) ? 1 / (std::numbers::pi * sqr(radius)) : 0.0;
+        });
+}
+
+/// A spot along z; the density is its fall-off, linear in the angle, over its integral.
+SamplerCase emission_spot_case(double cutoff_degrees, double beam_degrees) {
+    const double cutoff = cutoff_degrees * std::numbers::pi / 180, beam = beam_degrees * std::numbers::pi / 180;
+    const auto falloff = [cutoff, beam](double theta) {
+        return theta <= beam ? 1.0 : std::max((cutoff - theta) / (cutoff - beam), 0.0);
+    };
+    double integral = 0;
+    constexpr int steps = 100'000;
+    for (int i = 0; i < steps; ++i) {
+        const double theta = cutoff * (i + 0.5) / steps;
+        integral += 2 * std::numbers::pi * falloff(theta) * std::sin(theta) * cutoff / steps;
+    }
+    const auto pdf = [falloff, integral](const Vec3& w) {
+        const Vec3d d = w.cast<double>();
+        // The fall-off ends at 0, where a sample may lie as well.
+        return std::max(falloff(std::atan2(d.head<2>().norm(), d.z())), 1e-12) / integral;
+    };
+    return emission_direction_case(fmt::format("spot {} {}", cutoff_degrees, beam_degrees),
+                                   small_shape + "<emitter type='spot'>" + number("cutoff_angle", cutoff_degrees) +
+                                       number("beam_width", beam_degrees) + "</emitter>",
+                                   pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
+}
+
+/// Noise, and a sun of one texel that has most of the light.
+std::string sunny_map(const TemporaryFolder& folder) {
+    return envmap_xml(folder, image_of(16, 9, [](int x, int y) {
+                          return x == 11 && y == 2 ? Color(Color::Constant(300)) : Color(noise(x, y));
+                      }));
+}
+
+SamplerCase emission_map_case() {
+    const TemporaryFolder folder;
+    const std::string xml = small_shape + sunny_map(folder);
+    const ScenePointer scene = load(xml).scene;
+    return emission_direction_case("envmap", xml, [scene](const Vec3& w) {
+        return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
+    });
+}
+
+std::vector<SamplerCase> environment_cases() {
+    const TemporaryFolder folder;
+    const std::string constant = "<emitter type='constant'/>", point = "<emitter type='point'/>";
+    const Vec3 up(0, 1, 0), p(2, 0, 0);
+    return {
+        light_case("constant", small_shape + constant, p, {up}),
+        light_case("constant and point", small_shape + constant + point, p, {up, std::nullopt}),
+        light_case("envmap", small_shape + sunny_map(folder), p, {up}),
+        light_case("envmap of noise", small_shape + envmap_xml(folder, image_of(5, 4, noise)), p, {up}),
+        light_case("envmap of one row", small_shape + envmap_xml(folder, image_of(4, 1, noise)), p, {up}),
+    };
+}
+
+std::vector<SamplerCase> emission_cases() {
+    const auto cosine = [](const Vec3& w) { return std::max(static_cast<double>(w.z()), 0.0) / std::numbers::pi; };
+    return {
+        emission_sphere_case(),
+        emission_rectangle_case(),
+        emission_disk_case(),
+        emission_direction_case("sphere", area_light("sphere", translate(1, 2, 3)), cosine),
+        emission_direction_case("rectangle", area_light("rectangle", translate(1, 2, 3)), cosine),
+        emission_direction_case("point", small_shape + "<emitter type='point'/>", uniform),
+        emission_direction_case("constant", small_shape + "<emitter type='constant'/>", uniform),
+        emission_spot_case(20, 15),
+        emission_spot_case(120, 0),
+        emission_spot_case(1, 0.9),
+        emission_map_case(),
+    };
+}
+
+}  // namespace
+
+std::vector<SamplerCase> light_cases() {
+    // Rectangles are [-1, 1]^2 and emit along +z; p looks at them from above.
+    const std::string rectangle = area_light("rectangle", "");
+    const std::string disk = area_light("disk", "");
+    const std::string cube = area_light("cube", "");
+    const std::string sphere = area_light("sphere", "");
+    const std::string hollow = area_light("sphere", "", "<boolean name='flip_normals' value='true'/>");
+    // Powers 4 pi, pi 4 and 4 pi^2 / 10; a tenth of the choices goes to all lights alike.
+    const double share_of_point = 0.9 / (2 + std::numbers::pi / 10) + 0.1 / 3;
+    const Vec3 down(0, 0, -1), aslant(-0.5f, 0, -1);
+    std::vector<SamplerCase> cases = {
+        light_case("rectangle", rectangle, {0, 0, 2}, {down}),
+        light_case("rectangle from close by", rectangle, {0.3f, 0.2f, 0.05f}, {down}),
+        light_case("rectangle at a grazing angle", rectangle, {30, 0, 0.5f}, {Vec3(-1, 0, 0)}),
+        light_case("rectangle from behind", rectangle, {0, 0, -2}, {-down, 0.0}),
+        light_case("disk", disk, {1, 0, 2}, {aslant}),
+        light_case("cube", cube, {2, 1.5f, 3}, {Vec3(-2, -1.5f, -3), std::nullopt}),
+        light_case("cylinder from inside", area_light("cylinder", "", "<boolean name='flip_normals' value='true'/>"),
+                   {0.3f, 0.2f, 0.5f}, {down}),
+        outside_of_cylinder_case(),
+        light_case("sphere", sphere, {0, 0, 2}, {down, 1.0, {cone_of_sphere(1, 2)}}),
+        light_case("sphere from close by", sphere, {0, 0, 1.01f}, {down, 1.0, {cone_of_sphere(1, 1.01)}}),
+        light_case("sphere from far away", sphere, {0, 0, 300}, {down, 1.0, {cone_of_sphere(1, 300)}}),
+        light_case("sphere from inside", hollow, {0.3f, 0.2f, 0.5f}, {down}),
+        light_case(
+            "two rectangles",
+            area_light("rectangle", translate(-1.5, 0, 0)) + area_light("rectangle", translate(1.5, 0, 0), "", "5"),
+            {0, 0, 2}, {down}),
+        light_case("point, rectangle and sphere",
+                   rectangle + area_light("sphere", translate(5, 0, 0), "", "0.1") +
+                       "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>",
+                   {0, 0, 2}, {down, 1 - share_of_point}),
+    };
+    for (auto make : {environment_cases, emission_cases})
+        for (SamplerCase& test : make())
+            cases.push_back(std::move(test));
+    return cases;
+}
+
+}  // namespace gib::test

@@ -1,0 +1,325 @@
+"""Tests of scripts/plot: what the figures show against the CSV files, the LaTeX table, errors. Exit 77: skipped."""
+import importlib.util
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+PLOT = os.path.join(ROOT, "scripts", "plot")
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+
+from plotting import error_curves, latex, result_tables  # noqa: E402  found by the line above
+
+SVG = "{http://www.w3.org/2000/svg}"
+HREF = "{http://www.w3.org/1999/xlink}href"
+METHODS = ("path spp=4", "photon_mapper photons=1e4 & 50%")
+
+# rel_mse of seeds 1, 2, 3 is 0.75, 1 and 1.25 times its mean of 0.16 / pass, so that the error is 40 % / sqrt(pass).
+CURVES = "scene,method,seed,pass,seconds,mse,rmse,rel_mse\n" + "".join(
+    f"box,{method},{seed},{number},{(1 + m) * number * (0.9 + 0.05 * seed)},{0.02 / number},0,"
+    f"{0.16 / number * (0.5 + 0.25 * seed)}\n"
+    for m, method in enumerate(METHODS) for seed in (1, 2, 3) for number in (1, 2, 4, 16))
+TABLE_HEAD = ",".join(result_tables.TABLE) + "\n"
+TABLE = TABLE_HEAD + (
+    "box,path spp=4,total,16,0.035,0.01,0.0081,0.0121,-2e-05,-4e-05,3e-05,0.00123,0.001,0.0015,"
+    "0.0342,0.0096,3.456,,,\n"
+    "box,path spp=4,direct,16,0.02,0.0025,,,1e-06,5e-07,2e-06,0.0004,0.0003,0.0005,0.02,0.0025,1.5,,,\n"
+    "box,photon_mapper photons=1e4 & 50%,total,32,0.035,0.01,0.0081,0.0121,0.0002,0.0001,0.0004,"
+    "0.00012345,0.0001,0.0002,0.0342,0.0096,12.34,123.4,1234567,caustics;glossy_lobes\n")
+SPECTRA = "scene,method,kind,frequency,power,component\n" + "".join(
+    f"box,path spp=4,{kind},{frequency},{power},total\n" for kind, frequency, power in (
+        ("noise", 0, 9), ("noise", 0.1, 0.5), ("noise", 0.3, 1), ("noise", 0.6, 2),
+        ("bias", 0.1, 1e-4), ("bias", 0.3, -1e-5), ("bias", 0.6, 1e-6)))
+STAGES = "scene,method,seed,stage,seconds\n" + "".join(
+    f"box,path spp=4,{seed},{stage},{seconds}\n"
+    for seed, stage, seconds in ((1, "trace rays", 2), (1, "other", 1), (2, "trace rays", 4), (2, "other", 1)))
+
+
+def result_folder(parent, **files):
+    folder = tempfile.mkdtemp(dir=parent)
+    for name, text in {"curves": CURVES, "table": TABLE, "spectra": SPECTRA, "stages": STAGES, **files}.items():
+        if text is not None:
+            with open(os.path.join(folder, name + ".csv"), "w", encoding="utf-8") as file:
+                file.write(text)
+    return folder
+
+
+def plot(*arguments, program=(PLOT,), **environment):
+    return subprocess.run([*program, *arguments], capture_output=True, text=True, check=False,
+                          env={**os.environ, **environment})
+
+
+def content(folder):
+    found = {}
+    for name in sorted(os.listdir(folder)):
+        with open(os.path.join(folder, name), "rb") as file:
+            found[name] = file.read()
+    return found
+
+
+class Svg:
+    """Positions in a figure, and the values that they stand for by the numbers at the axis' ticks."""
+
+    def __init__(self, path):
+        self.root = ElementTree.parse(path).getroot()
+        self.groups = {group.get("id"): group for group in self.root.iter(SVG + "g") if group.get("id")}
+        self.paths = {path.get("id"): path.get("d") for path in self.root.iter(SVG + "path") if path.get("id")}
+
+    def text(self):
+        return [" ".join("".join(each.itertext()).split()) for each in self.root.iter(SVG + "text")]
+
+    def marks(self, name):
+        return [(float(use.get("x")), float(use.get("y"))) for use in self.groups[name].iter(SVG + "use")]
+
+    def corners(self, name):
+        d = next(self.groups[name].iter(SVG + "path")).get("d")
+        return [tuple(map(float, pair)) for pair in re.findall(r"([-0-9.]+) ([-0-9.]+)", d)]
+
+    def band(self, name):
+        offset = float(next(self.groups[name].iter(SVG + "use")).get("y"))
+        return [(x, y + offset) for x, y in self.corners(name)]
+
+    def ticks(self, axes, direction):
+        """(value, position) of the ticks that have numbers."""
+        found = []
+        for name, group in self.groups.items():
+            text = [" ".join("".join(each.itertext()).split()) for each in group.iter(SVG + "text")]
+            if not name.startswith(direction + "tick_") or group not in list(self.groups[axes].iter()) or not text:
+                continue
+            power = re.fullmatch(r"(?:(\d)\u22c5)?10\s*[\u2212-]\s*(\d+)", text[0])
+            value = int(power[1] or 1) * 10.0 ** -int(power[2]) if power else float(text[0])
+            use = next(group.iter(SVG + "use"))
+            found.append((value, float(use.get(direction))))
+        return found
+
+    def axis(self, axes, direction, logarithmic):
+        """The function from a position to its value; every tick must agree with the outermost two."""
+        bend = math.log if logarithmic else float
+        ticks = [(bend(value), position) for value, position in self.ticks(f"axes_{axes}", direction)]
+        (low, start), (high, end) = ticks[0], ticks[-1]
+        slope = (high - low) / (end - start)
+        assert all(abs(low + slope * (position - start) - value) < 1e-4 * abs(high - low) for value, position in ticks)
+        return lambda position: (math.exp if logarithmic else float)(low + slope * (position - start))
+
+
+class PlotTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.parent = tempfile.TemporaryDirectory()
+        cls.folder = result_folder(cls.parent.name)
+        cls.made = plot(cls.folder, PYTHONHASHSEED="1")
+        cls.out = os.path.join(cls.folder, "figures")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.parent.cleanup()
+
+    def svg(self, kind):
+        return Svg(os.path.join(self.out, f"{kind}-box.svg"))
+
+    def assert_close(self, found, expected, relative=1e-3):
+        self.assertEqual(len(found), len(expected))
+        for one, other in zip(found, expected):
+            self.assertLess(abs(one - other), relative * abs(other) + 1e-9, f"{found} instead of {expected}")
+
+    def test_makes_every_figure_in_every_format(self):
+        self.assertEqual((self.made.returncode, self.made.stderr), (0, ""))
+        names = sorted([f"{kind}-box.{form}" for kind in ("error", "spectra", "split", "stages")
+                        for form in ("pdf", "png", "svg")] + ["table-box.tex"])
+        self.assertEqual(sorted(os.listdir(self.out)), names)
+        self.assertEqual(sorted(self.made.stdout.split("\n")[:-1]), [os.path.join(self.out, name) for name in names])
+
+    def test_same_data_give_the_same_bytes(self):
+        again = os.path.join(self.parent.name, "again")
+        self.assertEqual(plot(self.folder, "--out", again, PYTHONHASHSEED="2", SOURCE_DATE_EPOCH="0").returncode, 0)
+        first, second = content(self.out), content(again)
+        self.assertEqual([name for name in first if first[name] != second.get(name)], [])
+        self.assertNotRegex(first["error-box.svg"], b"<dc:date>")
+        self.assertNotIn(b"CreationDate", first["error-box.pdf"])
+
+    def test_pdf_has_text_as_outlines_of_truetype_and_the_asked_width(self):
+        pdf = content(self.out)["error-box.pdf"]
+        self.assertIn(b"/CIDFontType2", pdf)
+        self.assertNotIn(b"/Type3", pdf)
+        self.assertRegex(pdf, rb"/MediaBox \[ 0 0 252 ")
+
+    def test_curves_lie_where_the_numbers_are(self):
+        svg = self.svg("error")
+        seconds, error = svg.axis(1, "x", True), svg.axis(1, "y", True)
+        for m in (0, 1):
+            marks = svg.marks(f"curve-{m}")
+            self.assert_close([seconds(x) for x, _ in marks], [(1 + m) * number for number in (1, 2, 4, 16)])
+            self.assert_close([error(y) for _, y in marks], [40, 40 / math.sqrt(2), 20, 10])
+        self.assertIn("relative RMSE [%]", svg.text())
+        for method in METHODS:
+            self.assertIn(method, svg.text())
+
+    def test_bands_are_those_of_students_t(self):
+        # Scatter 0.25 of the mean, 3 seeds: the squared error gets exp(t_2 0.25 / sqrt(3)), the error its root.
+        factor = math.exp(4.302653 * 0.25 / math.sqrt(3) / 2)
+        svg = self.svg("error")
+        seconds, error = svg.axis(1, "x", True), svg.axis(1, "y", True)
+        at_2 = [error(y) for x, y in svg.band("band-0") if abs(seconds(x) - 2) < 0.01]
+        self.assert_close([max(at_2), min(at_2)], [40 / math.sqrt(2) * factor, 40 / math.sqrt(2) / factor])
+
+    def test_the_reference_error_is_a_floor(self):
+        svg = self.svg("error")
+        height = {y for _, y in svg.corners("reference")}
+        self.assertEqual(len(height), 1)
+        self.assert_close([svg.axis(1, "y", True)(height.pop())], [100 * math.sqrt(0.01 - 0.0096)])
+        self.assertIn("the reference's own error: 2 %", svg.text())
+
+    def test_spectra_lie_where_the_numbers_are(self):
+        svg = self.svg("spectra")
+        frequency = svg.axis(2, "x", False)
+        for axes, kind, expected in ((1, "noise", [(0.1, 0.5), (0.3, 1), (0.6, 2)]),
+                                     (2, "bias", [(0.1, 1e-4), (0.6, 1e-6)])):
+            power = svg.axis(axes, "y", True)
+            marks = svg.marks(f"{kind}-0")
+            self.assert_close([frequency(x) for x, _ in marks], [f for f, _ in expected])
+            self.assert_close([power(y) for _, y in marks], [p for _, p in expected])
+        (x, y), = svg.marks("bias-below-0")
+        self.assert_close([frequency(x)], [0.3])
+        self.assertGreater(y, max(y for _, y in svg.marks("bias-0")))
+
+    def test_bars_are_mean_shares_of_the_time(self):
+        svg = self.svg("stages")
+        share = svg.axis(1, "x", False)
+        for stage, expected in ((0, [0, 75]), (1, [75, 100])):
+            ends = [share(x) for x, _ in svg.corners(f"stage-0-{stage}")]
+            self.assert_close([min(ends), max(ends)], expected)
+        self.assertIn("4 s", svg.text())
+
+    def test_split_has_values_intervals_and_limits(self):
+        svg = self.svg("split")
+        value = svg.axis(1, "x", True)
+        for row, variance in ((0, 0.00123), (1, 0.00012345)):
+            self.assert_close([value(x) for x, _ in svg.marks(f"variance-{row}")], [variance])
+        self.assert_close([value(x) for x, _ in svg.marks("bias2-1")], [0.0002])
+        self.assert_close([value(x) for x, _ in svg.corners("bias2-interval-1")], [0.0001, 0.0004])
+        self.assertNotIn("bias2-0", svg.groups)  # negative: only its upper limit is shown
+        self.assert_close([value(x) for x, _ in svg.marks("bias2-limit-0")], [3e-5])
+
+    def test_component_format_width_and_metric_are_obeyed(self):
+        out = os.path.join(self.parent.name, "options")
+        run = plot(self.folder, "--out", out, "--format", "svg", "--component", "direct", "--width", "72.27mm")
+        self.assertEqual(run.returncode, 0)
+        names = ["split-box-direct.svg", "stages-box-direct.svg", "table-box-direct.tex"]
+        self.assertEqual(sorted(os.listdir(out)), names)
+        self.assertIn("no error figure: curves.csv has no components", run.stderr)
+        self.assertIn("no spectra figure", run.stderr)
+        svg = Svg(os.path.join(out, "split-box-direct.svg"))
+        self.assert_close([float(svg.root.get("width")[:-2])], [72 * 72.27 / 25.4])
+        self.assert_close([svg.axis(1, "x", True)(x) for x, _ in svg.marks("bias2-0")], [1e-6])
+        self.assertIn(b"1.50 & --- & ---", content(out)["table-box-direct.tex"])
+
+    def test_latex_has_the_numbers(self):
+        lines = content(self.out)["table-box.tex"].decode().split("\n")
+        rows = [line.strip() for line in lines if line.startswith(r"  \texttt")]
+        self.assertEqual(rows, [
+            r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & 0 & 0.0012 & 3.46 & --- & --- &  \\",
+            r"\texttt{photon\_mapper photons=1e4 \& 50\%} & 32.0 & 10.00 (9.00--11.00) & $2.00\times10^{-4}$ & "
+            r"$1.23\times10^{-4}$ & 12.3 & 123 & $1.23\times10^{6}$ & caustics, glossy\_lobes \\"])
+        columns = re.search(r"@\{\}(\w+)@\{\}", lines[1])[1]
+        for line in lines:
+            if line.endswith(r"\\"):
+                self.assertEqual(len(re.findall(r"(?<!\\)&", line)) + 1, len(columns), line)
+
+
+class PartsTest(unittest.TestCase):
+    def test_quantiles_are_the_tables(self):
+        for degrees, t in ((1, 12.7062), (2, 4.3027), (3, 3.1824), (4, 2.7764), (9, 2.2622), (30, 2.0423)):
+            self.assertAlmostEqual(error_curves.t_quantile(degrees), t, places=4)
+
+    def test_only_passes_of_all_seeds_make_points(self):
+        rows = [{"seed": seed, "pass": number, "seconds": number, "mse": 4.0}
+                for seed, number in (("1", 1.0), ("2", 1.0), ("1", 2.0))]
+        self.assertEqual([point.seconds for point in error_curves.error_curve(rows, "rmse")], [1.0])
+        self.assertEqual([point.error for point in error_curves.error_curve(rows, "rmse")], [2.0])
+        self.assertEqual([point.error for point in error_curves.error_curve(rows, "mse")], [4.0])
+
+    def test_one_seed_has_no_band(self):
+        point, = error_curves.error_curve([{"seed": "1", "pass": 1.0, "seconds": 1.0, "mse": 4.0}], "mse")
+        self.assertIsNone(point.low)
+
+    def test_reference_error_of_absolute_metrics(self):
+        rows = [{"rmse": 0.5, "rmse_corrected": 0.3}, {"rmse": 0.9, "rmse_corrected": None}]
+        self.assertAlmostEqual(error_curves.reference_error(rows, "rmse"), 0.4)
+        self.assertAlmostEqual(error_curves.reference_error(rows, "mse"), 0.16)
+
+    def test_labels_lose_what_all_share_and_stay_distinct(self):
+        short = result_tables.short_labels
+        self.assertEqual(short(["a x=1 k=5", "a x=2 k=5"]), ({"a x=1 k=5": "x=1", "a x=2 k=5": "x=2"}, "a k=5"))
+        self.assertEqual(short(["path", "path k=5"]), ({"path": "path", "path k=5": "path k=5"}, ""))
+        self.assertEqual(short(["path spp=4"]), ({"path spp=4": "path spp=4"}, ""))
+
+    def test_every_special_character_is_escaped(self):
+        self.assertEqual(latex.escaped("a_b%&#${}"), r"a\_b\%\&\#\$\{\}")
+        self.assertEqual(latex.escaped("\\^~<>|"), r"\textbackslash{}\textasciicircum{}\textasciitilde{}\textless{}"
+                                                   r"\textgreater{}\textbar{}")
+
+
+class ErrorTest(unittest.TestCase):
+    def setUp(self):
+        self.parent = tempfile.TemporaryDirectory()
+        self.addCleanup(self.parent.cleanup)
+
+    def refused(self, message, *arguments, **files):
+        folder = result_folder(self.parent.name, **files)
+        run = plot(folder, *arguments)
+        self.assertEqual(run.returncode, 2, run.stderr)
+        self.assertIn(message.format(folder), run.stderr)
+        self.assertNotIn("Traceback", run.stderr)
+        self.assertFalse(os.path.exists(os.path.join(folder, "figures")))
+
+    def test_wrong_files_are_named(self):
+        self.refused("{}/stages.csv: there is no such file", stages=None)
+        self.refused("{}/spectra.csv: the file is empty", spectra="")
+        head = CURVES.split("\n", maxsplit=1)[0] + "\n"
+        self.refused("{}/curves.csv: the table has no rows", curves=head)
+        self.refused("{}/table.csv: there is no column 'bias2'", table=TABLE.replace("bias2,", "bias,", 1))
+        self.refused("{}/curves.csv:2: 3 values for 8 columns", curves=head + "a,b,c\n")
+        wrong = STAGES.replace("other,1", "other,x", 1)
+        self.refused("{}/stages.csv:3: column 'seconds': not a number: 'x'", stages=wrong)
+        run = plot("/no/such/folder")
+        self.assertEqual((run.returncode, run.stderr), (2, "/no/such/folder: there is no such folder\n"))
+
+    def test_wrong_options_are_named(self):
+        self.refused("{}/table.csv: there is no scene 'sphere'; it has: box", "--scene", "sphere")
+        message = "{}/table.csv: there is no component of box 'volume'; it has: total, direct"
+        self.refused(message, "--component", "volume")
+        self.refused("there is no format 'gif'", "--format", "pdf,gif")
+        self.refused("'3.5' is not a length", "--width", "3.5")
+        self.refused("invalid choice: 'psnr'", "--metric", "psnr")
+
+    def test_nothing_is_half_written(self):
+        folder = result_folder(self.parent.name)
+        os.makedirs(os.path.join(folder, "figures", "table-box.tex"))
+        run = plot(folder, "--format", "svg")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn(f"{folder}/figures/table-box.tex: Is a directory", run.stderr)
+        self.assertEqual([name for name in os.listdir(os.path.join(folder, "figures")) if "unfinished" in name], [])
+
+    def test_says_what_installs_matplotlib(self):
+        # -S hides Debian's packages from Python; with this PATH nothing can be installed.
+        tools = os.path.join(self.parent.name, "tools")
+        os.mkdir(tools)
+        for tool in ("bash", "dirname", "sed"):
+            os.symlink(shutil.which(tool), os.path.join(tools, tool))
+        run = plot(result_folder(self.parent.name), program=(sys.executable, "-S", "-B", PLOT), PATH=tools)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("./scripts/setup scripts/packages-plot.txt", run.stderr)
+        self.assertNotIn("Traceback", run.stderr)
+
+
+if __name__ == "__main__":
+    if not importlib.util.find_spec("matplotlib"):
+        print("skipped: matplotlib is not installed")
+        sys.exit(77)
+    unittest.main()

@@ -1,0 +1,110 @@
+#pragma once
+// What the tests of the driver share: a method without light transport, and the built program as a child.
+
+#include "common/core/files.h"
+#include "common/sampling/sampler.h"
+#include "tests/support/scene_fixtures.h"
+#include "tests/support/scene_text.h"
+
+#include <sys/wait.h>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+namespace gib::test {
+
+/// A lit wall of 8 x 8 pixels.
+inline std::string tiny_scene_xml(int size = 8) {
+    return scene_xml("<sensor type='perspective'>" + box_film(size) +
+                     "<sampler type='independent'><integer name='sample_count' value='4'/></sampler></sensor>"
+                     "<shape type='rectangle'><transform name='to_world'><translate z='5'/><rotate y='1' angle='180'/>"
+                     "<translate z='10'/></transform>" +
+                     diffuse(0.5) +
+                     "</shape>"
+                     "<shape type='sphere'><point name='center' x='0' y='3' z='2'/><float name='radius' value='0.5'/>"
+                     "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>");
+}
+
+/// Every pixel is 1 plus noise of the seed and pass; the charged and uncharged parts sleep as they are told to.
+struct FakeBehaviour {
+    double noise = 0.5;
+    double start_seconds = 0, pass_seconds = 0, image_seconds = 0, staged_seconds = 0;
+    std::uint32_t converges_after = 0;  ///< 0: never
+};
+
+inline void sleep_seconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+class FakeRun : public Run {
+public:
+    FakeRun(const FakeBehaviour& b, int width, int height, std::uint64_t seed, StageTimes& stages)
+        : b_(b),
+          film_(width, height, {Component::direct}, {}),
+          pixels_(static_cast<std::size_t>(width * height)),
+          seed_(seed),
+          stages_(stages) {}
+
+    Progress advance(std::uint32_t pass) override {
+        EXPECT_EQ(pass, passes_) << "passes come in order";
+        ++passes_;
+        sleep_seconds(b_.pass_seconds);
+        {
+            const auto timer = stages_.time("staged");
+            sleep_seconds(b_.staged_seconds);
+        }
+        for (std::size_t i = 0; i < pixels_; ++i) {
+            const Sampler sampler(PointSet::independent, seed_, i, pass);
+            PixelSample sample;
+            sample[Component::direct] =
+                Color::Constant(1.f + static_cast<float>(b_.noise) * (sampler.get_1d(0) - 0.5f) * std::sqrt(12.f));
+            film_.add(i, pass, sample);
+        }
+        return b_.converges_after > 0 && passes_ >= b_.converges_after ? Progress::converged : Progress::more;
+    }
+    ComponentImages image() const override {
+        sleep_seconds(b_.image_seconds);
+        return film_.mean(passes_);
+    }
+    RunCounts counts() const override { return {0, passes_, film_.non_finite()}; }
+
+private:
+    FakeBehaviour b_;
+    Film film_;
+    std::size_t pixels_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    std::uint32_t passes_ = 0;
+};
+
+class FakeMethod : public Method {
+public:
+    explicit FakeMethod(const FakeBehaviour& b) : b_(b) {}
+    Plan plan(const Scene&) const override { return {}; }
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        sleep_seconds(b_.start_seconds);
+        return std::make_unique<FakeRun>(b_, scene.sensor().width(), scene.sensor().height(), seed, stages);
+    }
+
+private:
+    FakeBehaviour b_;
+};
+
+/// A program's end and what it said.
+struct ProgramResult {
+    int code;
+    std::string out, err;
+};
+
+/// Runs the built program in `folder`, through a shell: quote what needs quotes.
+inline ProgramResult run_gibench(const std::string& arguments, const std::string& folder) {
+    const std::string command = "cd '" + folder + "' && '" + program_path() + "' " + arguments + " >.out 2>.err";
+    const int status = std::system(command.c_str());
+    ProgramResult result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(folder + "/.out"),
+                         read_file(folder + "/.err")};
+    std::filesystem::remove(folder + "/.out");
+    std::filesystem::remove(folder + "/.err");
+    return result;
+}
+
+}  // namespace gib::test

@@ -1,0 +1,83 @@
+#pragma once
+// Pictures that should be the same in distribution: replicates of each, and how likely their difference is.
+
+#include "tests/support/hard_cases.h"
+#include "tests/support/moments.h"
+
+#include "experiments/metrics/student_t.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace gib::test {
+
+/// Of one picture: the mean of each channel, of each component, and of four quarters of it.
+inline constexpr std::size_t numbers_of_a_picture = 3 + component_count + 4;
+
+inline std::vector<double> numbers_of(const ComponentImages& images) {
+    const Image total = images.total();
+    const Colord mean = mean_of(total);
+    std::vector<double> numbers(mean.begin(), mean.end());
+    for (std::size_t c = 0; c < component_count; ++c) {
+        const auto& image = images[static_cast<Component>(c)];
+        numbers.push_back(image ? mean_of(*image).mean() : 0.0);
+    }
+    const std::size_t first_quarter = numbers.size();
+    numbers.resize(first_quarter + 4);
+    const auto width = static_cast<std::size_t>(total.width);
+    for (std::size_t i = 0; i < total.pixels(); ++i) {
+        const std::size_t right = i % width >= width / 2,
+                          lower = i / width >= static_cast<std::size_t>(total.height) / 2;
+        numbers[first_quarter + 2 * lower + right] += static_cast<double>(total.at(i).mean());
+    }
+    for (std::size_t q = first_quarter; q < numbers.size(); ++q)
+        numbers[q] *= 4.0 / static_cast<double>(total.pixels());
+    return numbers;
+}
+
+/// The numbers over independent seeds.
+inline std::vector<Moments> replicates(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                                       std::uint64_t first_seed, std::uint64_t seeds) {
+    std::vector<Moments> moments(numbers_of_a_picture);
+    for (std::uint64_t seed = first_seed; seed < first_seed + seeds; ++seed) {
+        const auto numbers = numbers_of(render(scene, label, passes, seed, 1));
+        for (std::size_t i = 0; i < moments.size(); ++i)
+            moments[i].add(numbers[i]);
+    }
+    return moments;
+}
+
+/// Rounding that is no noise: some hundred operations in float.
+inline constexpr double picture_rounding = 1e-5;
+
+/// P(|T| >= t) of Welch's t (1947) for equal means, `scale` times the second. Under the hypothesis both sides have the
+/// same law, so that the difference of means over equally many seeds is symmetric whatever the law, for which t's tails
+/// are, if anything, lighter than Student's (Efron 1969): fireflies make no false alarms.
+inline double welch_probability(const Moments& a, const Moments& b, double scale = 1) {
+    const double va = a.standard_error() * a.standard_error(), vb = std::pow(scale * b.standard_error(), 2);
+    const double allowed = picture_rounding * std::max(std::abs(a.mean()), std::abs(scale * b.mean()));
+    const double difference = std::max(std::abs(a.mean() - scale * b.mean()) - allowed, 0.0);
+    if (difference == 0) return 1;
+    if (va + vb == 0) return 0;
+    const auto n = static_cast<double>(a.count() - 1), m = static_cast<double>(b.count() - 1);
+    const double degrees = (va + vb) * (va + vb) / (va * va / n + vb * vb / m);
+    return student_t_tail(difference / std::sqrt(va + vb), std::max(degrees, 1.0));
+}
+
+/// Fisher's (1925) of independent probabilities: -2 sum ln p is chi-square with two degrees of freedom each, whose
+/// tail is a sum of Poisson's.
+inline double fisher_probability(const std::vector<double>& probabilities) {
+    double x = 0;
+    for (const double p : probabilities)
+        x -= std::log(std::max(p, 1e-300));
+    double term = std::exp(-x), tail = 0;
+    for (std::size_t i = 0; i < probabilities.size(); ++i) {
+        tail += term;
+        term *= x / static_cast<double>(i + 1);
+    }
+    return std::min(tail, 1.0);
+}
+
+}  // namespace gib::test

@@ -1,0 +1,76 @@
+#pragma once
+// Environment maps and moments of light samples, shared by the tests of emitters.
+
+#include "common/images/image_file.h"
+#include "common/sampling/sampler.h"
+#include "tests/support/scene_text.h"
+
+#include <functional>
+
+namespace gib::test {
+
+/// An image whose texel in column x and row y is `value(x, y)`.
+inline Image image_of(int width, int height, const std::function<Color(int, int)>& value) {
+    Image image(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            image.set(static_cast<std::size_t>(y * width + x), value(x, y));
+    return image;
+}
+
+/// Radiance between 0 and 1 without order, a pure function of the texel.
+inline Color noise(int x, int y) {
+    const Sampler sampler(PointSet::independent, 17, static_cast<std::uint64_t>(x), static_cast<std::uint32_t>(y));
+    return {sampler.get_1d(0), sampler.get_1d(1), sampler.get_1d(2)};
+}
+
+/// An <emitter> with that map; the file stands in `folder`.
+inline std::string envmap_xml(const TemporaryFolder& folder, const Image& image, const std::string& more = "") {
+    write_exr(folder / "map.exr", {{{"", image}}, {}});
+    return "<emitter type='envmap'><string name='filename' value='" + (folder / "map.exr") + "'/>" + more +
+           "</emitter>";
+}
+
+/// The axes of the world.
+inline Frame identity_frame() {
+    Frame frame;
+    frame.s = Vec3::UnitX();
+    frame.t = Vec3::UnitY();
+    frame.n = Vec3::UnitZ();
+    return frame;
+}
+
+/// The direction of Mitsuba's documentation for an envmap: theta from +y, phi from -z towards +x.
+inline Vec3 envmap_direction(double theta, double phi) {
+    return Vec3d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)).cast<float>();
+}
+
+/// Integral over the sphere in envmap_direction's angles: midpoints in `cells_theta` x `cells_phi` cells, `n` x `n` in
+/// each.
+inline double sphere_integral(int cells_theta, int cells_phi, int n, const std::function<double(const Vec3&)>& f) {
+    double sum = 0;
+    const int rows = cells_theta * n, columns = cells_phi * n;
+    for (int i = 0; i < rows; ++i) {
+        const double theta = std::numbers::pi * (i + 0.5) / rows;
+        for (int j = 0; j < columns; ++j)
+            sum += f(envmap_direction(theta, 2 * std::numbers::pi * (j + 0.5) / columns)) * std::sin(theta);
+    }
+    return sum * 2 * sqr(std::numbers::pi) / (static_cast<double>(rows) * columns);
+}
+
+/// A mean with its standard error.
+struct Mean {
+    double value = 0, error = 0;
+};
+inline Mean mean_over_samples(int n, const std::function<double(const Sampler&)>& f) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = f(Sampler(PointSet::independent, 5, static_cast<std::uint64_t>(i), 0));
+        sum += x;
+        squares += x * x;
+    }
+    const double mean = sum / n;
+    return {mean, std::sqrt(std::max(squares / n - mean * mean, 0.0) / n)};
+}
+
+}  // namespace gib::test

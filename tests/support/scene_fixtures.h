@@ -1,0 +1,71 @@
+#pragma once
+// Small scenes and renders shared by the tests.
+
+#include "common/core/parallel.h"
+#include "common/reader/scene_file.h"
+#include "methods/method.h"
+#include "tests/support/source_path.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace gib::test {
+
+inline LoadedScene scene_of(const std::string& xml) { return parse_scene(xml, source_path("tests/inline.xml")); }
+
+inline LoadedScene shipped_scene(const std::string& name, const SceneLoadOptions& options = {}) {
+    return load_scene(source_path("scenes/" + name), options);
+}
+
+struct Rendered {
+    ComponentImages image;
+    RunCounts counts;
+};
+
+/// What a method has after `passes` passes.
+inline Rendered render_and_count(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                                 std::uint64_t seed = 1, int threads = 0) {
+    Rendered result;
+    with_threads(threads, [&] {
+        const MethodLabel parsed = MethodLabel::parse(label);
+        const MethodDescription& description = find_method(parsed.name);
+        const auto method =
+            description.create(ParameterValues(all_parameters(description), parsed), MethodDefaults{scene.max_edges});
+        StageTimes stages;
+        const auto run = method->start(*scene.scene, seed, stages);
+        for (std::uint32_t pass = 0; pass < passes; ++pass)
+            if (run->advance(pass) == Progress::converged) break;
+        EXPECT_EQ(run->counts().non_finite.count, 0u) << label;
+        result = {run->image(), run->counts()};
+    });
+    return result;
+}
+
+inline ComponentImages render(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                              std::uint64_t seed = 1, int threads = 0) {
+    return render_and_count(scene, label, passes, seed, threads).image;
+}
+
+/// Mean over pixels of each channel.
+inline Colord mean_of(const Image& image) {
+    Colord sum = Colord::Zero();
+    for (std::size_t i = 0; i < image.pixels(); ++i)
+        sum += image.at(i).cast<double>();
+    return sum / static_cast<double>(image.pixels());
+}
+
+/// A film block of an XML scene: box filter, square.
+inline std::string box_film(int size) {
+    return "<film type='hdrfilm'><integer name='width' value='" + std::to_string(size) +
+           "'/><integer name='height' value='" + std::to_string(size) + "'/><rfilter type='box'/></film>";
+}
+
+inline std::string scene_xml(const std::string& body) { return "<scene version='3.0.0'>" + body + "</scene>"; }
+
+inline std::string diffuse(double reflectance) {
+    const std::string r = std::to_string(reflectance);
+    return "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='" + r + "'/></bsdf></bsdf>";
+}
+
+}  // namespace gib::test
