@@ -22,7 +22,7 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
     : width_(static_cast<std::size_t>(radiance.width)),
       bands_(std::max<std::size_t>(static_cast<std::size_t>(radiance.height), 2) - 1),
       bands_f_(static_cast<double>(bands_)),
-      cell_phi_(2 * std::numbers::pi / radiance.width),
+      quad_phi_(2 * std::numbers::pi / radiance.width),
       to_world_(to_world),
       rgb_(std::move(radiance.rgb)) {
     if (radiance.height == 1) {
@@ -40,7 +40,7 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
             const Corners c = corners({column, row, 0.f, 0.f});
             columns[column] = luminance_of(c, row);
             sum += columns[column];
-            integral_ += 0.5 * cell_phi_ *
+            integral_ += 0.5 * quad_phi_ *
                          ((c.c00 + c.c10).cast<double>() * weights_[row].upper +
                           (c.c01 + c.c11).cast<double>() * weights_[row].lower);
         }
@@ -55,54 +55,54 @@ Color EnvironmentMap::texel(std::size_t column, std::size_t row) const {
     return {rgb_[i], rgb_[i + 1], rgb_[i + 2]};
 }
 
-EnvironmentMap::Corners EnvironmentMap::corners(const Cell& cell) const {
-    const std::size_t next = cell.column + 1 < width_ ? cell.column + 1 : 0;
-    return {texel(cell.column, cell.row), texel(next, cell.row), texel(cell.column, cell.row + 1),
-            texel(next, cell.row + 1)};
+EnvironmentMap::Corners EnvironmentMap::corners(const Quad& quad) const {
+    const std::size_t next = quad.column + 1 < width_ ? quad.column + 1 : 0;
+    return {texel(quad.column, quad.row), texel(next, quad.row), texel(quad.column, quad.row + 1),
+            texel(next, quad.row + 1)};
 }
 
-Color EnvironmentMap::interpolated(const Cell& cell) const {
-    const Corners c = corners(cell);
-    return lerp(lerp(c.c00, c.c10, cell.s), lerp(c.c01, c.c11, cell.s), cell.t);
+Color EnvironmentMap::interpolated(const Quad& quad) const {
+    const Corners c = corners(quad);
+    return lerp(lerp(c.c00, c.c10, quad.s), lerp(c.c01, c.c11, quad.s), quad.t);
 }
 
-EnvironmentMap::Cell EnvironmentMap::cell_at(const Vec3& w) const {
+EnvironmentMap::Quad EnvironmentMap::quad_at(const Vec3& w) const {
     // acos(y) would lose half of the digits at the poles.
     const float theta = std::atan2(std::hypot(w.x(), w.z()), w.y());
     const float v = std::clamp(theta * inv_pi, 0.f, 1.f) * static_cast<float>(bands_);
     const float columns = static_cast<float>(width_);
     float u = std::atan2(w.x(), -w.z()) * (0.5f * inv_pi) * columns - 0.5f;
     u -= std::floor(u / columns) * columns;
-    Cell cell;
-    cell.row = std::min(static_cast<std::size_t>(v), bands_ - 1);
-    cell.column = std::min(static_cast<std::size_t>(u), width_ - 1);
-    cell.t = std::min(v - static_cast<float>(cell.row), 1.f);
-    cell.s = std::min(u - static_cast<float>(cell.column), 1.f);
-    return cell;
+    Quad quad;
+    quad.row = std::min(static_cast<std::size_t>(v), bands_ - 1);
+    quad.column = std::min(static_cast<std::size_t>(u), width_ - 1);
+    quad.t = std::min(v - static_cast<float>(quad.row), 1.f);
+    quad.s = std::min(u - static_cast<float>(quad.column), 1.f);
+    return quad;
 }
 
-Vec3 EnvironmentMap::direction_of(const Cell& cell, double theta) const {
-    const double phi = cell_phi_ * (static_cast<double>(cell.column) + 0.5 + static_cast<double>(cell.s));
+Vec3 EnvironmentMap::direction_of(const Quad& quad, double theta) const {
+    const double phi = quad_phi_ * (static_cast<double>(quad.column) + 0.5 + static_cast<double>(quad.s));
     const double r = std::sin(theta);
     return Vec3d(r * std::sin(phi), std::cos(theta), -r * std::cos(phi)).cast<float>();
 }
 
 double EnvironmentMap::luminance_of(const Corners& c, std::size_t row) const {
-    return 0.5 * cell_phi_ *
+    return 0.5 * quad_phi_ *
            ((luminance_d(c.c00) + luminance_d(c.c10)) * weights_[row].upper +
             (luminance_d(c.c01) + luminance_d(c.c11)) * weights_[row].lower);
 }
 
-float EnvironmentMap::density(const Cell& cell) const {
-    // The cell was chosen with a rounded probability; within it the density is exactly that of the luminance.
-    const DiscreteDistribution& columns = columns_[cell.row];
+float EnvironmentMap::density(const Quad& quad) const {
+    // The quad was chosen with a rounded probability; within it the density is exactly that of the luminance.
+    const DiscreteDistribution& columns = columns_[quad.row];
     if (!(columns.total() > 0)) return uniform_share * uniform_sphere_pdf_w;
-    const float choice = rows_.probability(cell.row) * columns.probability(cell.column);
+    const float choice = rows_.probability(quad.row) * columns.probability(quad.column);
     if (!(choice > 0.f)) return uniform_share * uniform_sphere_pdf_w;
-    const Corners c = corners(cell);
-    const Color here = lerp(lerp(c.c00, c.c10, cell.s), lerp(c.c01, c.c11, cell.s), cell.t);
-    const auto relative = static_cast<float>(luminance_d(here) / luminance_of(c, cell.row));
-    const double latitude = 0.5 * (theta_of(cell.row) + theta_of(cell.row + 1));
+    const Corners c = corners(quad);
+    const Color here = lerp(lerp(c.c00, c.c10, quad.s), lerp(c.c01, c.c11, quad.s), quad.t);
+    const auto relative = static_cast<float>(luminance_d(here) / luminance_of(c, quad.row));
+    const double latitude = 0.5 * (theta_of(quad.row) + theta_of(quad.row + 1));
     const float sine = injected(Fault::environment_jacobian) ? static_cast<float>(std::sin(latitude)) : 1.f;
     return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative * sine;
 }
@@ -110,22 +110,22 @@ float EnvironmentMap::density(const Cell& cell) const {
 EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
     if (u.x() < uniform_share) {
         const Vec3 w = square_to_sphere(Vec2(u.x() / uniform_share, u.y()));
-        const Cell cell = cell_at(w);
-        return {to_world_.to_world(w), interpolated(cell), density(cell)};
+        const Quad quad = quad_at(w);
+        return {to_world_.to_world(w), interpolated(quad), density(quad)};
     }
     const float u_column = std::min((u.x() - uniform_share) / (1.f - uniform_share), 1.f - unit_roundoff);
     const auto row = rows_.sample(u.y());
     const auto column = columns_[row.index].sample(u_column);
-    Cell cell{column.index, row.index, 0.f, 0.f};
-    const Corners c = corners(cell);
+    Quad quad{column.index, row.index, 0.f, 0.f};
+    const Corners c = corners(quad);
     const double l00 = luminance_d(c.c00), l10 = luminance_d(c.c10), l01 = luminance_d(c.c01), l11 = luminance_d(c.c11);
     const double theta0 = theta_of(row.index), theta1 = theta_of(row.index + 1);
     const double theta = PolarRamp{theta0, theta1, l00 + l10, l01 + l11}.sample(static_cast<double>(row.u));
     const double t = (theta - theta0) / (theta1 - theta0);
-    cell.t = static_cast<float>(t);
-    cell.s = static_cast<float>(
+    quad.t = static_cast<float>(t);
+    quad.s = static_cast<float>(
         sample_linear(static_cast<double>(column.u), (1 - t) * l00 + t * l01, (1 - t) * l10 + t * l11));
-    return {to_world_.to_world(direction_of(cell, theta)), interpolated(cell), density(cell)};
+    return {to_world_.to_world(direction_of(quad, theta)), interpolated(quad), density(quad)};
 }
 
 DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) const {
@@ -152,8 +152,8 @@ DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) cons
     axes.s = -to_world_.n;
     axes.t = to_world_.s;
     axes.n = to_world_.t;
-    return cone_around({theta_of(first), theta_of(last + 1), cell_phi_ * (static_cast<double>(left) + 0.5),
-                        cell_phi_ * (static_cast<double>(right) + 1.5)},
+    return cone_around({theta_of(first), theta_of(last + 1), quad_phi_ * (static_cast<double>(left) + 0.5),
+                        quad_phi_ * (static_cast<double>(right) + 1.5)},
                        axes);
 }
 

@@ -23,9 +23,9 @@ public:
     EnvironmentMap(Image radiance, const Frame& to_world);
 
     /// Towards the viewer who looks along the unit vector w.
-    Color radiance(const Vec3& w) const { return interpolated(cell_at(to_world_.to_local(w))); }
+    Color radiance(const Vec3& w) const { return interpolated(quad_at(to_world_.to_local(w))); }
     /// The density of sample() [1/sr].
-    float pdf_w(const Vec3& w) const { return density(cell_at(to_world_.to_local(w))); }
+    float pdf_w(const Vec3& w) const { return density(quad_at(to_world_.to_local(w))); }
 
     struct Sample {
         Vec3 w;
@@ -42,36 +42,36 @@ public:
 
 private:
     /// A place among four texels.
-    struct Cell {
+    struct Quad {
         std::size_t column, row;
         float s, t;  ///< towards the next column and the next row, in [0, 1]
     };
     struct Corners {
         Color c00, c10, c01, c11;  ///< column, row
     };
-    /// Integrals over a row of cells of the rows' bilinear weights times sin(theta) d theta.
+    /// Integrals over a row of quads of the rows' bilinear weights times sin(theta) d theta.
     struct Band {
         double upper, lower;
     };
 
     Color texel(std::size_t column, std::size_t row) const;
-    Corners corners(const Cell& cell) const;
-    Color interpolated(const Cell& cell) const;
-    Cell cell_at(const Vec3& w_local) const;
-    Vec3 direction_of(const Cell& cell, double theta) const;
-    /// Luminance [W/m^2] of a cell: radiance over its directions.
+    Corners corners(const Quad& quad) const;
+    Color interpolated(const Quad& quad) const;
+    Quad quad_at(const Vec3& w_local) const;
+    Vec3 direction_of(const Quad& quad, double theta) const;
+    /// Luminance [W/m^2] of a quad: radiance over its directions.
     double luminance_of(const Corners& c, std::size_t row) const;
-    float density(const Cell& cell) const;
+    float density(const Quad& quad) const;
     double theta_of(std::size_t row) const { return std::numbers::pi * static_cast<double>(row) / bands_f_; }
 
-    std::size_t width_, bands_;  ///< columns of texels, rows of cells
+    std::size_t width_, bands_;  ///< columns of texels, rows of quads
     double bands_f_;
-    double cell_phi_;  ///< width of a cell [rad]
+    double quad_phi_;  ///< width of a quad [rad]
     Frame to_world_;
     std::vector<float> rgb_;  ///< (bands + 1) x width x 3
     std::vector<Band> weights_;
     DiscreteDistribution rows_;
-    std::vector<DiscreteDistribution> columns_;  ///< of every row of cells
+    std::vector<DiscreteDistribution> columns_;  ///< of every row of quads
     Colord integral_ = Colord::Zero();
 };
 

@@ -57,7 +57,7 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
                     const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
-                    double resolved) {
+                    double noise_floor) {
     TableRow row = plain_row(replicates, index, component);
     row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
     row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
@@ -65,10 +65,10 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);
     for (std::size_t t = 0; t < target_errors.size(); ++t)
-        if (sqr(target_errors[t]) > resolved) row.times[t] = time_to_error(curves, target_errors[t]);
+        if (sqr(target_errors[t]) > noise_floor) row.times[t] = time_to_error(curves, target_errors[t]);
     row.footing = equal_footing(images, reference, r_total);
-    row.law = price_law_of(replicates.cells, component, resolved);
-    row.last_halving = last_halving(replicates.cells, component, resolved);
+    row.law = price_law_of(replicates.cells, component, noise_floor);
+    row.last_halving = last_halving(replicates.cells, component, noise_floor);
     return row;
 }
 
@@ -91,8 +91,8 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
-    rows.push_back(
-        judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality.resolved.at(total_name)));
+    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total,
+                              quality.noise_floors.at(total_name)));
     rows.back().flip = mean_flip(replicates, totals, r_total, folder);
     for (Component c : all_components) {
         std::vector<Image> images;
@@ -101,8 +101,8 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         if (images.size() != replicates.images.size()) continue;
         const std::string name(name_of(c));
         if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.resolved.at(name)));
-        else if (!judgement.resolved(c)) rows.push_back(plain_row(replicates, index, name));
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.noise_floors.at(name)));
+        else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, name));
     }
     return rows;
 }
@@ -123,10 +123,10 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
         quality.samples *= static_cast<std::uint64_t>(reference_groups);
     }
     const Image& r_total = judgement.total().mean;
-    quality.resolved[total_name] = resolved_error2(judgement.total(), r_total, epsilon);
+    quality.noise_floors[total_name] = noise_floor_of(judgement.total(), r_total, epsilon);
     for (Component c : all_components)
         if (const auto* layer = judgement.component(c))
-            quality.resolved[std::string(name_of(c))] = resolved_error2(*layer, r_total, epsilon);
+            quality.noise_floors[std::string(name_of(c))] = noise_floor_of(*layer, r_total, epsilon);
     return quality;
 }
 

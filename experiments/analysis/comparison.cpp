@@ -18,10 +18,10 @@ namespace gib {
 namespace {
 
 std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
-                                           const std::string& component, double seconds, double resolved) {
+                                           const std::string& component, double seconds, double noise_floor) {
     EqualTimeRow row{scene, component, seconds, {}};
     for (const auto& [method, cells] : methods)
-        if (const auto error = relative_rmse_after(cells, component, seconds, resolved))
+        if (const auto error = relative_rmse_after(cells, component, seconds, noise_floor))
             row.entries.push_back({method, *error});
     if (row.entries.size() < 2) return std::nullopt;
     std::stable_sort(row.entries.begin(), row.entries.end(),
@@ -31,7 +31,7 @@ std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const s
 
 /// Of one method, its checkpoints that all seeds have.
 void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
-                double resolved, std::vector<FrontierPoint>& points) {
+                double noise_floor, std::vector<FrontierPoint>& points) {
     const std::size_t count = common_checkpoints(cells);
     for (std::size_t i = 0; i < count; ++i) {
         const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
@@ -44,7 +44,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
             error += total->second.rel_mse_corrected;
         }
         const auto n = static_cast<double>(cells.size());
-        points.push_back({scene, method, passes, seconds / n, error / n > resolved ? std::sqrt(error / n) : 0.0});
+        points.push_back({scene, method, passes, seconds / n, error / n > noise_floor ? std::sqrt(error / n) : 0.0});
     }
 }
 
@@ -116,7 +116,7 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
             shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
         }
         for (const auto& component : components_of(analysis, scene))
-            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.resolved(scene, component)))
+            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.noise_floor(scene, component)))
                 rows.push_back(std::move(*row));
     }
     return rows;
@@ -129,7 +129,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
         if (methods.size() < 2) continue;
         std::vector<FrontierPoint> points;
         for (const auto& [method, cells] : methods)
-            add_points(scene, method, cells, analysis.resolved(scene, total_name), points);
+            add_points(scene, method, cells, analysis.noise_floor(scene, total_name), points);
         std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
             return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
         });
@@ -159,7 +159,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                     const double width = std::log(bias2.interval->hi / bias2.interval->lo);
                     points.push_back({x, bias2.value, std::max(width, 1e-6) / (2 * 1.96)});
                 }
-                law.resolved = points.size();
+                law.resolved_count = points.size();
                 if (points.size() < 3) continue;
                 law.exponent = fitted_exponent(points);
                 laws.push_back(std::move(law));
@@ -203,9 +203,9 @@ std::string comparison_text(const Analysis& analysis) {
             "| scene | component | method | parameter | values fitted | p |\n|---|---|---|---|---:|---|\n";
     for (const auto& law : laws)
         text += fmt::format("| {} | {} | {} | {} | {} of {} | {} ({} to {}) |\n", markdown_text(law.scene),
-                            law.component, markdown_text(law.method), law.parameter, law.resolved, law.values.size(),
-                            short_number(law.exponent.value), short_number(law.exponent.interval->lo),
-                            short_number(law.exponent.interval->hi));
+                            law.component, markdown_text(law.method), law.parameter, law.resolved_count,
+                            law.values.size(), short_number(law.exponent.value),
+                            short_number(law.exponent.interval->lo), short_number(law.exponent.interval->hi));
     return text;
 }
 

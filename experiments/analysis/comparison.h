@@ -41,8 +41,9 @@ struct BiasLaw {
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< its name
     std::vector<double> values;
-    Estimate exponent;     ///< weighted least squares of the logarithms
-    std::size_t resolved;  ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
+    Estimate exponent;  ///< weighted least squares of the logarithms
+    std::size_t
+        resolved_count;  ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
 };
 /// For every numeric parameter of which three values or more stand among labels that are otherwise equal; at least
 /// three resolved.

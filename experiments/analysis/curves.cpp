@@ -58,9 +58,9 @@ std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, c
 }
 
 std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                          double seconds, double resolved) {
+                                          double seconds, double noise_floor) {
     const auto error2 = mean_error2_after(cells, component, seconds);
-    return error2 && *error2 > std::max(resolved, 0.0) ? std::optional(std::sqrt(*error2)) : std::nullopt;
+    return error2 && *error2 > std::max(noise_floor, 0.0) ? std::optional(std::sqrt(*error2)) : std::nullopt;
 }
 
 std::size_t common_checkpoints(const std::vector<const Cell*>& cells) {

@@ -25,9 +25,9 @@ std::optional<double> error2_after(const Cell& cell, const std::string& componen
 /// The mean over runs; unclipped. Empty unless all have an image by then.
 std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, const std::string& component,
                                         double seconds);
-/// Its root; empty where it is not above `resolved`: below what the reference resolves.
+/// Its root; empty where it is not above `noise_floor`: below what the reference resolves.
 std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                          double seconds, double resolved);
+                                          double seconds, double noise_floor);
 
 /// How many checkpoints, from the first on, all runs have after the same passes: a budget of time ends runs after
 /// different ones.

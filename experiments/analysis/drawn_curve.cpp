@@ -46,14 +46,14 @@ std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& s
             pass.absolute.push_back(error->second.mse_corrected);
         }
     }
-    const double resolved = std::sqrt(analysis.resolved(scene, component));
+    const double noise_floor = std::sqrt(analysis.noise_floor(scene, component));
     std::vector<MeanPoint> curve;
     for (const auto& [number, pass] : passes) {
         if (pass.relative.size() != seeds) continue;
         const MeanPoint point{number, pass.seconds / static_cast<double>(seeds), root_of_mean(pass.relative),
                               root_of_mean(pass.absolute)};
         const auto drawn = [](double v) { return std::isfinite(v) && v > 0; };
-        if (drawn(point.seconds) && drawn(point.relative_rmse.value) && point.relative_rmse.value > resolved &&
+        if (drawn(point.seconds) && drawn(point.relative_rmse.value) && point.relative_rmse.value > noise_floor &&
             drawn(point.rmse.value))
             curve.push_back(point);
     }

@@ -38,7 +38,7 @@ Runs without(const Runs& cells, std::size_t left_out) {
 }
 
 /// log(time of the last point / time at which the error was twice as large), of the runs' mean.
-std::optional<double> log_last_halving(const Runs& cells, const std::string& component, double resolved) {
+std::optional<double> log_last_halving(const Runs& cells, const std::string& component, double noise_floor) {
     const auto runs = points_of(cells, component);
     if (runs.empty() || runs.front().empty()) return std::nullopt;
     std::vector<ErrorPoint> mean(runs.front().size(), {0, 0});
@@ -48,7 +48,7 @@ std::optional<double> log_last_halving(const Runs& cells, const std::string& com
             mean[i].error2 += run[i].error2 / static_cast<double>(runs.size());
         }
     const ErrorPoint end = mean.back();
-    if (!(end.error2 > resolved)) return std::nullopt;
+    if (!(end.error2 > noise_floor)) return std::nullopt;
     for (std::size_t i = mean.size() - 1; i-- > 0;) {
         const ErrorPoint &a = mean[i], &b = mean[i + 1];
         if (!(a.error2 >= 4 * end.error2)) continue;
@@ -61,13 +61,13 @@ std::optional<double> log_last_halving(const Runs& cells, const std::string& com
 /// The mean squared error of some runs as a curve: infinite before all have an image, 0 below what is resolved.
 struct MeanCurve {
     Runs cells;
-    double resolved;
+    double noise_floor;
     double operator()(double seconds) const {
         const auto error2 = mean_error2_after(cells, total_name, seconds);
         if (!error2) return std::numeric_limits<double>::infinity();
-        return *error2 > resolved ? *error2 : 0;
+        return *error2 > noise_floor ? *error2 : 0;
     }
-    MeanCurve without(std::size_t seed) const { return {gib::without(cells, seed), resolved}; }
+    MeanCurve without(std::size_t seed) const { return {gib::without(cells, seed), noise_floor}; }
 };
 
 /// When `challenger` passes `best`, between a time at which it is behind and one at which it is ahead.
@@ -105,11 +105,11 @@ std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve&
     return Interval{std::exp(log_time.interval->lo), std::exp(log_time.interval->hi)};
 }
 
-std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::string& scene, double resolved) {
+std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::string& scene, double noise_floor) {
     std::set<double> all_times;
     std::vector<std::pair<std::string, MeanCurve>> curves;
     for (const auto& [method, cells] : methods) {
-        curves.push_back({method, {cells, resolved}});
+        curves.push_back({method, {cells, noise_floor}});
         for (const Cell* cell : cells)
             for (const auto& c : cell->checkpoints)
                 all_times.insert(c.checkpoint.seconds);
@@ -144,23 +144,23 @@ std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::st
 }  // namespace
 
 std::optional<PriceLaw> price_law_of(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double resolved) {
+                                     double noise_floor) {
     if (cells.empty()) return std::nullopt;
     double start = 0;
     for (const Cell* cell : cells)
         start += cell->prepare_seconds / static_cast<double>(cells.size());
-    return fit_price_law(points_of(cells, component), start, resolved);
+    return fit_price_law(points_of(cells, component), start, noise_floor);
 }
 
 std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double resolved) {
-    const auto log_factor = log_last_halving(cells, component, resolved);
+                                     double noise_floor) {
+    const auto log_factor = log_last_halving(cells, component, noise_floor);
     if (!log_factor) return std::nullopt;
     const Estimate plain{std::exp(*log_factor), std::nullopt};
     if (cells.size() < 3) return plain;
     std::vector<double> logs;
     for (std::size_t s = 0; s < cells.size(); ++s) {
-        const auto left = log_last_halving(without(cells, s), component, resolved);
+        const auto left = log_last_halving(without(cells, s), component, noise_floor);
         if (!left) return plain;
         logs.push_back(*left);
     }
@@ -178,7 +178,7 @@ std::vector<Crossover> crossovers(const Analysis& analysis) {
     for (const auto& scene : scenes_of(analysis)) {
         const CellsByMethod methods = cells_by_method(analysis, scene);
         if (methods.size() < 2) continue;
-        for (auto& change : crossovers_of(methods, scene, analysis.resolved(scene, total_name)))
+        for (auto& change : crossovers_of(methods, scene, analysis.noise_floor(scene, total_name)))
             changes.push_back(std::move(change));
     }
     return changes;

@@ -12,16 +12,16 @@
 namespace gib {
 
 /// The fitted law of a component, from the checkpoints that all cells of a method have; its start is their mean
-/// preparation. `resolved`: squared errors from here down are below what the reference resolves.
+/// preparation. `noise_floor`: squared errors from here down are below what the reference resolves.
 std::optional<PriceLaw> price_law_of(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double resolved);
+                                     double noise_floor);
 
 /// The factor by which time grew for the last halving of a method's error, as measured: the time of the last common
 /// checkpoint over that at which the mean error was twice as large, with a 95 % interval (delete-one jackknife over the
 /// runs, in the logarithm) from 3 runs on. Empty if it never was twice as large, or if the end is below what the
 /// reference resolves.
 std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double resolved);
+                                     double noise_floor);
 
 /// How much of a law's floor is bias^2, by the relative bias^2 of the final images; the rest is variance that more time
 /// does not remove, as that of a fixed photon map. 0 without a law or without a split.

@@ -2,10 +2,10 @@
 
 namespace gib {
 
-double Analysis::resolved(const std::string& scene, const std::string& component) const {
+double Analysis::noise_floor(const std::string& scene, const std::string& component) const {
     for (const auto& reference : references)
         if (reference.scene == scene)
-            if (const auto found = reference.resolved.find(component); found != reference.resolved.end())
+            if (const auto found = reference.noise_floors.find(component); found != reference.noise_floors.end())
                 return found->second;
     return 0;
 }

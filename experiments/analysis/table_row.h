@@ -46,7 +46,7 @@ struct ReferenceQuality {
     std::uint64_t samples = 0;  ///< a pixel; 0: unknown
     std::vector<std::string> notes;
     std::map<std::string, double>
-        resolved;  ///< by component, `total` included: relative squared error, resolved_error2
+        noise_floors;  ///< by component, `total` included: relative squared error, noise_floor_of
 };
 
 struct Analysis {
@@ -58,7 +58,7 @@ struct Analysis {
     std::size_t missing_cells = 0;    ///< of the experiment, not complete
 
     /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
-    double resolved(const std::string& scene, const std::string& component) const;
+    double noise_floor(const std::string& scene, const std::string& component) const;
 };
 
 }  // namespace gib

@@ -62,10 +62,11 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
     if (!bound && hard.every_pixel &&
         (images.smallest < hard.expected - rounding || images.largest > hard.expected + rounding))
         return failed(found, fmt::format("pixels from {:.6g} to {:.6g}", images.smallest, images.largest));
-    const bool resolved = bound ? mean + found.half_width <= (1 + resolve) * hard.expected &&
-                                      (hard.at_least == 0 || mean - found.half_width >= (1 - resolve) * hard.at_least)
-                                : found.half_width <= resolve * hard.expected;
-    if (resolved) return found;
+    const bool is_resolved = bound
+                                 ? mean + found.half_width <= (1 + resolve) * hard.expected &&
+                                       (hard.at_least == 0 || mean - found.half_width >= (1 - resolve) * hard.at_least)
+                                 : found.half_width <= resolve * hard.expected;
+    if (is_resolved) return found;
     HardCaseVerdict verdict = found;
     verdict.verdict = Verdict::unresolved;
     verdict.why = bound ? fmt::format("may be more than {:.3g} % outside of its bounds", 100 * resolve)

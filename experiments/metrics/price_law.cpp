@@ -21,7 +21,7 @@ constexpr double least_fall = 0.01;  // of the squared error over the measured s
 using Curve = std::vector<ErrorPoint>;
 
 /// The mean of the runs, without the run `left_out`, up to where it is no longer above what the reference resolves.
-Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double resolved) {
+Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double noise_floor) {
     std::size_t count = runs.front().size();
     for (const Curve& run : runs)
         count = std::min(count, run.size());
@@ -34,7 +34,7 @@ Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double re
             point.seconds += runs[r][i].seconds / n;
             point.error2 += runs[r][i].error2 / n;
         }
-        if (!std::isfinite(point.error2) || point.error2 <= resolved) break;
+        if (!std::isfinite(point.error2) || point.error2 <= noise_floor) break;
         mean.push_back(point);
     }
     return mean;
@@ -110,11 +110,11 @@ struct WithoutOne {
     std::vector<double> floors, slopes, end_slopes, log_halvings;
 };
 
-WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double resolved) {
+WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double noise_floor) {
     WithoutOne result;
     if (runs.size() < 3) return result;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const Curve curve = mean_curve(runs, r, resolved);
+        const Curve curve = mean_curve(runs, r, noise_floor);
         const auto fit = fit_law(curve, start);
         if (!fit) return {};
         result.floors.push_back(fit->law.floor);
@@ -152,9 +152,10 @@ std::optional<PriceLaw::Extrapolation> PriceLaw::extrapolate(double error2) cons
     return least ? std::optional(Extrapolation{*least, true}) : std::nullopt;
 }
 
-std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start, double resolved) {
+std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,
+                                      double noise_floor) {
     if (runs.empty()) return std::nullopt;
-    const Curve curve = mean_curve(runs, runs.size(), resolved);
+    const Curve curve = mean_curve(runs, runs.size(), noise_floor);
     const auto fit = fit_law(curve, start);
     if (!fit) return std::nullopt;
     const ErrorLaw& law = fit->law;
@@ -170,7 +171,7 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
         price.misfit = std::max(price.misfit, std::abs(law.error2(p.seconds) / p.error2 - 1));
     if (const auto halving = halving_factor(law, price.last_seconds)) price.next_halving = {*halving, std::nullopt};
 
-    const WithoutOne without = fits_without_one(runs, start, resolved);
+    const WithoutOne without = fits_without_one(runs, start, noise_floor);
     if (without.slopes.empty()) return with_known_halving(price);
     price.floor = jackknife(law.floor, without.floors);
     const bool bends = jackknife(end_slope(curve, start), without.end_slopes).interval->hi < 1;

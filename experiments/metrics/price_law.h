@@ -55,9 +55,9 @@ struct PriceLaw {
 /// the floor is cut off at 0. No intervals below 3 runs. Noise of independent samples falls as 1 / t; what falls faster
 /// at first, as low-discrepancy points do, bends as if there were a floor. So the floor's interval begins at 0 unless
 /// the slope at the curve's end, over the last factor of 4 in t - start, is below 1 with its whole interval. Empty if
-/// fewer than 4 points have a positive mean error, or if the squared error falls by less than 1 %. `resolved`: the
+/// fewer than 4 points have a positive mean error, or if the squared error falls by less than 1 %. `noise_floor`: the
 /// squared error below which the reference resolves nothing; curves end there.
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,
-                                      double resolved = 0);
+                                      double noise_floor = 0);
 
 }  // namespace gib

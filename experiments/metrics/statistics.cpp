@@ -351,7 +351,7 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     return result;
 }
 
-double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
     const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
     // The term of second order alone: there is no bias whose product with the reference's noise could scatter.
     const auto m = static_cast<double>(noise.groups.rows());

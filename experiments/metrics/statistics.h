@@ -58,7 +58,7 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
 /// its own variance subtracted, in one of forty references as noisy as this one (1.96 standard errors of the mean of
 /// the squared noise, from the scatter of its groups; noise that is correlated over many pixels exceeds it twice as
 /// often). Without groups, pixels and channels are taken as independent; 0 without a standard error.
-double resolved_error2(const ReferenceLayer& reference, const Image& r_total, double epsilon);
+double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
 /// Where each replicate's falling error-against-time curve crosses `target`, interpolated between its checkpoints in
 /// log(time) and log(error): the mean over replicates in log(time). Empty if fewer than all reach it. A curve whose

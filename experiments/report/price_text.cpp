@@ -60,7 +60,7 @@ std::string largest_part(const Analysis& analysis, const std::vector<const Cell*
 /// What keeps a method from an error that another one has after `seconds`.
 std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, const TableRow& row, double seconds) {
     const auto& cells = methods.at(row.method);
-    const auto error = relative_rmse_after(cells, total_name, seconds, analysis.resolved(row.scene, total_name));
+    const auto error = relative_rmse_after(cells, total_name, seconds, analysis.noise_floor(row.scene, total_name));
     std::vector<std::string> parts;
     if (!error)
         parts.push_back(mean_error2_after(cells, total_name, seconds) ? "below what the reference resolves"
@@ -93,7 +93,7 @@ std::vector<const TableRow*> best_of_other_names(const std::vector<const TableRo
 }
 
 std::string time_text(const Analysis& analysis, const TableRow& row, std::size_t target) {
-    if (!resolves_target(analysis, row.scene, total_name, target)) return "not resolved";
+    if (!is_target_resolved(analysis, row.scene, total_name, target)) return "not resolved";
     return row.times[target] ? with_interval(*row.times[target]) : unmeasured_time(row, target_errors[target]);
 }
 
@@ -136,16 +136,16 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
         const auto error2 = mean_error2_after(methods.at(row->method), total_name, row->seconds);
         if (error2 && *error2 < least) least = *error2, closest = row;
     }
-    const double resolved = analysis.resolved(rows.front()->scene, total_name);
-    if (!resolves_target(analysis, rows.front()->scene, total_name, target))
+    const double noise_floor = analysis.noise_floor(rows.front()->scene, total_name);
+    if (!is_target_resolved(analysis, rows.front()->scene, total_name, target))
         return fmt::format("The reference does not resolve {} %, only {}.", target_names[target],
-                           percent(std::sqrt(resolved)));
+                           percent(std::sqrt(noise_floor)));
     std::string text = fmt::format("No method reached {} %.", target_names[target]);
     if (!closest) return text;
     text += fmt::format(" The closest is `{}` with {} after {} s", closest->method,
-                        least > resolved ? percent(std::sqrt(least))
-                                         : fmt::format("an error below {}, all that the reference resolves,",
-                                                       percent(std::sqrt(resolved))),
+                        least > noise_floor ? percent(std::sqrt(least))
+                                            : fmt::format("an error below {}, all that the reference resolves,",
+                                                          percent(std::sqrt(noise_floor))),
                         short_number(closest->seconds));
     if (const auto part = largest_part(analysis, methods.at(closest->method), closest->scene, closest->seconds);
         !part.empty())
@@ -204,9 +204,9 @@ std::string crossover_table(const std::vector<Crossover>& changes) {
 
 }  // namespace
 
-bool resolves_target(const Analysis& analysis, const std::string& scene, const std::string& component,
-                     std::size_t target) {
-    return sqr(target_errors[target]) > analysis.resolved(scene, component);
+bool is_target_resolved(const Analysis& analysis, const std::string& scene, const std::string& component,
+                        std::size_t target) {
+    return sqr(target_errors[target]) > analysis.noise_floor(scene, component);
 }
 
 std::string next_halving_text(const TableRow& row) {

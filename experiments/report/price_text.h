@@ -13,8 +13,8 @@ namespace gib {
 inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 
 /// Whether the reference can tell that an image has come so close to it.
-bool resolves_target(const Analysis& analysis, const std::string& scene, const std::string& component,
-                     std::size_t target);
+bool is_target_resolved(const Analysis& analysis, const std::string& scene, const std::string& component,
+                        std::size_t target);
 
 /// Which method is cheapest at an error, how much more the next one takes, and what keeps the others from it.
 struct PriceAnswer {

@@ -61,11 +61,11 @@ json report_data(const Analysis& analysis) {
         json entry = {{"components", components_of(analysis, scene)},
                       {"curves", json::object()},
                       {"spectra", json::object()},
-                      {"resolved", json::object()}};
+                      {"noise_floor", json::object()}};
         for (const auto& component : components_of(analysis, scene)) {
             entry["curves"][component] = curves_of(analysis, scene, component);
             entry["spectra"][component] = spectra_of(analysis, scene, component);
-            entry["resolved"][component] = std::sqrt(analysis.resolved(scene, component));
+            entry["noise_floor"][component] = std::sqrt(analysis.noise_floor(scene, component));
         }
         scenes[scene] = std::move(entry);
     }

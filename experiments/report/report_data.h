@@ -11,7 +11,7 @@ namespace gib {
 
 /// {"methods": [...], "epsilon": ..., "targets": [...], "scenes": {NAME: {"components": [...],
 /// "curves": {COMPONENT: [{"method": index, "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi], ...]}]},
-/// "resolved": {COMPONENT: relative RMSE that the reference resolves},
+/// "noise_floor": {COMPONENT: relative RMSE that the reference resolves},
 /// "spectra": {COMPONENT: [{"method": index, "noise": [[frequency, power], ...], "bias": ...}]}}}}.
 /// Errors are shares, not percent; null where there is no interval.
 nlohmann::json report_data(const Analysis& analysis);

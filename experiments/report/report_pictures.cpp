@@ -149,7 +149,7 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
         });
         if (!used) continue;
         all.push_back(name);
-        if (judgement.resolved(c)) judged.push_back(name);
+        if (judgement.is_resolved(c)) judged.push_back(name);
     }
     json layers = json::array({{{"name", "total"}, {"parts", judged}}});
     if (!reference.unresolved.empty()) layers.push_back({{"name", "all, judged or not"}, {"parts", all}});

@@ -83,7 +83,7 @@ std::string spaced_names(const std::string& names) {
 }
 
 std::string time_cell(const Analysis& analysis, const TableRow& row, std::size_t t) {
-    if (!resolves_target(analysis, row.scene, row.component, t))
+    if (!is_target_resolved(analysis, row.scene, row.component, t))
         return "<td class=\"never\" title=\"the reference cannot tell\">not resolved</td>";
     if (!row.times[t]) {
         const std::string guess = unmeasured_time(row, target_errors[t]);
@@ -99,7 +99,7 @@ std::string price_row(const Analysis& analysis, const TableRow& row) {
     const auto& s = row.statistics;
     std::string html =
         s ? fmt::format("<td>{}</td>",
-                        in_two_lines(relative_error_text(row, analysis.resolved(row.scene, row.component))))
+                        in_two_lines(relative_error_text(row, analysis.noise_floor(row.scene, row.component))))
           : "<td>not judged</td>";
     for (std::size_t t = 0; t < target_errors.size(); ++t)
         html += s ? time_cell(analysis, row, t) : "<td></td>";
@@ -199,12 +199,12 @@ std::string overview_html(const Analysis& analysis) {
         html += fmt::format("<tr><th scope=\"row\"><a href=\"#scene-{}\">{}</a></th>", i, html_escape(scene));
         for (const std::size_t t : asked_targets) {
             const TableRow* best = cheapest(analysis, scene, total_name, t);
-            html += best
-                        ? fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
-                                      method_html(method_index(analysis, best->method), best->method),
-                                      short_number(best->times[t]->value))
-                        : fmt::format("<td class=\"text never\">{}</td>",
-                                      resolves_target(analysis, scene, total_name, t) ? "not reached" : "not resolved");
+            html +=
+                best ? fmt::format("<td class=\"text\">{} <b>{} s</b></td>",
+                                   method_html(method_index(analysis, best->method), best->method),
+                                   short_number(best->times[t]->value))
+                     : fmt::format("<td class=\"text never\">{}</td>",
+                                   is_target_resolved(analysis, scene, total_name, t) ? "not reached" : "not resolved");
         }
         html += "</tr>\n";
     }

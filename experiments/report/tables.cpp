@@ -71,7 +71,7 @@ std::vector<std::string> error_columns() {
     return columns;
 }
 
-std::vector<std::string> error_row(const TableRow& r, double resolved) {
+std::vector<std::string> error_row(const TableRow& r, double noise_floor) {
     std::vector<std::string> row = {r.scene, r.method, r.component, std::to_string(r.seeds), csv_number(r.seconds)};
     const auto& s = r.statistics;
     append_estimate(row, s ? std::optional(s->rmse) : std::nullopt);
@@ -97,7 +97,7 @@ std::vector<std::string> error_row(const TableRow& r, double resolved) {
     }
     row.push_back(csv_number(r.prepare_seconds));
     row.push_back(optional_number(r.flip));
-    row.push_back(csv_number(resolved));
+    row.push_back(csv_number(noise_floor));
     append_estimate(row, r.footing ? std::optional(r.footing->excess) : std::nullopt);
     row.push_back(r.footing ? name_of(r.footing->verdict) : "");
     append_estimate(row, r.last_halving);
@@ -112,13 +112,13 @@ std::string with_interval(const Estimate& e, const std::function<std::string(dou
     return fmt::format("{} ({} to {})", text(e.value), text(e.interval->lo), text(e.interval->hi));
 }
 
-std::string markdown_row(const TableRow& r, double resolved) {
+std::string markdown_row(const TableRow& r, double noise_floor) {
     if (!r.statistics) return "";
     const auto& s = *r.statistics;
     // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
     const std::string bias2 = s.bias2 ? short_number(at_least_zero(s.bias2->value)) : "";
     return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(r.scene),
-                       markdown_text(r.method), short_number(r.seconds), relative_error_text(r, resolved),
+                       markdown_text(r.method), short_number(r.seconds), relative_error_text(r, noise_floor),
                        r.flip ? short_number(*r.flip) : "", bias2, s.variance ? short_number(s.variance->value) : "",
                        r.times[1] ? with_interval(*r.times[1], short_number) : "",
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
@@ -166,7 +166,7 @@ CsvTable error_table(const Analysis& analysis) {
     CsvTable table;
     table.columns = error_columns();
     for (const auto& row : analysis.rows)
-        table.add(error_row(row, analysis.resolved(row.scene, row.component)));
+        table.add(error_row(row, analysis.noise_floor(row.scene, row.component)));
     return table;
 }
 
@@ -216,7 +216,7 @@ std::string markdown_table(const Analysis& analysis) {
         "missing effects |\n"
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---|\n";
     for (const auto& row : analysis.rows)
-        if (row.component == total_name) text += markdown_row(row, analysis.resolved(row.scene, total_name));
+        if (row.component == total_name) text += markdown_row(row, analysis.noise_floor(row.scene, total_name));
     return text + outliers_text(analysis) + price_text(analysis) + comparison_text(analysis);
 }
 
@@ -228,10 +228,10 @@ void write_tables(const Analysis& analysis, const ResultFolder& folder) {
     write_file(folder.file("stages.csv"), stages_table(analysis).text());
 }
 
-std::string relative_error_text(const TableRow& row, double resolved) {
+std::string relative_error_text(const TableRow& row, double noise_floor) {
     const auto& s = *row.statistics;
-    if (s.rel_mse_corrected <= resolved)
-        return fmt::format("below {}, not resolved", percent_text(std::sqrt(resolved)));
+    if (s.rel_mse_corrected <= noise_floor)
+        return fmt::format("below {}, not resolved", percent_text(std::sqrt(noise_floor)));
     const auto root = [&](double rel_mse) {  // the interval of the plain formula, less the reference's variance
         return std::sqrt(at_least_zero(rel_mse - (s.rel_mse.value - s.rel_mse_corrected)));
     };

@@ -20,6 +20,6 @@ void write_tables(const Analysis& analysis, const ResultFolder& folder);
 
 /// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or that the
 /// reference does not resolve it.
-std::string relative_error_text(const TableRow& row, double resolved);
+std::string relative_error_text(const TableRow& row, double noise_floor);
 
 }  // namespace gib

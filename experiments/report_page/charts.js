@@ -96,7 +96,7 @@ report.charts = (() => {
       times = times.concat(points.map((p) => p[1]));
       sets.push(line(method, at(0)), ...band(method, at(1), at(2)));
     }
-    const floor = metric === "relative" ? data.scenes[scene].resolved[component] : 0;
+    const floor = metric === "relative" ? data.scenes[scene].noise_floor[component] : 0;
     if (floor > 0 && times.length > 0)
       sets.push({
         label: "what the reference resolves",

@@ -27,13 +27,13 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
     partial_total_ = total.groups.size() > 1 ? layer_of_groups(std::move(total.groups)) : std::move(total);
 }
 
-bool Judgement::resolved(Component c) const {
+bool Judgement::is_resolved(Component c) const {
     return std::find(reference_.unresolved.begin(), reference_.unresolved.end(), c) == reference_.unresolved.end();
 }
 
 const ReferenceLayer* Judgement::component(Component c) const {
     const auto& layer = reference_[c];
-    return layer && resolved(c) ? &*layer : nullptr;
+    return layer && is_resolved(c) ? &*layer : nullptr;
 }
 
 Image Judgement::total_of(const ComponentImages& image) const {

@@ -15,7 +15,7 @@ public:
     /// The reference outlives it.
     explicit Judgement(const Reference& reference);
 
-    bool resolved(Component c) const;
+    bool is_resolved(Component c) const;
     /// The total without unresolved components; its mean is the denominator of every relative error.
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
     /// Null if the reference has no such component or does not resolve it.

@@ -252,8 +252,8 @@ bool ExperimentRun::take_reference_of(SceneState& scene) {
     return true;
 }
 
-std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
-    std::vector<Cell> cells;
+std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
+    std::vector<PlannedCell> cells;
     for (int seed = 1; seed <= experiment_.seeds; ++seed)
         for (auto& scene : scenes_)
             for (const auto& label : experiment_.methods) {
@@ -279,8 +279,8 @@ std::vector<ExperimentRun::Cell> ExperimentRun::cells() {
     return cells;
 }
 
-std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::vector<Cell>& all) {
-    std::vector<const Cell*> to_do;
+std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const std::vector<PlannedCell>& all) {
+    std::vector<const PlannedCell*> to_do;
     std::size_t kept = 0, of_other_builds = 0;
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
@@ -302,7 +302,7 @@ std::vector<const ExperimentRun::Cell*> ExperimentRun::cells_to_do(const std::ve
 }
 
 void ExperimentRun::run_cells() {
-    const std::vector<Cell> all = cells();
+    const std::vector<PlannedCell> all = cells();
     const auto to_do = cells_to_do(all);
     folder_.write_index(index());
     // One at a time: those of many scenes would not fit into memory. Cells of a scene follow each other.
@@ -310,7 +310,7 @@ void ExperimentRun::run_cells() {
     std::optional<Reference> reference;
     CostModel costs;
     for (std::size_t i = 0; i < to_do.size(); ++i) {
-        const Cell& cell = *to_do[i];
+        const PlannedCell& cell = *to_do[i];
         double left_after = 0;
         bool known = true;
         for (std::size_t j = i + 1; j < to_do.size(); ++j) {
@@ -348,7 +348,7 @@ void ExperimentRun::run_cells() {
     }
 }
 
-void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const PassObserver& observer) {
+void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement, const PassObserver& observer) {
     const std::string folder = folder_.cell_folder(cell.name);
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
@@ -364,7 +364,7 @@ void ExperimentRun::run_cell(const Cell& cell, const Judgement& judgement, const
                               work.path()};
     const CellTiming timing = run_cell_process(options_.program, request, observer);
 
-    gib::Cell record;
+    Cell record;
     record.scene = cell.identity.scene;
     record.method = cell.identity.method;
     record.seed = cell.identity.seed;

@@ -42,7 +42,7 @@ private:
         std::vector<std::string> notes;
         bool failed = false;  ///< its reference could not be made
     };
-    struct Cell {
+    struct PlannedCell {
         SceneState* scene;
         const MethodLabel* label;
         CellIdentity identity;
@@ -60,9 +60,9 @@ private:
     bool take_reference_of(SceneState& scene);
     /// All cells of the experiment, seeds outermost: costs are known after the first seed, and a machine that slows
     /// down treats all methods alike.
-    std::vector<Cell> cells();
-    std::vector<const Cell*> cells_to_do(const std::vector<Cell>& all);
-    void run_cell(const Cell& cell, const class Judgement& judgement, const PassObserver& observer);
+    std::vector<PlannedCell> cells();
+    std::vector<const PlannedCell*> cells_to_do(const std::vector<PlannedCell>& all);
+    void run_cell(const PlannedCell& cell, const class Judgement& judgement, const PassObserver& observer);
     void fail(const std::string& what);
     ResultIndex index();
     void plan_methods();

@@ -34,10 +34,10 @@ float survival_probability(const Color& beta, float eta_scale, float most) {
 }
 
 /// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to
-/// `found`, where the film counts it.
-inline bool survives(Color& beta, float eta_scale, float most, float u, Color& found) {
+/// `lost`, where the film counts it.
+inline bool survives(Color& beta, float eta_scale, float most, float u, Color& lost) {
     if (!beta.isFinite().all()) {
-        found += beta;
+        lost += beta;
         return false;
     }
     const float survival = survival_probability(beta, eta_scale, most);

@@ -15,13 +15,13 @@ constexpr std::uint32_t volume_ball = 0x60000000;
 }  // namespace
 
 /// What a path from the eye meets, as a sample of its pixel.
-class PhotonGather::EyePathVisitor {
+class EyePass::EyePathVisitor {
 public:
     static constexpr bool wants_emission = true;
     static constexpr int splits = 2;
 
-    EyePathVisitor(PhotonGather& gather, SpecularWalk& walk)
-        : maps_(gather.maps_), found_(gather.found_), walk_(walk), rays_(walk.rays()), scene_(rays_.scene()) {}
+    EyePathVisitor(EyePass& pass, SpecularWalk& walk)
+        : maps_(pass.maps_), neighbours_(pass.neighbours_), walk_(walk), rays_(walk.rays()), scene_(rays_.scene()) {}
 
     const PixelSample& sample() const { return sample_; }
 
@@ -35,7 +35,7 @@ public:
                                             {walk_.medium(), walk_.flights()}, LightTechniques::light_sampling_only);
         if (maps_.volume.size() > 0)
             radiance += maps_.volume_estimator.scattered_radiance(maps_.volume, rays_, p, walk_.medium()->phase(), wo,
-                                                                  eye(), walk_.sampler(), volume_ball, found_);
+                                                                  eye(), walk_.sampler(), volume_ball, neighbours_);
         sample_[Component::volume] += walk_.throughput() * radiance;
     }
 
@@ -52,15 +52,16 @@ private:
     void look_up(const PhotonMap& map, const DensityEstimator& estimator, const SurfaceHit& hit, const Vec3& wo,
                  Component component, std::uint32_t disc) {
         if (map.size() == 0) return;
-        const Reflected light = estimator.reflected_radiance(map, rays_, hit, wo, eye(), walk_.sampler(), disc, found_);
+        const Reflected light =
+            estimator.reflected_radiance(map, rays_, hit, wo, eye(), walk_.sampler(), disc, neighbours_);
         sample_[component] += walk_.throughput() * light.between_surfaces;
         if (!is_black(light.through_media)) sample_[Component::volume] += walk_.throughput() * light.through_media;
     }
 
     Color gathered(const SurfaceHit& hit, const Vec3& wo) {
         const auto cached =
-            maps_.cache ? maps_.cache->reflected_radiance(walk_, hit, wo, found_) : std::optional<Color>();
-        return cached ? *cached : maps_.final_gather->reflected_radiance(walk_, hit, wo, found_);
+            maps_.cache ? maps_.cache->reflected_radiance(walk_, hit, wo, neighbours_) : std::optional<Color>();
+        return cached ? *cached : maps_.final_gather->reflected_radiance(walk_, hit, wo, neighbours_);
     }
 
     Color direct_light(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) {
@@ -84,14 +85,14 @@ private:
     EyePath eye() const { return {walk_.edges_left(), walk_.stratum()}; }
 
     const PhotonMaps& maps_;
-    std::vector<PhotonMap::Neighbour>& found_;
+    std::vector<PhotonMap::Neighbour>& neighbours_;
     SpecularWalk& walk_;
     RayQueries& rays_;
     const Scene& scene_;
     PixelSample sample_;
 };
 
-PixelSample PhotonGather::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+PixelSample EyePass::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
     SpecularWalk walk(rays, sampler, settings_, rays.scene().camera_medium());
     EyePathVisitor visitor(*this, walk);
     walk.follow(eye, visitor);

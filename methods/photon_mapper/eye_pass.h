@@ -19,10 +19,10 @@ struct PhotonMaps {
     std::optional<LightVisibility> light_visibility;
 };
 
-class PhotonGather {
+class EyePass {
 public:
     /// Both must outlive this.
-    PhotonGather(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
+    EyePass(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
 
     /// One sample of a pixel by component [W/(sr m^2)].
     PixelSample sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
@@ -32,7 +32,7 @@ private:
 
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
-    std::vector<PhotonMap::Neighbour> found_;  ///< kept for its memory
+    std::vector<PhotonMap::Neighbour> neighbours_;  ///< kept for its memory
 };
 
 }  // namespace gib

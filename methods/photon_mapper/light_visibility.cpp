@@ -13,7 +13,7 @@ namespace {
 
 /// The least probability of a choice among all lights, where all choices are tested and where they are not.
 constexpr double least_rest_of_guide = 0.05, least_rest_of_both = 0.01;
-/// A light whose probability in a cell is smaller is left to the choice among all: below, random numbers are too
+/// A light whose probability in a region is smaller is left to the choice among all: below, random numbers are too
 /// coarse.
 constexpr double least_probability = 0x1p-16;
 
@@ -63,31 +63,31 @@ LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPho
       guides_(settings.guides()),
       words_((scene.lights().size() + 63) / 64) {
     std::vector<SurfacePhotons> surfaces = by_surface(photons, scene.lights().size());
-    std::vector<std::unique_ptr<VisibilityCell>> cells(surfaces.size());
+    std::vector<std::unique_ptr<VisibilityRegion>> regions(surfaces.size());
     std::vector<double> power_per_photon(surfaces.size());
     parallel_blocks(surfaces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
         for (const ShadowPhoton& photon : surfaces[i].photons)
             power_per_photon[i] += static_cast<double>(photon.power) / static_cast<double>(surfaces[i].photons.size());
         // What holds for one small surface does not hold for all.
         const std::uint32_t agreeing = i < side_count ? never_agreeing : settings.agreeing;
-        cells[i] = build_visibility_cells(std::move(surfaces[i].photons), agreeing);
+        regions[i] = build_visibility_regions(std::move(surfaces[i].photons), agreeing);
     });
     shared_roots_.fill(no_root);
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
-        if (!cells[i]) continue;
+        if (!regions[i]) continue;
         const auto root = static_cast<std::uint32_t>(nodes_.size());
         if (i < side_count) shared_roots_[i] = root;
         else roots_.emplace(surfaces[i].surface, root);
         nodes_.emplace_back();
-        append(*cells[i], root, power_per_photon[i]);
-        cells[i].reset();
+        append(*regions[i], root, power_per_photon[i]);
+        regions[i].reset();
     }
 }
 
-void LightVisibility::append(const VisibilityCell& from, std::uint32_t to, double power_per_photon) {
+void LightVisibility::append(const VisibilityRegion& from, std::uint32_t to, double power_per_photon) {
     if (from.is_leaf()) {
-        nodes_[to] = {0.f, leaf, static_cast<std::uint32_t>(cells_.size())};
-        cells_.push_back(append_lights(from, power_per_photon));
+        nodes_[to] = {0.f, leaf, static_cast<std::uint32_t>(regions_.size())};
+        regions_.push_back(append_lights(from, power_per_photon));
         return;
     }
     const auto child = static_cast<std::uint32_t>(nodes_.size());
@@ -97,9 +97,9 @@ void LightVisibility::append(const VisibilityCell& from, std::uint32_t to, doubl
     append(*from.above, child + 1, power_per_photon);
 }
 
-LightVisibility::Cell LightVisibility::append_lights(const VisibilityCell& from, double power_per_photon) {
+LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& from, double power_per_photon) {
     dark_.resize(dark_.size() + words_);
-    std::uint64_t* const dark = dark_.data() + cells_.size() * words_;
+    std::uint64_t* const dark = dark_.data() + regions_.size() * words_;
     // Where dark lights are believed to be dark they are not chosen, and not listed.
     const auto is_listed = [&](const LightEvidence& light) { return !skips_ || light.verdict != LightVerdict::dark; };
     double expected = 0;
@@ -114,7 +114,7 @@ LightVisibility::Cell LightVisibility::append_lights(const VisibilityCell& from,
     for (const LightEvidence& light : from.lights)
         if (is_listed(light) && is_chosen(light)) chosen += light.expected();
 
-    Cell cell{static_cast<std::uint32_t>(entries_.size()), 0, 1.f};
+    Region region{static_cast<std::uint32_t>(entries_.size()), 0, 1.f};
     const std::size_t unknown_lights = scene_.lights().size() - from.lights.size();
     bool is_complete = unknown_lights == 0;
     double begin = 0;
@@ -128,27 +128,27 @@ LightVisibility::Cell LightVisibility::append_lights(const VisibilityCell& from,
             is_complete = false;
         }
         entries_.push_back(entry);
-        ++cell.count;
+        ++region.count;
     }
-    if (!guides_) return cell;
+    if (!guides_) return region;
     // A light without a photon on the whole surface is worth half a photon there.
     const double unknown = 0.5 * power_per_photon * static_cast<double>(unknown_lights) * from.share;
     const double least = skips_ ? (is_complete ? 0 : least_rest_of_both) : least_rest_of_guide;
-    if (chosen > 0) cell.rest = static_cast<float>(std::max(least, unknown / (expected + unknown)));
-    else if (skips_ && is_complete) cell.rest = 0.f;
-    return cell;
+    if (chosen > 0) region.rest = static_cast<float>(std::max(least, unknown / (expected + unknown)));
+    else if (skips_ && is_complete) region.rest = 0.f;
+    return region;
 }
 
 std::size_t LightVisibility::memory() const {
-    return nodes_.size() * sizeof(Node) + cells_.size() * sizeof(Cell) + entries_.size() * sizeof(Entry) +
+    return nodes_.size() * sizeof(Node) + regions_.size() * sizeof(Region) + entries_.size() * sizeof(Entry) +
            dark_.size() * sizeof(std::uint64_t);
 }
 
-std::uint32_t LightVisibility::cell_at(const SurfaceHit& hit, const Vec3& wo) const {
+std::uint32_t LightVisibility::region_at(const SurfaceHit& hit, const Vec3& wo) const {
     const SurfaceSide surface(hit, wo);
     const auto own = roots_.find(surface.key());
     std::uint32_t node = own != roots_.end() ? own->second : shared_roots_[surface.side];
-    if (node == no_root) return no_cell;
+    if (node == no_root) return no_region;
     while (nodes_[node].axis != leaf) {
         const Node& at = nodes_[node];
         node = at.child + (hit.p[at.axis] < at.split ? 0 : 1);
@@ -156,55 +156,56 @@ std::uint32_t LightVisibility::cell_at(const SurfaceHit& hit, const Vec3& wo) co
     return nodes_[node].child;
 }
 
-const LightVisibility::Entry* LightVisibility::entry_of(const Cell& cell, std::uint32_t light) const {
-    const Entry* const begin = entries_.data() + cell.first;
-    const Entry* const end = begin + cell.count;
+const LightVisibility::Entry* LightVisibility::entry_of(const Region& region, std::uint32_t light) const {
+    const Entry* const begin = entries_.data() + region.first;
+    const Entry* const end = begin + region.count;
     const Entry* const found =
         std::lower_bound(begin, end, light, [](const Entry& entry, std::uint32_t l) { return entry.light < l; });
     return found != end && found->light == light ? found : nullptr;
 }
 
-LightVerdict LightVisibility::verdict_in(std::uint32_t cell, std::uint32_t light) const {
-    if (cell == no_cell) return LightVerdict::open;
-    if (is_dark(cell, light)) return LightVerdict::dark;
-    const Entry* const entry = entry_of(cells_[cell], light);
+LightVerdict LightVisibility::verdict_in(std::uint32_t region, std::uint32_t light) const {
+    if (region == no_region) return LightVerdict::open;
+    if (is_dark(region, light)) return LightVerdict::dark;
+    const Entry* const entry = entry_of(regions_[region], light);
     return entry ? entry->verdict : LightVerdict::open;
 }
 
-float LightVisibility::probability_in(std::uint32_t cell, std::uint32_t light) const {
+float LightVisibility::probability_in(std::uint32_t region, std::uint32_t light) const {
     const float by_scene = choice_.probability(light);
-    if (cell == no_cell || !guides_) return by_scene;
-    const Entry* const entry = entry_of(cells_[cell], light);
-    const float rest = cells_[cell].rest;
+    if (region == no_region || !guides_) return by_scene;
+    const Entry* const entry = entry_of(regions_[region], light);
+    const float rest = regions_[region].rest;
     return rest * by_scene + (entry ? (1.f - rest) * entry->probability : 0.f);
 }
 
 LightVerdict LightVisibility::verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
-    return verdict_in(cell_at(hit, wo), light);
+    return verdict_in(region_at(hit, wo), light);
 }
 
 float LightVisibility::probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
-    return probability_in(cell_at(hit, wo), light);
+    return probability_in(region_at(hit, wo), light);
 }
 
 LightVisibility::Choice LightVisibility::choose(const SurfaceHit& hit, const Vec3& wo, float u) const {
-    const std::uint32_t at = cell_at(hit, wo);
-    const float by_cell = at == no_cell || !guides_ ? 0.f : 1.f - cells_[at].rest;
-    if (u < by_cell) {
-        const Cell& cell = cells_[at];
-        if (cell.count == 0) return {0, 1.f, LightVerdict::dark};
-        const Entry* const first = entries_.data() + cell.first;
-        const float v = u / by_cell;
-        const Entry* found = std::upper_bound(first, first + cell.count, v,
+    const std::uint32_t at = region_at(hit, wo);
+    const float by_region = at == no_region || !guides_ ? 0.f : 1.f - regions_[at].rest;
+    if (u < by_region) {
+        const Region& region = regions_[at];
+        if (region.count == 0) return {0, 1.f, LightVerdict::dark};
+        const Entry* const first = entries_.data() + region.first;
+        const float v = u / by_region;
+        const Entry* found = std::upper_bound(first, first + region.count, v,
                                               [](float x, const Entry& entry) { return x < entry.begin; }) -
                              1;
         // Rounding may lead past the last interval.
         while (found->probability == 0.f)
             --found;
-        return {found->light, (1.f - cell.rest) * found->probability + cell.rest * choice_.probability(found->light),
+        return {found->light,
+                (1.f - region.rest) * found->probability + region.rest * choice_.probability(found->light),
                 found->verdict};
     }
-    const float v = std::min((u - by_cell) / (1.f - by_cell), 1.f - unit_roundoff);
+    const float v = std::min((u - by_region) / (1.f - by_region), 1.f - unit_roundoff);
     const auto light = static_cast<std::uint32_t>(choice_.sample(v).index);
     return {light, probability_in(at, light), verdict_in(at, light)};
 }

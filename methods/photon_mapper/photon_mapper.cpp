@@ -61,7 +61,7 @@ public:
         if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
         else if (plan.runs(pass_global))
             maps_.global = build(trace(PhotonMapKind::global, settings.photons, aims.global.get()));
-        // What reaches no surface reaches no medium either: the global map's cells serve both.
+        // What reaches no surface reaches no medium either: the global map's bins serve both.
         if (plan.runs(pass_volume))
             maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
         if (plan.runs(pass_shadow_map)) fill_shadow_map();
@@ -71,9 +71,9 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return [gather = PhotonGather(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
-                                                         const Sampler& sampler) mutable {
-                return gather.sample(rays, eye, sampler);
+            return [eye_pass = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
+                                                      const Sampler& sampler) mutable {
+                return eye_pass.sample(rays, eye, sampler);
             };
         });
         if (cache_) cache_->end_pass();

@@ -8,8 +8,8 @@ namespace gib {
 namespace {
 
 /// Fewer photons are worth a coarser projection map, which is built faster.
-constexpr std::uint64_t photons_per_cell = 16;
-constexpr std::uint64_t fewest_cells = 1 << 8, most_cells = 1 << 16;
+constexpr std::uint64_t photons_per_bin = 16;
+constexpr std::uint64_t fewest_bins = 1 << 8, most_bins = 1 << 16;
 
 /// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event,
 /// eye) is allowed.
@@ -34,12 +34,12 @@ void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_
     } else if (surfaces == TargetSurfaces::all && scene.has_unbounded_medium()) {
         reason = "light may be scattered in a medium without an end";
     } else {
-        const std::uint64_t cells = std::clamp(photons / photons_per_cell, fewest_cells, most_cells);
-        aim = std::make_unique<ProjectionMap>(scene, surfaces, cells);
+        const std::uint64_t bins = std::clamp(photons / photons_per_bin, fewest_bins, most_bins);
+        aim = std::make_unique<ProjectionMap>(scene, surfaces, bins);
         if (!aim->aims()) {
             aim.reset();
-            reason = surfaces == TargetSurfaces::all ? "(nearly) every cell of every light reaches geometry"
-                                                     : "(nearly) every cell of every light reaches specular geometry";
+            reason = surfaces == TargetSurfaces::all ? "(nearly) all light reaches geometry"
+                                                     : "(nearly) all light reaches specular geometry";
         }
     }
     plan.add(std::string(pass), reason.empty(), reason);

@@ -111,9 +111,9 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, pass_eye_paths, [this] {
-            return [this, found = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
-                                                                       const Sampler& sampler) mutable {
-                return look(rays, eye, sampler, found);
+            return [this, neighbours = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
+                                                                            const Sampler& sampler) mutable {
+                return look(rays, eye, sampler, neighbours);
             };
         });
         return Progress::more;
@@ -136,13 +136,13 @@ private:
     }
 
     PixelSample look(RayQueries& rays, TracedRay traced, const Sampler& sampler,
-                     std::vector<PhotonMap::Neighbour>& found) const {
+                     std::vector<PhotonMap::Neighbour>& neighbours) const {
         PixelSample sample;
         for (int vertex = 0; vertex < max_specular_vertices; ++vertex) {
             const auto hit = rays.surface_hit(traced);
             if (kind_ == PhotonMapKind::volume) {
                 const float end = hit ? traced.found->t : std::min(traced.ray.t_max, 2.f * scene_.diagonal());
-                if (light_up_along(traced.ray, end, found, sample)) return sample;
+                if (light_up_along(traced.ray, end, neighbours, sample)) return sample;
             }
             if (!hit) return sample;
             const Vec3 wo = -traced.ray.d, wo_local = hit->shading.to_local(wo);
@@ -151,8 +151,9 @@ private:
                 const auto on_side = [&](const Photon& photon, float) {
                     return photon.surface_normal().dot(side) > 0.f;
                 };
-                const bool lit = records_ ? light_up_record(*hit, side, sample)
-                                          : kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, found, sample);
+                const bool lit = records_
+                                     ? light_up_record(*hit, side, sample)
+                                     : kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, neighbours, sample);
                 if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
             }
@@ -172,10 +173,11 @@ private:
 
     /// Whether a photon that `accept` takes is near p; then it is in the sample.
     template <typename Accept>
-    bool light_up(const Vec3& p, Accept&& accept, std::vector<PhotonMap::Neighbour>& found, PixelSample& sample) const {
-        map_.nearest(p, 1, size_, accept, found);
-        if (found.empty()) return false;
-        sample[component_of(kind_)] = map_[found.front().photon].power() * per_mean_power_;
+    bool light_up(const Vec3& p, Accept&& accept, std::vector<PhotonMap::Neighbour>& neighbours,
+                  PixelSample& sample) const {
+        map_.nearest(p, 1, size_, accept, neighbours);
+        if (neighbours.empty()) return false;
+        sample[component_of(kind_)] = map_[neighbours.front().photon].power() * per_mean_power_;
         return true;
     }
 
@@ -185,7 +187,7 @@ private:
         return record != nullptr;
     }
 
-    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& found,
+    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& neighbours,
                         PixelSample& sample) const {
         if (map_.size() == 0) return false;
         // All photons lie in the scene, however far away the camera is.
@@ -196,7 +198,8 @@ private:
         const double skipped = std::floor(std::max(middle - reach - first, 0.0) / size);
         for (double t = first + size * skipped; t < std::min(static_cast<double>(end), middle + reach); t += size)
             if (light_up(
-                    ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, found, sample))
+                    ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, neighbours,
+                    sample))
                 return true;
         return false;
     }

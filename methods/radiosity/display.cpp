@@ -63,7 +63,7 @@ void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::u
     }
 }
 
-void RadiosityDisplay::gather_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
+void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
     const PatchSide& side = mesh_.sides()[mesh_.nodes()[vertex.leaf].side];
     const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
     const Viewpoint from{
@@ -134,7 +134,7 @@ void RadiosityDisplay::add_rows() {
         RayQueries rays(mesh_.charts().scene());
         std::vector<Term> row;
         for (std::size_t i = begin; i < end; ++i) {
-            gather_row(rays, vertices[unknown[i]], row);
+            irradiance_row(rays, vertices[unknown[i]], row);
             rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size())};
             blocks[b].insert(blocks[b].end(), row.begin(), row.end());
         }

@@ -59,7 +59,7 @@ private:
     /// Adds terms for a node, or for its halves where its light strays too far over it.
     void add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
                    std::vector<Term>& row) const;
-    void gather_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
+    void irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
     bool changes_over(std::uint32_t leaf, double allowed) const;
 
     PatchMesh& mesh_;

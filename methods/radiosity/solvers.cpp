@@ -32,7 +32,7 @@ class ConjugateGradient final : public RadiositySolution {
 public:
     explicit ConjugateGradient(const RadiositySystem& system) : RadiositySolution(system) {
         // With X = B1 the residual of the scaled system is A K B1.
-        z_ = system_.gather(X_);
+        z_ = system_.irradiance(X_);
         for (const std::uint32_t leaf : system_.leaves())
             z_[leaf] *= system_.reflectance(leaf);
         direction_ = z_;
@@ -42,7 +42,7 @@ public:
 
     void sweep() override {
         ++sweeps_;
-        PatchColors image = system_.gather(direction_);  // K d
+        PatchColors image = system_.irradiance(direction_);  // K d
         Colord curvature = Colord::Zero();
         for (const std::uint32_t leaf : system_.leaves()) {
             image[leaf] = direction_[leaf] - system_.reflectance(leaf) * image[leaf];
@@ -179,7 +179,7 @@ public:
         ++sweeps_;
         const int end = summed_ > reflections_ / 2 ? reflections_ : 2 * summed_;
         for (; summed_ < end; ++summed_) {
-            term_ = system_.gather(std::move(term_));
+            term_ = system_.irradiance(std::move(term_));
             for (const std::uint32_t leaf : system_.leaves()) {
                 term_[leaf] *= system_.reflectance(leaf);
                 X_[leaf] += term_[leaf];

@@ -42,7 +42,7 @@ RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light,
 }
 
 std::vector<double> RadiositySystem::row_sums() const {
-    const PatchColors E = gather(PatchColors(node_count_, Colord::Ones()));
+    const PatchColors E = irradiance(PatchColors(node_count_, Colord::Ones()));
     std::vector<double> sums(node_count_, 0.0);
     for (const std::uint32_t leaf : leaves_)
         sums[leaf] = E[leaf][0];
@@ -72,7 +72,7 @@ void RadiositySystem::pull(PatchColors& X) const {
     }
 }
 
-PatchColors RadiositySystem::gather(PatchColors X) const {
+PatchColors RadiositySystem::irradiance(PatchColors X) const {
     if (!scales_.empty())
         for (const std::uint32_t leaf : leaves_)
             X[leaf] *= scales_[leaf];
@@ -122,7 +122,7 @@ Colord RadiositySolution::residual_power(const PatchColors& residual) const {
 }
 
 void RadiositySolution::measure_residual() {
-    PatchColors r = system_.gather(X_);
+    PatchColors r = system_.irradiance(X_);
     for (const std::uint32_t leaf : system_.leaves())
         r[leaf] = first_[leaf] + system_.reflectance(leaf) * r[leaf] - X_[leaf];
     residual_ = residual_power(r).maxCoeff();

@@ -44,7 +44,7 @@ public:
     const LinkTable& links() const { return table_; }
 
     /// E = K X [W/m^2] of all leaves; the values of groups in X do not count.
-    PatchColors gather(PatchColors X) const;
+    PatchColors irradiance(PatchColors X) const;
     /// Fills the values of groups with the means of their halves.
     void pull(PatchColors& X) const;
     /// Power [W] of |values| over the leaves, by channel.

@@ -352,7 +352,7 @@ TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
                                  one_sided("0.5") + "</shape>" + point_light("0.2 0.1 0.3", 1),
                              1.01, 0, false);
     const PatchColors ones(scene.system.node_count(), Colord::Ones());
-    const PatchColors E = scene.system.gather(ones);
+    const PatchColors E = scene.system.irradiance(ones);
     int tiny = 0;
     for (const std::uint32_t leaf : scene.system.leaves()) {
         EXPECT_NEAR(E[leaf][0], 1, 2e-4);

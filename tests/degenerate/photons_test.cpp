@@ -147,8 +147,9 @@ SurfaceHit floor_at(const Vec3& p) {
 
 Reflected looked_up(const DensityEstimator& e, const PhotonMap& map, const SurfaceHit& hit) {
     RayQueries rays(*floor_scene().scene);
-    DensityEstimator::Found found;
-    return e.reflected_radiance(map, rays, hit, up, EyePath{100}, Sampler(PointSet::independent, 1, 0, 0), 0, found);
+    DensityEstimator::Neighbours neighbours;
+    return e.reflected_radiance(map, rays, hit, up, EyePath{100}, Sampler(PointSet::independent, 1, 0, 0), 0,
+                                neighbours);
 }
 
 class DegeneratePhotons : public testing::TestWithParam<PhotonCase> {
@@ -194,9 +195,9 @@ const LoadedScene& empty_space() {
 
 Color scattered(const VolumeEstimator& e, const PhotonMap& map, const Vec3& p) {
     RayQueries rays(*empty_space().scene);
-    std::vector<PhotonMap::Neighbour> found;
+    std::vector<PhotonMap::Neighbour> neighbours;
     return e.scattered_radiance(map, rays, p, PhaseFunction{}, Vec3::UnitX(), EyePath{100},
-                                Sampler(PointSet::independent, 1, 0, 0), 0, found);
+                                Sampler(PointSet::independent, 1, 0, 0), 0, neighbours);
 }
 
 // The same in a medium, whose isotropic phase function is 1 / (4 pi).
@@ -335,8 +336,8 @@ struct Places {
     }
     std::optional<Color> at(const Vec3& p) const {
         RayQueries rays(*floor_scene().scene);
-        DensityEstimator::Found found;
-        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius, found);
+        DensityEstimator::Neighbours neighbours;
+        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius, neighbours);
     }
 };
 

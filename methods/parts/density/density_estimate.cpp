@@ -31,7 +31,7 @@ struct PhotonSums {
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u, DensityEstimator::Found& found)
+           const Vec3& wo, const EyePath& eye, const Vec2& u, DensityEstimator::Neighbours& neighbours)
         : e_(estimator),
           map_(map),
           rays_(rays),
@@ -41,7 +41,7 @@ public:
           eye_(eye),
           transmits_(hit.bsdf->traits().transmission),
           disc_(hit, normal_, u),
-          found_(found) {}
+          neighbours_(neighbours) {}
 
     Reflected radiance() {
         Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
@@ -52,20 +52,20 @@ public:
 private:
     Reflected radiance_of_nearest() {
         find_nearest();
-        std::size_t inside = found_.size();
+        std::size_t inside = neighbours_.size();
         float r = e_.max_radius;
         if (inside == e_.k) {
-            r = std::sqrt(found_.back().distance2);
+            r = std::sqrt(neighbours_.back().distance2);
             --inside;
         }
         const float known = std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius);
         if (e_.compensation) compensate(inside, r, known);
-        if (inside < found_.size() && r <= known) return radiance_within(known);
+        if (inside < neighbours_.size() && r <= known) return radiance_within(known);
         if (inside == 0 || !(r > 0.f)) return {.radius = r};
         PhotonSums sums;
         for (std::size_t i = 0; i < inside; ++i) {
-            const Photon photon = map_[found_[i].photon];
-            sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, found_[i].distance2, r));
+            const Photon photon = map_[neighbours_[i].photon];
+            sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, neighbours_[i].distance2, r));
         }
         return normalised(sums, r);
     }
@@ -92,18 +92,19 @@ private:
         const auto near_plane = [this](const Photon& photon, float distance2) {
             return counts(photon, photon.p - hit_.p, distance2);
         };
-        map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, found_);
-        if (e_.area != DiscArea::surface || found_.empty()) return;
+        map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, neighbours_);
+        if (e_.area != DiscArea::surface || neighbours_.empty()) return;
 
         const auto offset_of = [this](const PhotonMap::Neighbour& n) -> Vec3 { return map_[n.photon].p - hit_.p; };
         bool hidden = false;
-        if (std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
+        if (std::any_of(neighbours_.begin(), neighbours_.end(),
+                        [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
             disc_.find_layers(rays_, max_elevation_slope * e_.max_radius);
             near_obstacle_ = true;
-            hidden =
-                std::any_of(found_.begin(), found_.end(), [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
+            hidden = std::any_of(neighbours_.begin(), neighbours_.end(),
+                                 [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
         }
-        const float r = found_.size() == e_.k && !hidden ? std::sqrt(found_.back().distance2) : e_.max_radius;
+        const float r = neighbours_.size() == e_.k && !hidden ? std::sqrt(neighbours_.back().distance2) : e_.max_radius;
         if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
         near_obstacle_ = true;
         map_.nearest(
@@ -112,7 +113,7 @@ private:
                 const Vec3 offset = photon.p - hit_.p;
                 return counts(photon, offset, distance2) && disc_.contains(offset);
             },
-            found_);
+            neighbours_);
     }
 
     /// Of all photons within r.
@@ -156,7 +157,7 @@ private:
     /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones; none is smaller than `least`.
     void compensate(std::size_t& inside, float& r, float least) {
         if (inside <= smallest_disc) return;
-        std::sort(found_.begin(), found_.end());
+        std::sort(neighbours_.begin(), neighbours_.end());
         std::array<NestedDisc, most_discs> discs;
         std::array<float, most_discs> radii;
         std::size_t n = 0;
@@ -170,7 +171,7 @@ private:
         // The disc of n photons is bounded by the next one, as the whole is.
         for (std::size_t end = smallest_disc; end < inside; end = next_disc(end)) {
             add(disc, end);
-            close(std::sqrt(found_[end].distance2));
+            close(std::sqrt(neighbours_[end].distance2));
         }
         add(disc, inside);
         close(r);
@@ -181,7 +182,7 @@ private:
 
     void add(NestedDisc& disc, std::size_t end) const {
         for (; disc.photons < end; ++disc.photons) {
-            const double weight = reflected(map_[found_[disc.photons].photon]).sum();
+            const double weight = reflected(map_[neighbours_[disc.photons].photon]).sum();
             disc.weight += weight;
             disc.squared_weight += weight * weight;
         }
@@ -199,7 +200,7 @@ private:
     mutable bool agrees_ = false;
     bool near_obstacle_ = false;
     SurfaceDisc disc_;
-    DensityEstimator::Found& found_;
+    DensityEstimator::Neighbours& neighbours_;
 };
 
 }  // namespace
@@ -213,8 +214,8 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
-                                               std::uint32_t dimension, Found& found) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), found).radiance();
+                                               std::uint32_t dimension, Neighbours& neighbours) const {
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours).radiance();
 }
 
 }  // namespace gib

@@ -60,13 +60,13 @@ struct DensityEstimator {
         false;  ///< at most k photons, as many as agree: methods/parts/density/bias_compensation.h; not with all_photons
 
     /// Scratch memory, at most 2 k + 16 neighbours; kept between look-ups.
-    using Found = std::vector<PhotonMap::Neighbour>;
+    using Neighbours = std::vector<PhotonMap::Neighbour>;
 
     /// Radiance [W/(sr m^2)] that the photons around `hit` which `eye` accepts add towards wo. `dimension` of the
     /// sampler decides where the disc is probed.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                  const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
-                                 Found& found) const;
+                                 Neighbours& neighbours) const;
 };
 
 /// |wi.ns| / |wi.ng|, at most 100: the density of photons is irradiance on the geometric surface, |wi.ng|; what an

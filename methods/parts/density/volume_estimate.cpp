@@ -68,7 +68,7 @@ float ball_kernel_radius(Kernel kernel, float u) {
 Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
                                           const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
                                           const Sampler& sampler, std::uint32_t dimension,
-                                          std::vector<PhotonMap::Neighbour>& found) const {
+                                          std::vector<PhotonMap::Neighbour>& neighbours) const {
     if (!(max_radius > 0.f)) return Color::Zero();
     const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
         const double scale =
@@ -86,16 +86,16 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
         add_all_within(r);
     } else {
         map.nearest(
-            p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, found);
-        std::size_t inside = found.size();
-        if (inside == k) r = std::sqrt(found[--inside].distance2);
+            p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, neighbours);
+        std::size_t inside = neighbours.size();
+        if (inside == k) r = std::sqrt(neighbours[--inside].distance2);
         const float known = std::min(place_rounding(rays.scene(), p), max_radius);
-        if (inside < found.size() && r < known) {
+        if (inside < neighbours.size() && r < known) {
             r = known;
             add_all_within(r);
         } else if (r > 0.f) {
             for (std::size_t i = 0; i < inside; ++i)
-                sum += scattered(map[found[i].photon], found[i].distance2, r);
+                sum += scattered(map[neighbours[i].photon], neighbours[i].distance2, r);
         }
     }
     const Color radiance = sum.cast<float>();

@@ -36,7 +36,7 @@ struct VolumeEstimator {
     /// per unit of its scattering coefficient [W/(sr m^2)].
     Color scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
                              const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
-                             std::vector<PhotonMap::Neighbour>& found) const;
+                             std::vector<PhotonMap::Neighbour>& neighbours) const;
 
     /// An unbiased estimate of 1 / phi, phi the share of the kernel's ball of radius r around p that lies before the
     /// first surface: how many independent points of the ball are probed until m are in sight, over m. The number is a

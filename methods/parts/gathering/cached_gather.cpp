@@ -107,13 +107,13 @@ std::optional<CachedGather::CachedSurface> CachedGather::cached_surface(const Sp
 }
 
 std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                                                      DensityEstimator::Found& found) {
+                                                      DensityEstimator::Neighbours& neighbours) {
     const auto surface = cached_surface(walk, hit, wo);
     if (!surface) return std::nullopt;
     auto irradiance = cache_.interpolate(hit.p, surface->normal, slack);
     if (!irradiance) {
         const RecordPlace place{hit, surface->normal, spacing_at(walk.length()), walk.sampler(), walk.vertex()};
-        const IrradianceRecord record = gather_.record_at(walk.rays(), place, found);
+        const IrradianceRecord record = gather_.record_at(walk.rays(), place, neighbours);
         irradiance = record.irradiance;
         if (record.is_finite()) {  // else the film counts this sample, and no other one suffers
             const std::scoped_lock lock(missing_mutex_);
@@ -161,9 +161,9 @@ std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidat
         std::vector<IrradianceRecord> records(chosen.size());
         parallel_blocks(chosen.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
             RayQueries rays(scene_);
-            DensityEstimator::Found found;
+            DensityEstimator::Neighbours neighbours;
             for (std::size_t i = begin; i < end; ++i)
-                records[i] = gather_.record_at(rays, *chosen[i], found);
+                records[i] = gather_.record_at(rays, *chosen[i], neighbours);
             traced += rays.count();
         });
         for (std::size_t i = 0; i < records.size(); ++i)
@@ -178,7 +178,7 @@ std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t
     const auto height = static_cast<std::size_t>(scene_.sensor().height());
     std::atomic<std::uint64_t> traced = 0;
     for (std::size_t step = coarsest_grid; step > 0; step /= 2) {
-        std::vector<std::vector<RecordPlace>> found(height);  // by row
+        std::vector<std::vector<RecordPlace>> rows(height);  // by row
         parallel_blocks(height, 1, [&](std::size_t begin, std::size_t end, std::size_t) {
             RayQueries rays(scene_);
             for (std::size_t y = begin; y < end; ++y) {
@@ -190,14 +190,14 @@ std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t
                     TracedRay eye{scene_.sensor().sample_ray(static_cast<int>(x), static_cast<int>(y), sampler)};
                     rays.trace_from_camera({&eye.ray, 1}, {&eye.found, 1});
                     SpecularWalk walk(rays, sampler, settings, nullptr);
-                    CandidateVisitor visitor(*this, walk, found[y]);
+                    CandidateVisitor visitor(*this, walk, rows[y]);
                     walk.follow(eye, visitor);
                 }
             }
             traced += rays.count();
         });
         std::vector<RecordPlace> candidates;
-        for (auto& row : found)
+        for (auto& row : rows)
             candidates.insert(candidates.end(), row.begin(), row.end());
         traced += add_records(candidates);
         if (progress)

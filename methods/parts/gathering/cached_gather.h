@@ -43,7 +43,7 @@ public:
     /// What indirect light the ideal diffuse surface sends to the eye, at the vertex where `walk` is; empty: the
     /// surface is another, or paths are limited so that the records do not hold here.
     std::optional<Color> reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                                            DensityEstimator::Found& found);
+                                            DensityEstimator::Neighbours& neighbours);
     /// To be called when no thread samples: adds the records that were missing.
     void end_pass();
 

@@ -18,7 +18,7 @@ constexpr std::uint64_t record_tag(int vertex) { return 2 * static_cast<std::uin
 }  // namespace
 
 Color FinalGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                                      DensityEstimator::Found& found) const {
+                                      DensityEstimator::Neighbours& neighbours) const {
     RayQueries& rays = walk.rays();
     const Vec3 wo_local = hit.shading.to_local(wo);
     const auto n = static_cast<std::uint32_t>(rays_);
@@ -30,14 +30,14 @@ Color FinalGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit
         if (!next) continue;
         TracedRay ray{hit.spawn_ray(next->wi)};
         rays.trace(ray);
-        const Color arriving = light_.arriving(rays, ray, u, walk.edges_left(), found);
+        const Color arriving = light_.arriving(rays, ray, u, walk.edges_left(), neighbours);
         sum += (next->weight * arriving).cast<double>();
     }
     return (sum / n).cast<float>();
 }
 
 IrradianceRecord FinalGather::record_at(RayQueries& rays, const RecordPlace& place,
-                                        DensityEstimator::Found& found) const {
+                                        DensityEstimator::Neighbours& neighbours) const {
     const Frame frame(place.normal);
     std::vector<HemisphereSample> samples(static_cast<std::size_t>(strata_.count()));
     for (int i = 0; i < strata_.count(); ++i) {
@@ -49,7 +49,7 @@ IrradianceRecord FinalGather::record_at(RayQueries& rays, const RecordPlace& pla
         if (place.point.ng.dot(w) * place.point.ng.dot(place.normal) < 0.f) continue;  // it would lead into the surface
         TracedRay ray{Ray{offset_origin(place.point, w), w}};
         rays.trace(ray);
-        sample = {light_.arriving(rays, ray, u, light_.max_edges - 1, found), ray.found ? ray.found->t : infinity};
+        sample = {light_.arriving(rays, ray, u, light_.max_edges - 1, neighbours), ray.found ? ray.found->t : infinity};
     }
     return irradiance_record(place.point.p, frame, strata_, samples);
 }

@@ -32,10 +32,11 @@ public:
     /// Indirect radiance [W/(sr m^2)] that the hit's diffuse lobes send towards wo, at the vertex where `walk` is: by
     /// as many rays as this gathers with.
     Color reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                             DensityEstimator::Found& found) const;
+                             DensityEstimator::Neighbours& neighbours) const;
 
     /// For a surface that the eye sees: of the longest paths that reach it over one edge more.
-    IrradianceRecord record_at(RayQueries& rays, const RecordPlace& place, DensityEstimator::Found& found) const;
+    IrradianceRecord record_at(RayQueries& rays, const RecordPlace& place,
+                               DensityEstimator::Neighbours& neighbours) const;
 
 private:
     const GatheredLight& light_;

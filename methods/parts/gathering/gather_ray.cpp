@@ -19,8 +19,8 @@ public:
     static constexpr bool wants_emission = false;
     static constexpr int splits = 0;
 
-    GatherVisitor(const GatheredLight& light, const SpecularWalk& walk, DensityEstimator::Found& found)
-        : light_(light), walk_(walk), found_(found) {}
+    GatherVisitor(const GatheredLight& light, const SpecularWalk& walk, DensityEstimator::Neighbours& neighbours)
+        : light_(light), walk_(walk), neighbours_(neighbours) {}
 
     const Color& radiance() const { return radiance_; }
 
@@ -37,19 +37,19 @@ private:
             const auto share = light_.lengths.share(walk_.edges_left(), light_.longest_photon_path());
             if (reflectance && share) {
                 const auto E = light_.irradiance.at(walk_.rays(), hit, normal_towards(hit, wo), walk_.length(),
-                                                    light_.estimator.max_radius, found_);
+                                                    light_.estimator.max_radius, neighbours_);
                 if (E) return *reflectance * *E * (*share * inv_pi);
             }
         }
         return light_.estimator
             .reflected_radiance(light_.map, walk_.rays(), hit, wo, EyePath{walk_.edges_left()}, walk_.sampler(),
-                                gathered_disc, found_)
+                                gathered_disc, neighbours_)
             .between_surfaces;
     }
 
     const GatheredLight& light_;
     const SpecularWalk& walk_;
-    DensityEstimator::Found& found_;
+    DensityEstimator::Neighbours& neighbours_;
     Color radiance_ = Color::Zero();
 };
 
@@ -75,7 +75,7 @@ std::optional<float> PhotonLengths::share(int limit, int longest) const {
 }
 
 Color GatheredLight::arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
-                              DensityEstimator::Found& found) const {
+                              DensityEstimator::Neighbours& neighbours) const {
     if (source == GatherSource::paths) {
         const PixelSample sample = trace_path(rays, ray, sampler, {edges, samples_lights, features});
         Color radiance = Color::Zero();
@@ -85,7 +85,7 @@ Color GatheredLight::arriving(RayQueries& rays, const TracedRay& ray, const Samp
     }
     const WalkSettings settings{edges, samples_lights, follows_specular};
     SpecularWalk walk(rays, sampler, settings, nullptr);
-    GatherVisitor visitor(*this, walk, found);
+    GatherVisitor visitor(*this, walk, neighbours);
     walk.follow(ray, visitor);
     return visitor.radiance();
 }

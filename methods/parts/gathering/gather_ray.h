@@ -51,7 +51,7 @@ struct GatheredLight {
     /// Radiance [W/(sr m^2)] that arrives along a gather ray that was traced, by paths of at most `edges` edges, the
     /// ray's included. `sampler` decides all that follows.
     Color arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
-                   DensityEstimator::Found& found) const;
+                   DensityEstimator::Neighbours& neighbours) const;
 };
 
 }  // namespace gib

@@ -36,38 +36,38 @@ IrradianceCache::IrradianceCache(const Bounds& bounds, float accuracy) : accurac
     root_ = {bounds.lower - Vec3::Constant(0.01f * size), 1.02f * size};
 }
 
-IrradianceCache::Cell IrradianceCache::Cell::child(int i) const {
+IrradianceCache::Cube IrradianceCache::Cube::child(int i) const {
     const Vec3 upper(static_cast<float>(i & 1), static_cast<float>(i >> 1 & 1), static_cast<float>(i >> 2));
     return {lower + 0.5f * size * upper, 0.5f * size};
 }
 
-bool IrradianceCache::Cell::touches(const Vec3& p, float radius) const {
+bool IrradianceCache::Cube::touches(const Vec3& p, float radius) const {
     const Vec3 outside = (lower - p).cwiseMax(p - lower - Vec3::Constant(size)).cwiseMax(0.f);
     return outside.squaredNorm() <= radius * radius;
 }
 
 template <typename Visit>
 void IrradianceCache::for_each_near(const Vec3& p, Visit&& visit) const {
-    Cell cell = root_;
+    Cube cube = root_;
     for (std::uint32_t at = 0;;) {
         for (const std::uint32_t record : nodes_[at].records)
             if (!visit(record)) return;
         if (nodes_[at].first_child == 0) return;
-        const int child = child_at(p, cell.lower + Vec3::Constant(0.5f * cell.size));
-        cell = cell.child(child);
+        const int child = child_at(p, cube.lower + Vec3::Constant(0.5f * cube.size));
+        cube = cube.child(child);
         at = nodes_[at].first_child + static_cast<std::uint32_t>(child);
     }
 }
 
 template <typename Visit>
-void IrradianceCache::for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cell& cell,
+void IrradianceCache::for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cube& cube,
                                       Visit& visit) const {
-    if (!cell.touches(p, radius)) return;
+    if (!cube.touches(p, radius)) return;
     for (const std::uint32_t record : nodes_[node].records)
         visit(record);
     if (nodes_[node].first_child == 0) return;
     for (int child = 0; child < 8; ++child)
-        for_each_within(p, radius, nodes_[node].first_child + static_cast<std::uint32_t>(child), cell.child(child),
+        for_each_within(p, radius, nodes_[node].first_child + static_cast<std::uint32_t>(child), cube.child(child),
                         visit);
 }
 
@@ -161,16 +161,16 @@ std::uint32_t IrradianceCache::children_of(std::uint32_t node) {
     return nodes_[node].first_child;
 }
 
-void IrradianceCache::place(std::uint32_t record, float reach, std::uint32_t node, const Cell& cell) {
+void IrradianceCache::place(std::uint32_t record, float reach, std::uint32_t node, const Cube& cube) {
     const float smallest = std::ldexp(root_.size, -deepest);
-    if (cell.size <= 2.f * reach || cell.size <= smallest) {
+    if (cube.size <= 2.f * reach || cube.size <= smallest) {
         nodes_[node].records.push_back(record);
         return;
     }
     const std::uint32_t children = children_of(node);
     for (int child = 0; child < 8; ++child)
-        if (cell.child(child).touches(records_[record].p, reach))
-            place(record, reach, children + static_cast<std::uint32_t>(child), cell.child(child));
+        if (cube.child(child).touches(records_[record].p, reach))
+            place(record, reach, children + static_cast<std::uint32_t>(child), cube.child(child));
 }
 
 std::size_t IrradianceCache::memory() const {

@@ -64,11 +64,11 @@ private:
         std::uint32_t first_child = 0;  ///< of eight; 0: none
         std::vector<std::uint32_t> records;
     };
-    struct Cell {
+    struct Cube {
         Vec3 lower;
         float size;
 
-        Cell child(int i) const;
+        Cube child(int i) const;
         bool touches(const Vec3& p, float radius) const;
     };
 
@@ -77,14 +77,14 @@ private:
     void for_each_near(const Vec3& p, Visit&& visit) const;
     /// Calls visit(record number) for the records of all nodes that the ball touches; for some of them more than once.
     template <typename Visit>
-    void for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cell& cell, Visit& visit) const;
+    void for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cube& cube, Visit& visit) const;
     /// e_i; infinite where the point lies behind the record.
     float error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const;
     void limit_by_neighbours(IrradianceRecord& record, float least);
-    void place(std::uint32_t record, float reach, std::uint32_t node, const Cell& cell);
+    void place(std::uint32_t record, float reach, std::uint32_t node, const Cube& cube);
     std::uint32_t children_of(std::uint32_t node);
 
-    Cell root_;
+    Cube root_;
     float accuracy_;
     std::vector<Node> nodes_;
     std::vector<IrradianceRecord> records_;

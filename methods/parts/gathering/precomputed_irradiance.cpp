@@ -90,11 +90,11 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     const float extent = scene.diagonal();
     const double unit = extent > 0.f ? std::scalbn(map.unit(), -2 * std::ilogb(extent)) : map.unit();
     std::vector<Photon> estimated(places.size());
-    std::vector<char> found(places.size(), 0);
+    std::vector<char> kept(places.size(), 0);
     std::atomic<std::uint64_t> traced = 0;
     parallel_blocks(places.size(), places_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries queries(scene);
-        DensityEstimator::Found neighbours;
+        DensityEstimator::Neighbours neighbours;
         for (std::size_t i = begin; i < end; ++i) {
             auto hit = surface_under(queries, places[i]);
             if (!hit) continue;
@@ -107,7 +107,7 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             estimated[i] = Photon(places[i].p, (irradiance.cast<double>() / unit).cast<float>(), normal, normal,
                                   coded_radius(light.radius, estimator.max_radius),
                                   light.near_obstacle);  // marked by what says `in a medium` for a photon
-            found[i] = 1;
+            kept[i] = 1;
         }
         traced += queries.count();
         if (progress) progress->add(end - begin);
@@ -115,22 +115,22 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     rays += traced;
     std::size_t left = 0;
     for (std::size_t i = 0; i < estimated.size(); ++i)
-        if (found[i]) estimated[left++] = estimated[i];
+        if (kept[i]) estimated[left++] = estimated[i];
     estimated.resize(left);
     places_ = PhotonMap(std::move(estimated), unit);
 }
 
 std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
-                                               float max_distance, DensityEstimator::Found& found) const {
+                                               float max_distance, DensityEstimator::Neighbours& neighbours) const {
     const auto on_surface = [&](const Photon& place, float distance2) {
         return place.surface_normal().dot(normal) > min_normal_cosine &&
                sqr((place.p - hit.p).dot(normal)) <= sqr(max_elevation_slope) * distance2;
     };
-    places_.nearest(hit.p, 1, max_distance, on_surface, found);
-    if (found.empty()) return std::nullopt;
-    const Photon place = places_[found.front().photon];
-    if (found.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
-    const bool in_doubt = is_near_obstacle(place) || found.front().distance2 > sqr(seen);
+    places_.nearest(hit.p, 1, max_distance, on_surface, neighbours);
+    if (neighbours.empty()) return std::nullopt;
+    const Photon place = places_[neighbours.front().photon];
+    if (neighbours.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
+    const bool in_doubt = is_near_obstacle(place) || neighbours.front().distance2 > sqr(seen);
     if (in_doubt && !reaches(rays, hit, normal, place)) return std::nullopt;
     return (places_.unit() * place.power().cast<double>()).cast<float>();
 }

@@ -32,7 +32,7 @@ public:
     /// place has met an obstacle, or where the place lies farther away than the ray to `hit` has come, whose length is
     /// `seen`: a room that is small beside the scene has no places of its own for what it does not see.
     std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen, float max_distance,
-                            DensityEstimator::Found& found) const;
+                            DensityEstimator::Neighbours& neighbours) const;
 
     std::size_t size() const { return places_.size(); }
     std::size_t memory() const { return places_.memory(); }

@@ -51,7 +51,7 @@ public:
     /// within the largest distance that is still wanted.
     template <typename Accept>
     void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                 std::vector<Neighbour>& found) const;
+                 std::vector<Neighbour>& neighbours) const;
 
     /// Calls visit(photon, distance2) for all photons with distance2 <= radius^2; their order is the same each time.
     template <typename Visit>
@@ -154,8 +154,8 @@ void PhotonMap::traverse(const Vec3& p, const Bound& bound, const VisitPhoton& v
 
 template <typename Accept>
 void PhotonMap::nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                        std::vector<Neighbour>& found) const {
-    NearestBuffer buffer(k, max_distance, found);
+                        std::vector<Neighbour>& neighbours) const {
+    NearestBuffer buffer(k, max_distance, neighbours);
     if (k > 0)
         traverse(
             p, [&] { return buffer.bound(); },

@@ -211,7 +211,7 @@ void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t en
     }
 }
 
-/// The same for aimed photons, in the order of their cells: neighbours in the map are neighbours in space, so that one
+/// The same for aimed photons, in the order of their bins: neighbours in the map are neighbours in space, so that one
 /// photon finds in the cache what the one before it read, and their first rays are traced as packets.
 template <typename Visit>
 void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
@@ -219,7 +219,7 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
     std::vector<std::pair<std::uint32_t, std::size_t>> order;
     order.reserve(end - begin);
     for (std::size_t i = begin; i < end; ++i)
-        order.emplace_back(aim.choose_cell(Sampler(PointSet::independent, key, i, 0).get_2d(dimension::emission_light)),
+        order.emplace_back(aim.choose_bin(Sampler(PointSet::independent, key, i, 0).get_2d(dimension::emission_light)),
                            i);
     std::sort(order.begin(), order.end());
     std::array<EmissionSample, Accelerator::packet_size> starts;

@@ -28,7 +28,7 @@ enum class PhotonMapKind {
 /// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
 /// albedo), so that the sum is the emitted power only if the roulette and its rescaling are right.
 struct PowerBalance {
-    Colord emitted = Colord::Zero();  ///< with a projection map only what leaves through its cells
+    Colord emitted = Colord::Zero();  ///< with a projection map only what leaves through its bins
     Colord absorbed = Colord::Zero();
     Colord escaped = Colord::Zero();
     /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not
@@ -44,7 +44,7 @@ struct PowerBalance {
 
 struct PhotonWalkResult {
     double unit = 1;              ///< of the photons' power [W]
-    std::vector<Photon> photons;  ///< in the order of emission, aimed ones within a block in that of their cells
+    std::vector<Photon> photons;  ///< in the order of emission, aimed ones within a block in that of their bins
     std::uint64_t emitted = 0;    ///< number of photons
     std::uint64_t rays = 0;
     PowerBalance balance;  ///< [W], each photon of power / emitted

@@ -10,9 +10,9 @@ namespace gib {
 
 namespace {
 
-/// A light that keeps more of its cells than this is not worth aiming.
+/// A light that keeps more of its bins than this is not worth aiming.
 constexpr double all_but_kept = 0.98;
-/// It is given up when this share of the cells has been made.
+/// It is given up when this share of the bins has been made.
 constexpr std::size_t trial_share = 4;
 /// A tenth of the choices goes to all lights alike, as without projection maps (see Scene).
 constexpr double uniform_share = 0.1;
@@ -25,11 +25,11 @@ float within(const EmissionBox& box, std::size_t i, float u) {
 
 }  // namespace
 
-/// Halves the cells that hold most power, and drops what cannot reach a target, until there are enough of them.
+/// Halves the bins that hold most power, and drops what cannot reach a target, until there are enough of them.
 class ProjectionMap::Refinement {
 public:
-    Refinement(const Scene& scene, TargetSurfaces surfaces, const std::vector<OfLight>& lights, std::size_t most_cells)
-        : scene_(scene), targets_(scene, surfaces), lights_(lights), most_cells_(most_cells) {
+    Refinement(const Scene& scene, TargetSurfaces surfaces, const std::vector<OfLight>& lights, std::size_t most_bins)
+        : scene_(scene), targets_(scene, surfaces), lights_(lights), most_bins_(most_bins) {
         double total = 0;
         for (const OfLight& light : lights)
             total += light.power;
@@ -37,61 +37,61 @@ public:
             const auto* area = std::get_if<AreaLight>(&scene.lights()[i]);
             const bool blind = area && cannot_see_itself(*area, scene.shapes());
             except_.push_back(blind ? area->shape : ProjectionTargets::no_shape);
-            Growing cell{{{}, static_cast<std::uint32_t>(i)}, lights[i].power / total};
-            if (lights[i].power > 0 && look(cell)) cells_.push_back(cell);
+            Growing bin{{{}, static_cast<std::uint32_t>(i)}, lights[i].power / total};
+            if (lights[i].power > 0 && look(bin)) bins_.push_back(bin);
         }
     }
 
-    std::vector<Cell> run() {
+    std::vector<Bin> run() {
         bool tried = false;
-        for (double threshold = 0.5; !cells_.empty() && threshold > 1e-12;) {
+        for (double threshold = 0.5; !bins_.empty() && threshold > 1e-12;) {
             std::vector<std::size_t> heavy;
-            for (std::size_t i = 0; i < cells_.size(); ++i)
-                if (!cells_[i].finished && cells_[i].weight > threshold) heavy.push_back(i);
+            for (std::size_t i = 0; i < bins_.size(); ++i)
+                if (!bins_[i].finished && bins_[i].weight > threshold) heavy.push_back(i);
             if (heavy.empty()) {
                 threshold *= 0.5;
                 continue;
             }
-            if (cells_.size() + heavy.size() > most_cells_) break;
+            if (bins_.size() + heavy.size() > most_bins_) break;
             halve(heavy);
-            if (!tried && cells_.size() > most_cells_ / trial_share) {
+            if (!tried && bins_.size() > most_bins_ / trial_share) {
                 give_up_idle_lights();
                 tried = true;
             }
         }
         give_up_idle_lights();
-        std::vector<Cell> result;
-        for (const Growing& cell : cells_)
-            result.push_back(cell.cell);
+        std::vector<Bin> result;
+        for (const Growing& bin : bins_)
+            result.push_back(bin.bin);
         return result;
     }
 
 private:
     struct Growing {
-        Cell cell;
+        Bin bin;
         double weight;           ///< its share of all lights' power
         bool finished = false;   ///< there is nothing to gain by halving it
         std::uint32_t hint = 0;  ///< the target that it was seen to reach
     };
 
-    const Light& light_of(const Growing& cell) const { return scene_.lights()[cell.cell.light]; }
+    const Light& light_of(const Growing& bin) const { return scene_.lights()[bin.bin.light]; }
 
-    /// Whether the cell's rays can reach a target.
-    bool look(Growing& cell) const {
-        const RayBundle bundle = emission_bundle(light_of(cell), scene_.shapes(), cell.cell.box);
-        const auto reach = targets_.reach(bundle, except_[cell.cell.light], cell.hint);
-        cell.finished = reach == ProjectionTargets::Reach::all_meet;
+    /// Whether the bin's rays can reach a target.
+    bool look(Growing& bin) const {
+        const RayBundle bundle = emission_bundle(light_of(bin), scene_.shapes(), bin.bin.box);
+        const auto reach = targets_.reach(bundle, except_[bin.bin.light], bin.hint);
+        bin.finished = reach == ProjectionTargets::Reach::all_meet;
         return reach != ProjectionTargets::Reach::none;
     }
 
     struct Halves {
-        std::array<Growing, 2> cells;
+        std::array<Growing, 2> bins;
         std::array<bool, 2> kept = {false, false};
     };
 
-    std::optional<std::pair<EmissionBox, EmissionBox>> cut(const Growing& cell, std::size_t dimension) const {
-        const EmissionBox& box = cell.cell.box;
-        const float at = split_point(light_of(cell), scene_.shapes(), box, dimension);
+    std::optional<std::pair<EmissionBox, EmissionBox>> cut(const Growing& bin, std::size_t dimension) const {
+        const EmissionBox& box = bin.bin.box;
+        const float at = split_point(light_of(bin), scene_.shapes(), box, dimension);
         if (!(at > box.lower[dimension] && at < box.upper[dimension])) return std::nullopt;
         std::pair<EmissionBox, EmissionBox> halves{box, box};
         halves.first.upper[dimension] = at;
@@ -100,8 +100,8 @@ private:
     }
 
     /// How wide a bundle is where the targets are [scene units].
-    double spread(const Growing& cell, const EmissionBox& box) const {
-        const RayBundle bundle = emission_bundle(light_of(cell), scene_.shapes(), box);
+    double spread(const Growing& bin, const EmissionBox& box) const {
+        const RayBundle bundle = emission_bundle(light_of(bin), scene_.shapes(), box);
         const double distance =
             std::max((targets_.center().cast<double>() - bundle.center).norm(), static_cast<double>(targets_.radius()));
         return bundle.radius + 2 * std::sin(0.5 * std::min(bundle.cone.half_angle, std::numbers::pi)) * distance;
@@ -109,100 +109,100 @@ private:
 
     /// In the dimension without whose extent the rays would be narrowest: halving it may narrow nothing yet, as of a
     /// ring around an axis. Of equals, the one in which the box is longest.
-    Halves halves_of(const Growing& cell) const {
-        const auto dimensions = emission_dimensions(light_of(cell));
+    Halves halves_of(const Growing& bin) const {
+        const auto dimensions = emission_dimensions(light_of(bin));
         std::optional<std::pair<EmissionBox, EmissionBox>> best;
         double least = 0;
         float longest = 0.f;
         for (std::size_t i = 0; i < 4; ++i) {
-            const float extent = cell.cell.box.width(i);
+            const float extent = bin.bin.box.width(i);
             if (!dimensions[i]) continue;
-            const auto halves = cut(cell, i);
+            const auto halves = cut(bin, i);
             if (!halves) continue;
-            EmissionBox thin = cell.cell.box;  // not in its middle, where a light's map may have an edge
+            EmissionBox thin = bin.bin.box;  // not in its middle, where a light's map may have an edge
             thin.lower[i] += 0.25f * extent;
             thin.upper[i] = thin.lower[i] + extent / 64;
-            const double width = spread(cell, thin);
+            const double width = spread(bin, thin);
             const bool equal = best && std::abs(width - least) <= 1e-6 * least;
             if (best && (equal ? extent <= longest : width > least)) continue;
             best = halves;
             least = width;
             longest = extent;
         }
-        Halves result{{cell, cell}};
+        Halves result{{bin, bin}};
         if (!best) {  // as fine as float can be
-            result.cells[0].finished = true;
+            result.bins[0].finished = true;
             result.kept[0] = true;
             return result;
         }
-        const double volume = cell.cell.box.volume();
+        const double volume = bin.bin.box.volume();
         for (std::size_t side = 0; side < 2; ++side) {
-            Growing& half = result.cells[side];
-            half.cell.box = side == 0 ? best->first : best->second;
-            half.weight = cell.weight * (half.cell.box.volume() / volume);
+            Growing& half = result.bins[side];
+            half.bin.box = side == 0 ? best->first : best->second;
+            half.weight = bin.weight * (half.bin.box.volume() / volume);
             result.kept[side] = look(half);
         }
         return result;
     }
 
-    /// In the order of the cells: the map is the same for any number of threads.
+    /// In the order of the bins: the map is the same for any number of threads.
     void halve(const std::vector<std::size_t>& chosen) {
         std::vector<Halves> halves(chosen.size());
         parallel_blocks(chosen.size(), 32, [&](std::size_t begin, std::size_t end, std::size_t) {
             for (std::size_t i = begin; i < end; ++i)
-                halves[i] = halves_of(cells_[chosen[i]]);
+                halves[i] = halves_of(bins_[chosen[i]]);
         });
         std::vector<Growing> next;
         std::size_t n = 0;
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
+        for (std::size_t i = 0; i < bins_.size(); ++i) {
             if (n == chosen.size() || chosen[n] != i) {
-                next.push_back(cells_[i]);
+                next.push_back(bins_[i]);
                 continue;
             }
             for (std::size_t side = 0; side < 2; ++side)
-                if (halves[n].kept[side]) next.push_back(halves[n].cells[side]);
+                if (halves[n].kept[side]) next.push_back(halves[n].bins[side]);
             ++n;
         }
-        cells_ = std::move(next);
+        bins_ = std::move(next);
     }
 
-    /// One cell, all of it, for the lights that keep nearly all anyway.
+    /// One bin, all of it, for the lights that keep nearly all anyway.
     void give_up_idle_lights() {
         std::vector<double> kept(lights_.size(), 0.0);
-        for (const Growing& cell : cells_)
-            kept[cell.cell.light] += cell.cell.box.volume();
+        for (const Growing& bin : bins_)
+            kept[bin.bin.light] += bin.bin.box.volume();
         std::vector<Growing> next;
         std::vector<bool> seen(lights_.size(), false);
-        for (Growing& cell : cells_) {
-            const std::uint32_t light = cell.cell.light;
+        for (Growing& bin : bins_) {
+            const std::uint32_t light = bin.bin.light;
             if (kept[light] > all_but_kept) {
                 if (seen[light]) continue;
                 seen[light] = true;
-                cell.cell.box = {};
-                cell.finished = true;
+                bin.bin.box = {};
+                bin.finished = true;
             }
-            next.push_back(cell);
+            next.push_back(bin);
         }
-        cells_ = std::move(next);
+        bins_ = std::move(next);
     }
 
     const Scene& scene_;
     ProjectionTargets targets_;
     const std::vector<OfLight>& lights_;
-    std::size_t most_cells_;
+    std::size_t most_bins_;
     std::vector<std::uint32_t> except_;  ///< by light: its own shape, if it cannot see that
-    std::vector<Growing> cells_;
+    std::vector<Growing> bins_;
 };
 
-ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_cells) {
+ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins) {
     for (const Light& light : scene.lights())
         lights_.push_back({power_of(light).mean()});
-    cells_ = Refinement(scene, surfaces, lights_, most_cells).run();
-    for (const Cell& cell : cells_)
-        lights_[cell.light].kept += cell.box.volume();
+    bins_ = Refinement(scene, surfaces, lights_, most_bins).run();
+    for (const Bin& bin : bins_)
+        lights_[bin.light].kept += bin.box.volume();
     for (const OfLight& light : lights_)
         aims_ |= light.power > 0 && light.kept < 1;
-    if (!cells_.empty()) prepare_choice();
+    if (!bins_.empty()) prepare_choice();
 }
 
 void ProjectionMap::prepare_choice() {
@@ -218,21 +218,21 @@ void ProjectionMap::prepare_choice() {
         if (light.kept > 0) light.scale = static_cast<float>(light.kept / choice.back());
     }
     double sum = 0;
-    for (const Cell& cell : cells_) {
+    for (const Bin& bin : bins_) {
         begin_.push_back(sum);
-        sum += choice[cell.light] * cell.box.volume() / lights_[cell.light].kept;
+        sum += choice[bin.light] * bin.box.volume() / lights_[bin.light].kept;
     }
-    const std::size_t n = cells_.size();
+    const std::size_t n = bins_.size();
     guide_.resize(n);
-    for (std::size_t i = 0, cell = 0; i < n; ++i) {
-        while (cell + 1 < n && begin_[cell + 1] * static_cast<double>(n) <= static_cast<double>(i))
-            ++cell;
-        guide_[i] = static_cast<std::uint32_t>(cell);
+    for (std::size_t i = 0, bin = 0; i < n; ++i) {
+        while (bin + 1 < n && begin_[bin + 1] * static_cast<double>(n) <= static_cast<double>(i))
+            ++bin;
+        guide_[i] = static_cast<std::uint32_t>(bin);
     }
 }
 
-std::uint32_t ProjectionMap::choose_cell(const Vec2& u_choice) const {
-    // 48 bits: a cell's share may be as small as a float's last digit.
+std::uint32_t ProjectionMap::choose_bin(const Vec2& u_choice) const {
+    // 48 bits: a bin's share may be as small as a float's last digit.
     const double u = static_cast<double>(u_choice.x()) + 0x1p-24 * static_cast<double>(u_choice.y());
     std::uint32_t i = guide_[static_cast<std::size_t>(u * static_cast<double>(guide_.size()))];
     while (i + 1 < begin_.size() && begin_[i + 1] <= u)
@@ -240,9 +240,9 @@ std::uint32_t ProjectionMap::choose_cell(const Vec2& u_choice) const {
     return i;
 }
 
-EmissionSample ProjectionMap::sample_emission(const Scene& scene, std::uint32_t cell, const Vec2& u_position,
+EmissionSample ProjectionMap::sample_emission(const Scene& scene, std::uint32_t bin, const Vec2& u_position,
                                               const Vec2& u_direction) const {
-    const auto& [box, light] = cells_[cell];
+    const auto& [box, light] = bins_[bin];
     EmissionSample sample = gib::sample_emission(
         scene.lights()[light], scene.shapes(), Vec2(within(box, 0, u_position.x()), within(box, 1, u_position.y())),
         Vec2(within(box, 2, u_direction.x()), within(box, 3, u_direction.y())));

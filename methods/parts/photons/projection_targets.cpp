@@ -21,25 +21,25 @@ Ball ball_of(const Vec3& center, float radius, std::uint32_t shape, bool whole_s
     return {center, radius + rounding * (radius + center.cwiseAbs().maxCoeff()), shape, whole_sphere};
 }
 
-/// Sorts the pieces of triangles into the cells of a grid over their bounds; only the pieces' boxes are kept.
+/// Sorts the pieces of triangles into the voxels of a grid over their bounds; only the pieces' boxes are kept.
 class TriangleGrid {
 public:
     TriangleGrid(const Bounds& bounds, int resolution)
         : lower_(bounds.lower),
-          cell_(
-              std::max((bounds.upper - bounds.lower).maxCoeff() / static_cast<float>(resolution), least_cell(bounds))) {
+          voxel_(std::max((bounds.upper - bounds.lower).maxCoeff() / static_cast<float>(resolution),
+                          least_voxel(bounds))) {
         for (int i = 0; i < 3; ++i) {
-            const float cells = cell_ > 0.f ? (bounds.upper - bounds.lower)[i] / cell_ : 0.f;
-            cells_[i] = std::clamp(static_cast<int>(std::ceil(cells)), 1, resolution);
+            const float voxels = voxel_ > 0.f ? (bounds.upper - bounds.lower)[i] / voxel_ : 0.f;
+            voxels_[i] = std::clamp(static_cast<int>(std::ceil(voxels)), 1, resolution);
         }
-        boxes_.resize(static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) *
-                      static_cast<std::size_t>(cells_[2]));
+        boxes_.resize(static_cast<std::size_t>(voxels_[0]) * static_cast<std::size_t>(voxels_[1]) *
+                      static_cast<std::size_t>(voxels_[2]));
     }
 
-    /// Triangles larger than a cell are halved across their longest edge.
+    /// Triangles larger than a voxel are halved across their longest edge.
     void add(const Vec3& a, const Vec3& b, const Vec3& c) {
         const float ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
-        if (std::max({ab, bc, ca}) > sqr(cell_)) {
+        if (std::max({ab, bc, ca}) > sqr(voxel_)) {
             if (ab >= bc && ab >= ca) return halve(a, b, c);
             if (bc >= ca) return halve(b, c, a);
             return halve(c, a, b);
@@ -62,7 +62,7 @@ public:
 
 private:
     /// Eight steps of a float: what is longer has a middle that is not one of its ends, and halving comes to an end.
-    static float least_cell(const Bounds& bounds) {
+    static float least_voxel(const Bounds& bounds) {
         return 16.f * unit_roundoff * bounds.lower.cwiseAbs().cwiseMax(bounds.upper.cwiseAbs()).maxCoeff();
     }
     void halve(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -73,16 +73,16 @@ private:
     std::size_t index(const Vec3& p) const {
         std::array<std::size_t, 3> at{};
         for (int i = 0; i < 3; ++i) {
-            const float cells = cell_ > 0.f ? (p - lower_)[i] / cell_ : 0.f;
+            const float voxels = voxel_ > 0.f ? (p - lower_)[i] / voxel_ : 0.f;
             at[static_cast<std::size_t>(i)] =
-                static_cast<std::size_t>(std::clamp(static_cast<int>(cells), 0, cells_[i] - 1));
+                static_cast<std::size_t>(std::clamp(static_cast<int>(voxels), 0, voxels_[i] - 1));
         }
-        return (at[2] * static_cast<std::size_t>(cells_[1]) + at[1]) * static_cast<std::size_t>(cells_[0]) + at[0];
+        return (at[2] * static_cast<std::size_t>(voxels_[1]) + at[1]) * static_cast<std::size_t>(voxels_[0]) + at[0];
     }
 
     Vec3 lower_;
-    float cell_;  ///< its side [scene units]
-    Eigen::Vector3i cells_;
+    float voxel_;  ///< its side [scene units]
+    Eigen::Vector3i voxels_;
     std::vector<Bounds> boxes_;
 };
 
@@ -154,7 +154,7 @@ std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
     for (const Instance& instance : groups.instances)
         for (std::size_t i = groups.begin[instance.group]; i < groups.begin[instance.group + 1]; ++i)
             copies += wanted(i);
-    // A grid of n^3 cells holds a surface in about 6 n^2 of them.
+    // A grid of n^3 voxels holds a surface in about 6 n^2 of them.
     const double finest = std::sqrt(wanted_balls / (6 * std::max(copies, 1.0)));
     const int resolution = std::clamp(static_cast<int>(finest), 1, finest_grid);
 

@@ -16,7 +16,7 @@ enum class TargetSurfaces {
     specular  ///< those whose material has a lobe that counts as S
 };
 
-/// Meshes are cut into the pieces that lie in the cells of a grid, large triangles too; what instances show is carried
+/// Meshes are cut into the pieces that lie in the voxels of a grid, large triangles too; what instances show is carried
 /// to the scene. Each piece lies inside its ball.
 class ProjectionTargets {
 public:

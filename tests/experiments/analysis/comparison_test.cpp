@@ -78,7 +78,7 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     ASSERT_EQ(laws.size(), 1u);
     EXPECT_EQ(laws[0].method, "photons k=50");
     EXPECT_EQ(laws[0].parameter, "photons");
-    EXPECT_EQ(laws[0].resolved, 3u);
+    EXPECT_EQ(laws[0].resolved_count, 3u);
     EXPECT_EQ(laws[0].values.size(), 4u);
     EXPECT_NEAR(laws[0].exponent.value, 1.5, 1e-9);
     // Three points at log 10 apart with deviation log 1.2 / 1.96 each: standard error deviation / (log 10 sqrt 2).

@@ -262,13 +262,13 @@ TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
             for (std::size_t p = 0; p < group.pixels(); ++p)
                 group.set(p, Color::Constant(1 + 0.1f * static_cast<float>(normal(random))));
         const ReferenceLayer reference = layer_of_groups(groups);
-        const double resolved = resolved_error2(reference, one, 0);
-        mean += resolved / 1000;
-        above += image_error(one, reference, one, 0).rel_mse_corrected > resolved;
+        const double noise_floor = noise_floor_of(reference, one, 0);
+        mean += noise_floor / 1000;
+        above += image_error(one, reference, one, 0).rel_mse_corrected > noise_floor;
     }
     EXPECT_NEAR(mean, exact, 0.02 * exact);
     EXPECT_NEAR(above, 25, 15);
-    EXPECT_EQ(resolved_error2({one, {}, {}}, one, 0), 0) << "no standard error: taken as exact";
+    EXPECT_EQ(noise_floor_of({one, {}, {}}, one, 0), 0) << "no standard error: taken as exact";
 }
 
 TEST(TimeToError, InterpolatesInTheLogarithms) {

@@ -106,7 +106,7 @@ TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
     Analysis analysis = small_analysis();
     analysis.references.push_back({"box", "path", 0.05, {}, 64, {}, {{total_name, 0.0025}}});
     EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| below 5.00, not resolved |"));
-    analysis.references[0].resolved[total_name] = 0.0009;
+    analysis.references[0].noise_floors[total_name] = 0.0009;
     EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| 4.00 (3.00 to 5.00) |"));
 }
 

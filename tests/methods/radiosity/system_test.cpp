@@ -108,7 +108,7 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        const PatchColors E = scene.system.gather(solution->radiosity());
+        const PatchColors E = scene.system.irradiance(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
     }
 }
@@ -125,7 +125,7 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        const PatchColors E = scene.system.gather(solution->radiosity());
+        const PatchColors E = scene.system.irradiance(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
         for (const std::uint32_t leaf : scene.system.leaves())
             EXPECT_NEAR(E[leaf][0] / (rho / (1 - rho)), 1, 0.05) << rho;
@@ -136,7 +136,7 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
 double unevenness_of_a_sphere(double size) {
     const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-    PatchColors E = scene.system.gather(solution->radiosity());
+    PatchColors E = scene.system.irradiance(solution->radiosity());
     for (Colord& e : E)
         e = (e - 1).square();
     return std::sqrt(mean_over(scene.system, E, 0));
@@ -153,7 +153,8 @@ TEST(RadiositySystem, WhiteWallsConverge) {
     const PatchedScene scene(hollow_cube(grey(0.999)) + point_light("0.5 0 0", 1), 0.51, 0.02);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
     EXPECT_LT(solution->residual(), 1e-4);
-    EXPECT_NEAR(mean_over(scene.system, scene.system.gather(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1, 0.005);
+    EXPECT_NEAR(mean_over(scene.system, scene.system.irradiance(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1,
+                0.005);
 }
 
 TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
@@ -168,7 +169,7 @@ TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
             solution->sweep();
         for (const std::uint32_t leaf : scene.system.leaves())
             EXPECT_NEAR(solution->radiosity()[leaf].sum(), series[leaf].sum(), 1e-12 * series[leaf].sum()) << n;
-        const PatchColors E = scene.system.gather(term);
+        const PatchColors E = scene.system.irradiance(term);
         for (const std::uint32_t leaf : scene.system.leaves()) {
             term[leaf] = scene.system.reflectance(leaf) * E[leaf];
             series[leaf] += term[leaf];

@@ -1,4 +1,4 @@
-// Projection maps: the bounds of emission hold for every kind of light, no cell is dropped that can reach a target, and
+// Projection maps: the bounds of emission hold for every kind of light, no bin is dropped that can reach a target, and
 // aimed photons carry the same power as others.
 #include "methods/parts/photons/projection_map.h"
 
@@ -222,15 +222,15 @@ bool meets(const Scene& scene, Ray ray, TargetSurfaces targets) {
 }
 
 bool lies_in(const ProjectionMap& map, std::size_t light, const Point4& x) {
-    return std::any_of(map.cells().begin(), map.cells().end(), [&](const ProjectionMap::Cell& cell) {
-        bool inside = cell.light == light;
+    return std::any_of(map.bins().begin(), map.bins().end(), [&](const ProjectionMap::Bin& bin) {
+        bool inside = bin.light == light;
         for (std::size_t i = 0; i < 4; ++i)
-            inside = inside && cell.box.lower[i] <= x[i] && x[i] < cell.box.upper[i];
+            inside = inside && bin.box.lower[i] <= x[i] && x[i] < bin.box.upper[i];
         return inside;
     });
 }
 
-// 1e5 rays of every light: each one that meets a target lies in a kept cell.
+// 1e5 rays of every light: each one that meets a target lies in a kept bin.
 TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
     const test::TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
@@ -251,7 +251,7 @@ TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
             if (map.aims()) {
                 EXPECT_GT(met, 300) << name;
             }
-            // So few cells of a light all around are too large to miss anything: it is left alone.
+            // So few bins of a light all around are too large to miss anything: it is left alone.
             const bool all_around = name == "sphere around" || name == "constant";
             if (targets == TargetSurfaces::specular && !all_around) {
                 EXPECT_TRUE(map.aims()) << name;
@@ -319,7 +319,7 @@ LoadedScene mirror_and(const std::string& light, const std::string& more = "") {
                                           more + light));
 }
 
-// From a point the sphere fills (1 - cos) / 2 of all directions, with sin = 0.6 / 3; the cells may keep a rim besides.
+// From a point the sphere fills (1 - cos) / 2 of all directions, with sin = 0.6 / 3; the bins may keep a rim besides.
 TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     const auto scene = mirror_and("<emitter type='point'/>");
     const double truth = 0.5 * (1 - std::sqrt(1 - sqr(0.2)));
@@ -362,7 +362,7 @@ TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
         }
 }
 
-// The cells of its grid are smaller than the distance of two floats; halving its triangles must end.
+// The voxels of its grid are smaller than the distance of two floats; halving its triangles must end.
 TEST(ProjectionMap, ALampOfSomeUlpsIsATarget) {
     for (const float side : {1e-5f, 1e-6f, 3e-7f}) {
         const auto scene = mirror_and("<shape type='rectangle'><transform name='to_world'><scale value='" +
@@ -425,10 +425,10 @@ TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(one->aims());
     for (const int threads : {2, 5}) {
         const auto many = build(threads);
-        ASSERT_EQ(one->cells().size(), many->cells().size());
-        for (std::size_t i = 0; i < one->cells().size(); ++i) {
-            ASSERT_EQ(one->cells()[i].box.lower, many->cells()[i].box.lower);
-            ASSERT_EQ(one->cells()[i].box.upper, many->cells()[i].box.upper);
+        ASSERT_EQ(one->bins().size(), many->bins().size());
+        for (std::size_t i = 0; i < one->bins().size(); ++i) {
+            ASSERT_EQ(one->bins()[i].box.lower, many->bins()[i].box.lower);
+            ASSERT_EQ(one->bins()[i].box.upper, many->bins()[i].box.upper);
         }
         const auto image = [&](int n) {
             return test::render(scene, "photon_mapper photons=20000", 1, 1, n).total().rgb;
@@ -450,10 +450,9 @@ TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
     EXPECT_EQ(step_of(glass, "caustic", "on"), "runs");
     EXPECT_EQ(step_of(glass, "caustic", "off"), "projection=off");
     EXPECT_EQ(step_of(test::shipped_scene("cornell-box.xml"), "caustic", "on"), "its map is not run");
-    EXPECT_EQ(step_of(test::shipped_scene("furnace.xml"), "global", "on"),
-              "(nearly) every cell of every light reaches geometry");
+    EXPECT_EQ(step_of(test::shipped_scene("furnace.xml"), "global", "on"), "(nearly) all light reaches geometry");
     EXPECT_EQ(step_of(test::shipped_scene("lamp-in-glass.xml"), "caustic", "on"),
-              "(nearly) every cell of every light reaches specular geometry");
+              "(nearly) all light reaches specular geometry");
     EXPECT_EQ(step_of(test::shipped_scene("fog.xml"), "global", "on"),
               "light may be scattered in a medium without an end");
 }

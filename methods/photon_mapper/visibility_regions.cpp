@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/visibility_cells.h"
+#include "methods/photon_mapper/visibility_regions.h"
 
 #include "common/core/parallel.h"
 
@@ -10,16 +10,16 @@ namespace gib {
 
 namespace {
 
-/// As many photons the larger cell's shares of lights are worth in a part of it.
+/// As many photons the larger region's shares of lights are worth in a part of it.
 constexpr double prior_photons = 8;
-/// Fewer photons of a light do not tell what is seen of it better than those of the larger cell.
+/// Fewer photons of a light do not tell what is seen of it better than those of the larger region.
 constexpr std::uint32_t telling_photons = 8;
-/// A cell with this many photons for each light that is not dark is split to tell better what each adds.
+/// A region with this many photons for each light that is not dark is split to tell better what each adds.
 constexpr std::size_t photons_per_light = 32;
-/// Smaller cells are built by one task.
+/// Smaller regions are built by one task.
 constexpr std::size_t parallel_photons = 1 << 15;
 
-/// The photons of one light in a cell.
+/// The photons of one light in a region.
 struct Counts {
     std::uint32_t photons = 0;
     double power = 0, seen = 0;
@@ -44,23 +44,25 @@ LightEvidence evidence(std::uint32_t light, const Counts& counts, const LightEvi
     return e;
 }
 
-class CellBuilder {
+class RegionBuilder {
 public:
-    CellBuilder(std::uint32_t agreeing) : agreeing_(agreeing) {}
+    RegionBuilder(std::uint32_t agreeing) : agreeing_(agreeing) {}
 
     /// `scratch` is as long as `photons`; `larger` is null at the root.
-    std::unique_ptr<VisibilityCell> build(std::span<ShadowPhoton> photons, std::span<ShadowPhoton> scratch,
-                                          const VisibilityCell* larger) const {
-        auto cell = std::make_unique<VisibilityCell>();
-        weigh(photons, larger, *cell);
-        if (!is_worth_splitting(*cell) || !choose_split(photons, *cell)) return cell;
-        const auto is_below = [&](const ShadowPhoton& photon) { return photon.p[cell->axis] < cell->split; };
+    std::unique_ptr<VisibilityRegion> build(std::span<ShadowPhoton> photons, std::span<ShadowPhoton> scratch,
+                                            const VisibilityRegion* larger) const {
+        auto region = std::make_unique<VisibilityRegion>();
+        weigh(photons, larger, *region);
+        if (!is_worth_splitting(*region) || !choose_split(photons, *region)) return region;
+        const auto is_below = [&](const ShadowPhoton& photon) { return photon.p[region->axis] < region->split; };
         const std::size_t below = stable_split(photons, scratch, is_below);
-        if (below == 0 || below == photons.size()) return cell;
+        if (below == 0 || below == photons.size()) return region;
 
-        const auto build_below = [&] { cell->below = build(photons.first(below), scratch.first(below), cell.get()); };
+        const auto build_below = [&] {
+            region->below = build(photons.first(below), scratch.first(below), region.get());
+        };
         const auto build_above = [&] {
-            cell->above = build(photons.subspan(below), scratch.subspan(below), cell.get());
+            region->above = build(photons.subspan(below), scratch.subspan(below), region.get());
         };
         if (photons.size() > parallel_photons) {
             parallel_pair(build_below, build_above);
@@ -68,13 +70,13 @@ public:
             build_below();
             build_above();
         }
-        cell->lights = {};
-        return cell;
+        region->lights = {};
+        return region;
     }
 
 private:
-    /// Evidence about the lights of the larger cell; at the root, about those of the photons.
-    void weigh(std::span<const ShadowPhoton> photons, const VisibilityCell* larger, VisibilityCell& cell) const {
+    /// Evidence about the lights of the larger region; at the root, about those of the photons.
+    void weigh(std::span<const ShadowPhoton> photons, const VisibilityRegion* larger, VisibilityRegion& region) const {
         double power = 0, all = 0;
         for (const ShadowPhoton& photon : photons)
             power += static_cast<double>(photon.power);
@@ -82,7 +84,7 @@ private:
             for (const LightEvidence& light : larger->lights)
                 all += light.unoccluded;
         const double part = all > 0 ? power / all : 0;
-        cell.share = larger ? larger->share * part : 1;
+        region.share = larger ? larger->share * part : 1;
 
         auto photon = photons.begin();
         const auto counts_of = [&](std::uint32_t light) {
@@ -97,20 +99,20 @@ private:
             return counts;
         };
         if (larger) {
-            cell.lights.reserve(larger->lights.size());
+            region.lights.reserve(larger->lights.size());
             for (const LightEvidence& light : larger->lights)
-                cell.lights.push_back(evidence(light.light, counts_of(light.light), &light, part, agreeing_));
+                region.lights.push_back(evidence(light.light, counts_of(light.light), &light, part, agreeing_));
         } else {
             while (photon != photons.end()) {
                 const std::uint32_t light = photon->light;
-                cell.lights.push_back(evidence(light, counts_of(light), nullptr, 1, agreeing_));
+                region.lights.push_back(evidence(light, counts_of(light), nullptr, 1, agreeing_));
             }
         }
     }
 
-    bool is_worth_splitting(const VisibilityCell& cell) const {
+    bool is_worth_splitting(const VisibilityRegion& region) const {
         std::size_t lights = 0, photons = 0;
-        for (const LightEvidence& light : cell.lights) {
+        for (const LightEvidence& light : region.lights) {
             if (light.verdict == LightVerdict::dark) continue;
             if (light.verdict == LightVerdict::open && light.photons / 2 >= agreeing_) return true;
             ++lights;
@@ -120,20 +122,20 @@ private:
     }
 
     /// The median of the longest axis.
-    static bool choose_split(std::span<const ShadowPhoton> photons, VisibilityCell& cell) {
+    static bool choose_split(std::span<const ShadowPhoton> photons, VisibilityRegion& region) {
         Bounds bounds;
         for (const ShadowPhoton& photon : photons)
             bounds.add(photon.p);
         Eigen::Index axis = 0;
         const Vec3 extent = bounds.upper - bounds.lower;
         if (!(extent.maxCoeff(&axis) > 0.f)) return false;
-        cell.axis = static_cast<std::uint32_t>(axis);
+        region.axis = static_cast<std::uint32_t>(axis);
         std::vector<float> coordinates(photons.size());
         std::transform(photons.begin(), photons.end(), coordinates.begin(),
                        [&](const ShadowPhoton& photon) { return photon.p[axis]; });
         const auto middle = coordinates.begin() + static_cast<std::ptrdiff_t>(coordinates.size() / 2);
         std::nth_element(coordinates.begin(), middle, coordinates.end());
-        cell.split = *middle;
+        region.split = *middle;
         return true;
     }
 
@@ -154,10 +156,10 @@ private:
 
 }  // namespace
 
-std::unique_ptr<VisibilityCell> build_visibility_cells(std::vector<ShadowPhoton> photons, std::uint32_t agreeing) {
+std::unique_ptr<VisibilityRegion> build_visibility_regions(std::vector<ShadowPhoton> photons, std::uint32_t agreeing) {
     if (photons.empty()) return nullptr;
     std::vector<ShadowPhoton> scratch(photons.size());
-    return CellBuilder(agreeing).build(photons, scratch, nullptr);
+    return RegionBuilder(agreeing).build(photons, scratch, nullptr);
 }
 
 }  // namespace gib
