@@ -1,5 +1,7 @@
 #include "methods/method.h"
 
+#include "common/scene/scene.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -37,22 +39,23 @@ bool Plan::runs(std::string_view pass) const {
 
 const std::vector<Parameter>& shared_parameters() {
     static const std::vector<Parameter> parameters = {
-        {"spp",
-         Parameter::Kind::integer,
-         "",
-         "samples a pixel",
-         1,
-         0x1p31,
-         {},
-         "the last pass; default: the scene's sample_count, else 16"},
-        {"max_depth",
-         Parameter::Kind::integer,
-         "",
-         "edges",
-         0,
-         0x1p30,
-         {},
-         "edges of the longest path, 0 = unlimited; default: the scene's, else unlimited"},
+        {.name = "spp",
+         .kind = Parameter::Kind::integer,
+         .default_value = "",
+         .unit = "samples a pixel",
+         .lower = 1,
+         .upper = 0x1p31,
+         .choices = {},
+         .sentence = "largest number of passes; default: the scene's sample_count, else 16"},
+        {.name = "max_depth",
+         .kind = Parameter::Kind::integer,
+         .default_value = "",
+         .unit = "edges",
+         .lower = 0,
+         .upper = 0x1p30,
+         .choices = {},
+         .sentence =
+             "largest number of edges of a path, 0 = unlimited; default: the scene's max_depth, else unlimited"},
     };
     return parameters;
 }
@@ -67,7 +70,8 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
     Plan plan;
     plan.called_for = effects_of(scene);
     plan.missing = plan.called_for - method.simulates;
-    // The environment adds to every component, media take from each, and any can be seen through glass.
+    // Light of the environment is part of every component, and missing media or dispersion change each of them, since
+    // any component can be seen through them.
     const bool media = plan.missing.has(Effect::participating_media);
     const bool all = media || plan.missing.has(Effect::dispersion) || plan.missing.has(Effect::environment_light);
     if (all) plan.unresolved.push_back(Component::emission);
@@ -80,18 +84,18 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
 
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
     plan.add(std::string(pass_eye_paths), scene.has_light() && max_edges >= 1,
-             scene.has_light() ? "paths of no edges show nothing" : "nothing emits light");
+             scene.has_light() ? "a path of no edges carries no light" : "nothing emits light");
 }
 
 void add_light_sampling(Plan& plan, int max_edges) {
     const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes) ||
                      plan.called_for.has(Effect::participating_media);
     plan.add(std::string(pass_light_sampling), lit && max_edges >= 2,
-             lit ? "direct light has two edges, more than the longest path"
+             lit ? "a path of direct light has two edges, more than max_depth allows"
                  : "no light can reach a diffuse or glossy surface");
 }
 
-Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method) {
+ShownComponents shown_components(const Scene& scene, const Effects& effects, const MethodDescription& method) {
     const auto shown = [&](Component c) {
         switch (c) {
             case Component::emission:
@@ -107,10 +111,10 @@ Film film_for(const Scene& scene, const Effects& effects, const MethodDescriptio
         }
         return false;
     };
-    std::vector<Component> accumulated, black;
+    ShownComponents components;
     for (Component c : method.components)
-        (shown(c) ? accumulated : black).push_back(c);
-    return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
+        (shown(c) ? components.accumulated : components.black).push_back(c);
+    return components;
 }
 
 std::vector<std::string> names_of_comparable_methods() {

@@ -1,9 +1,10 @@
 #pragma once
-// What every method is: a sequence of passes over one scene, whose image can be taken after each of them.
+// The interface of a method: it computes an image of one scene in a sequence of passes, and the image can be taken
+// after each pass.
 
 #include "common/core/components.h"
-#include "common/images/film.h"
 #include "common/images/image.h"
+#include "common/images/non_finite.h"
 #include "common/scene/effects.h"
 #include "methods/parameters.h"
 
@@ -20,10 +21,10 @@
 
 namespace gib {
 
-/// Wall-clock seconds by part of a method.
+/// Wall-clock seconds that a run has spent in each stage of its method ("photon tracing", "eye paths").
 class StageTimes {
 public:
-    /// Adds the time until it is destroyed to its stage.
+    /// Adds the time between its construction and its destruction to one stage.
     class Timer {
     public:
         Timer(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
@@ -41,22 +42,23 @@ public:
     };
 
     [[nodiscard]] Timer time(std::string_view stage);
-    /// In the order in which they first ran.
+    /// All stages, in the order in which they first ran.
     std::vector<Stage> stages() const;
 
-    /// Hears how far a stage has come, in [0, 1]: from any thread, never from two at once, ten times a second at most.
+    /// Is told which fraction of a stage, in [0, 1], is done. It is called from any thread, but never from two at
+    /// once, and at most ten times a second.
     using Listener = std::function<void(std::string_view stage, double fraction)>;
     void listen(Listener listener) { listener_ = std::move(listener); }
     void report(std::string_view stage, double fraction) const;
 
 private:
-    std::vector<std::unique_ptr<Stage>> stages_;  // a Timer holds a pointer into one
+    std::vector<std::unique_ptr<Stage>> stages_;  // by pointer: a Timer refers to the seconds of one
     Listener listener_;
     mutable std::mutex listening_;
     mutable std::chrono::steady_clock::time_point last_report_{};
 };
 
-/// How much of a stage's work is done, counted by the threads that do it.
+/// Counts the finished part of a stage's work, over all threads, and reports it to the listener.
 class StageProgress {
 public:
     StageProgress(const StageTimes& stages, std::string_view stage, std::uint64_t total)
@@ -72,27 +74,27 @@ private:
     std::atomic<std::uint64_t> done_ = 0;
 };
 
-/// What a method does for a scene: its passes, run or skipped, and what it leaves out.
+/// The passes that a method runs or skips for a scene, and the effects of the scene that it does not simulate.
 struct Plan {
     struct Step {
         std::string pass;
         bool runs;
-        std::string reason;  ///< why it is skipped
+        std::string reason;  ///< why it is skipped; empty if it runs
     };
-    Effects called_for;
-    Effects missing;  ///< called for, and not simulated by the method
-    /// Components with paths that the method leaves out here; as a reference it cannot judge them.
-    std::vector<Component> unresolved;
-    std::vector<Step> steps;
+    Effects called_for;    ///< the effects that the scene shows
+    Effects missing = {};  ///< those of them that the method does not simulate
+    /// Components some paths of which the method leaves out in this scene. As a reference it cannot judge them.
+    std::vector<Component> unresolved = {};
+    std::vector<Step> steps = {};
 
     bool runs(std::string_view pass) const;
-    /// Appends a step; `reason` is why it is skipped where it is.
+    /// Appends a step; `reason` says why it is skipped and is dropped if the step runs.
     void add(std::string pass, bool is_run, std::string reason) {
         steps.push_back({std::move(pass), is_run, is_run ? std::string() : std::move(reason)});
     }
 };
 
-/// Counts that belong in tables beside the time.
+/// Counts that tables print beside the time.
 struct RunCounts {
     std::uint64_t photons = 0;  ///< emitted
     std::uint64_t rays = 0;     ///< closest-hit and shadow rays
@@ -101,16 +103,19 @@ struct RunCounts {
 
 enum class Progress { more, converged };
 
-/// One seed's computation; never reused.
+/// The computation of one method for one scene and one seed; it is never reused.
 class Run {
 public:
     virtual ~Run() = default;
-    /// The pass with this number (0, 1, 2, ... in order): the least work that leaves an image worth measuring.
+    /// Runs one pass; passes are numbered 0, 1, 2, ... in order. A pass is the least work after which
+    /// the image is worth measuring.
     virtual Progress advance(std::uint32_t pass) = 0;
-    /// Linear radiance after the passes so far; copies and normalises only, so that it need not be charged.
+    /// The image after the passes so far, as linear radiance [W/(sr m^2)]. It only copies and normalises, so its time
+    /// need not be charged to the method.
     virtual ComponentImages image() const = 0;
     virtual RunCounts counts() const = 0;
-    /// What else a user should know of the result so far, by name: `residual`, `5.1e-05`. Names are single words.
+    /// Further facts about the result so far, as pairs of a name (one word) and a value,
+    /// such as `residual` and `5.1e-05`.
     virtual std::vector<std::pair<std::string, std::string>> facts() const { return {}; }
 };
 
@@ -118,56 +123,65 @@ class Method {
 public:
     virtual ~Method() = default;
     virtual Plan plan(const Scene& scene) const = 0;
-    /// Does the preparation (maps, caches, systems). The scene and `stages` outlive the run.
+    /// Makes the preparation (maps, caches, systems of equations) and returns a run. The scene and `stages` must
+    /// outlive the run.
     virtual std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const = 0;
 };
 
-/// What the scene file or the experiment decides where a label does not.
+/// Settings that the scene file or the experiment decides where the method's label does not give them.
 struct MethodDefaults {
     int max_edges = std::numeric_limits<int>::max();  ///< edges of the longest path
 };
 
-/// A method as the registry has it.
+/// A method's entry in the registry.
 struct MethodDescription {
     std::string name;
     std::string sentence;
-    std::vector<Parameter> parameters;  ///< its own; every method takes `spp` and `max_depth` besides
+    std::vector<Parameter> parameters;  ///< its own, without `spp` and `max_depth`, which every method takes
     Effects simulates;
-    std::vector<Component> components;  ///< that its images have
+    std::vector<Component> components;  ///< the components that its images have
     bool unbiased;
-    /// `values` were checked against the declarations.
+    /// Makes the method. `values` have been checked against the declarations.
     std::unique_ptr<Method> (*create)(const ParameterValues& values, const MethodDefaults& defaults);
-    /// False: its images show something else, and it is left out wherever methods are compared.
+    /// False if its images show something else than radiance; such a method is left
+    /// out wherever methods are compared.
     bool estimates_radiance = true;
 };
 
 /// The parameters that every method takes: spp and max_depth.
 const std::vector<Parameter>& shared_parameters();
-/// max_depth as edges: 0 in a label means unlimited, absent means the default.
+/// The largest number of edges of a path by `max_depth`: 0 in a label means unlimited, and the default holds if the
+/// label does not give it.
 int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
 
-/// The plan of a method before its steps: what the scene calls for, and what of it is missing.
+/// A plan without steps yet: the effects that the scene calls for, those that are
+/// missing, and the unresolved components.
 Plan described_plan(const Scene& scene, const MethodDescription& method);
-/// The passes that methods share, by their names in plans and stages.
+/// The names, in plans and stages, of the passes that several methods share.
 inline constexpr std::string_view pass_eye_paths = "eye paths";
 inline constexpr std::string_view pass_light_sampling = "light sampling";
-/// Skipped where nothing emits light, or where no path is allowed.
+/// Adds the step of the eye paths, skipped where nothing emits light or no path is allowed.
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges);
-/// Skipped where no light can reach a diffuse surface, or where its two edges are too many.
+/// Adds the step of light sampling, skipped where no light can reach a diffuse or glossy surface or a medium, or
+/// where its paths of two edges are longer than allowed.
 void add_light_sampling(Plan& plan, int max_edges);
 
-/// A film for the method's components: those that `effects` can show are accumulated, the rest stay black.
-Film film_for(const Scene& scene, const Effects& effects, const MethodDescription& method);
+/// Components of a method's images, by whether anything can be seen in them.
+struct ShownComponents {
+    std::vector<Component> accumulated, black;
+};
+/// The method's components: those that `effects` can make visible are accumulated, the others stay black.
+ShownComponents shown_components(const Scene& scene, const Effects& effects, const MethodDescription& method);
 
 /// All methods, in the order of the list in methods/CMakeLists.txt.
 const std::vector<MethodDescription>& method_registry();
-/// Those that estimate radiance.
+/// The names of the methods that estimate radiance.
 std::vector<std::string> names_of_comparable_methods();
-/// Throws InputError that lists the known methods.
+/// The method of this name. Throws InputError, with a list of the methods, if there is none.
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where = {});
-/// The same for a method that is to be measured; throws InputError if it estimates no radiance.
+/// The method of this name for a measurement. Throws InputError if there is none or if it estimates no radiance.
 const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where = {});
-/// The method's own and the shared parameters.
+/// The method's own parameters and the shared ones.
 std::vector<Parameter> all_parameters(const MethodDescription& method);
 
 }  // namespace gib

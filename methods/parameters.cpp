@@ -113,18 +113,36 @@ std::optional<double> ParameterValues::number_unless_word(std::string_view name)
 }
 
 Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning) {
-    return {std::move(name),   Parameter::Kind::integer, std::move(initial), std::move(unit), 0, 4e9, {},
-            std::move(meaning)};
+    return {.name = std::move(name),
+            .kind = Parameter::Kind::integer,
+            .default_value = std::move(initial),
+            .unit = std::move(unit),
+            .lower = 0,
+            .upper = 4e9,
+            .choices = {},
+            .sentence = std::move(meaning)};
 }
 Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most,
                              std::string meaning) {
-    return {std::move(name),   Parameter::Kind::number, std::move(initial), std::move(unit), 0, most, {},
-            std::move(meaning)};
+    return {.name = std::move(name),
+            .kind = Parameter::Kind::number,
+            .default_value = std::move(initial),
+            .unit = std::move(unit),
+            .lower = 0,
+            .upper = most,
+            .choices = {},
+            .sentence = std::move(meaning)};
 }
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning) {
     std::string initial = choices.front();
-    return {std::move(name),    Parameter::Kind::choice, std::move(initial), "", 0, 0,
-            std::move(choices), std::move(meaning)};
+    return {.name = std::move(name),
+            .kind = Parameter::Kind::choice,
+            .default_value = std::move(initial),
+            .unit = "",
+            .lower = 0,
+            .upper = 0,
+            .choices = std::move(choices),
+            .sentence = std::move(meaning)};
 }
 
 }  // namespace gib

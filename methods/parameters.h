@@ -1,5 +1,6 @@
 #pragma once
-// A method's parameters, declared once: parsing, help, labels and reference keys all read the declaration.
+// The parameters of a method, each declared once: parsing, help texts, labels and reference
+// keys all read the declaration.
 
 #include "common/core/error.h"
 
@@ -14,25 +15,26 @@
 
 namespace gib {
 
+/// The declaration of one parameter.
 struct Parameter {
     enum class Kind { number, integer, choice, text };
     std::string name;
     Kind kind;
-    std::string default_value;  ///< as text; empty: stated in `sentence`
+    std::string default_value;  ///< as text; empty if `sentence` states the default
     std::string unit;
-    double lower = 0, upper = std::numeric_limits<double>::infinity();  ///< inclusive, of numbers
+    double lower = 0, upper = std::numeric_limits<double>::infinity();  ///< range of a number, inclusive
     std::vector<std::string>
-        choices;  ///< all values of a choice; of a number, words that stand beside numbers ("auto")
+        choices;  ///< all values of a choice; or the words that a number may be replaced by ("auto")
     std::string sentence;
 };
 
-/// A method as it is named in tables and on the command line: "photon_mapper photons=1e6 k=50". A name and key=value
-/// pairs, only those given, in the order given, numbers as typed.
+/// The name of a method with its settings, as in tables and on the command line: "photon_mapper photons=1e6 k=50". It
+/// holds only the pairs key=value that were given, in the order given, with numbers as typed.
 struct MethodLabel {
     std::string name;
     std::vector<std::pair<std::string, std::string>> values;
 
-    /// Throws InputError at `where` for anything that is not of the form.
+    /// Throws InputError at `where` if the text is not a name followed by pairs key=value.
     static MethodLabel parse(std::string_view text, const SourceLocation& where = {});
     std::string text() const;
 };
@@ -40,18 +42,19 @@ struct MethodLabel {
 /// The values given for a method, checked against its declarations.
 class ParameterValues {
 public:
-    /// Throws InputError at `where`: an unknown key (lists the known ones), a key given twice, a value of the wrong
-    /// kind or out of range (says the range).
+    /// Throws InputError at `where` for an unknown key (the message lists the known ones), for a key given twice, and
+    /// for a value of the wrong kind or out of range (the message states the range).
     ParameterValues(const std::vector<Parameter>& declared, const MethodLabel& label, const SourceLocation& where = {});
 
     bool given(std::string_view name) const;
-    /// The value given, else the default. Integers may be typed as 1e6.
+    /// The value given, else the default. An integer may be typed as 1e6. number() and integer() need a
+    /// value that is no word.
     double number(std::string_view name) const;
     std::int64_t integer(std::string_view name) const;
     std::string choice(std::string_view name) const;
-    /// Of a text: empty unless given.
+    /// The value as text; if none was given, the declared default, which is empty for parameters of the kind `text`.
     std::string text(std::string_view name) const;
-    /// Empty if the value is one of the words that stand beside numbers.
+    /// The number, or empty if the value is one of the words that may replace a number.
     std::optional<double> number_unless_word(std::string_view name) const;
 
 private:
@@ -59,21 +62,21 @@ private:
     std::vector<std::pair<std::string, std::string>> values_;
 };
 
-// Declarations of the common kinds.
+// Declarations of the common kinds; `meaning` is the parameter's sentence.
 
-/// A whole number from 0.
+/// Declares a whole number from 0 to 4e9.
 Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning);
-/// A number from 0 to `most`.
+/// Declares a number from 0 to `most`.
 Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most, std::string meaning);
-/// The first of the choices is the default.
+/// Declares a choice, whose default is the first of the choices.
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning);
 
-/// The choices of an enumeration, by its names in order.
+/// The names of an enumeration's values as the choices of a parameter.
 template <std::size_t n>
 std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
     return {names.begin(), names.end()};
 }
-/// The one that was chosen among them.
+/// The value of the enumeration whose name was chosen; `names` stand in the order of the values.
 template <typename Choice, std::size_t n>
 Choice chosen(const std::array<std::string_view, n>& names, const std::string& name) {
     return static_cast<Choice>(std::find(names.begin(), names.end(), name) - names.begin());

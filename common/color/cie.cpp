@@ -7,7 +7,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t samples = 95;  ///< of both tables: 360 nm to 830 nm in steps of 5 nm
+constexpr std::size_t samples = 95;  ///< of each table: 360 nm to 830 nm in steps of 5 nm
 using Table = std::array<double, samples>;
 constexpr double y_integral = 106.7502593994140625, d65_luminance = 98.99741751876255;
 
@@ -61,7 +61,7 @@ constexpr Table d65 = {
     61.604,  65.7448, 69.8856, 72.4863, 75.087,  69.3398, 63.5927, 55.0054, 46.4182, 56.6118, 66.8054, 65.0941,
     63.3828, 63.8434, 64.304,  61.8779, 59.4519, 55.7054, 51.959,  54.6998, 57.4406, 58.8765, 60.3125};
 
-/// Linear between entries, 0 outside.
+/// The value of a table at a wavelength [nm]: linear between entries, 0 outside the range.
 double look_up(const Table& table, double wavelength) {
     if (!(wavelength >= shortest_wavelength && wavelength <= longest_wavelength)) return 0;
     const double at = (wavelength - shortest_wavelength) * (samples - 1) / (longest_wavelength - shortest_wavelength);

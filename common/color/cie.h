@@ -1,6 +1,6 @@
 #pragma once
-// From spectra to linear RGB as the CIE 1931 2-degree observer sees them, with the sums of Mitsuba 3's RGB variants: a
-// scene with spectra must get the same colours in both.
+// Converts spectra to linear RGB as the CIE 1931 2-degree observer sees them. The integrals are the sums of Mitsuba
+// 3's RGB variants, so that a scene with spectra has the same colours in both programs.
 
 #include "common/core/math.h"
 
@@ -9,36 +9,40 @@
 
 namespace gib {
 
-/// What the observer sees [nm]; spectra are 0 outside.
+/// The range of wavelengths that the observer sees [nm]; spectra count as 0 outside.
 inline constexpr double shortest_wavelength = 360;
 inline constexpr double longest_wavelength = 830;
 
-/// The colour matching functions x, y and z at a wavelength [nm], linear between the multiples of 5 nm.
+/// The colour matching functions x, y and z at a wavelength [nm], interpolated linearly between multiples of 5 nm.
 Colord cie_1931_xyz(double wavelength);
 
-/// The power of CIE's standard illuminant D65 at a wavelength [nm], linear between the multiples of 5 nm. Relative: a
-/// surface of reflectance 1 under it has luminance 1 (up to 0.1 %, see rgb_of_spectrum).
+/// The relative power of CIE's standard illuminant D65 at a wavelength [nm], interpolated linearly between
+/// multiples of 5 nm. It is scaled so that a surface of reflectance 1 has luminance 1 under it (up to
+/// 0.1 %, see rgb_of_spectrum).
 double cie_d65(double wavelength);
 
-/// Linear RGB with sRGB's primaries and white point (ITU-R BT.709). An equal-energy white (1, 1, 1) is reddish.
+/// Linear RGB with sRGB's primaries and white point (ITU-R BT.709). The white of equal energy, whose x, y and z are
+/// all 1, is reddish.
 Colord rgb_of_xyz(const Colord& xyz);
 
 /// A quantity as a function of the wavelength [nm].
 using Spectrum = std::function<double(double)>;
 
-/// Straight lines between samples, 0 before the first and after the last.
+/// A spectrum given by samples: linear between them, 0 before the first and after the last.
 struct SampledSpectrum {
     std::vector<double> wavelengths;  ///< [nm], increasing, at least two
     std::vector<double> values;
     double operator()(double wavelength) const;
 };
 
-/// The light that a spectrum is multiplied with: `d65` for a reflectance, so that the eye sees a grey one as grey.
+/// The light by which a spectrum is multiplied before the conversion. A reflectance takes `d65`, so that one that is
+/// the same at all wavelengths becomes grey.
 enum class Illuminant { none, d65 };
 
-/// Linear RGB; a channel is below 0 for colours that the primaries cannot mix. The integral is Mitsuba's sum over 1000
-/// wavelengths, both ends included, each with a share of 1/1000 of the range, and its scale 106.7502593994140625 is the
-/// integral of y by that sum. The scale of D65 is of another sum: a reflectance of 1 at all wavelengths becomes 0.9989.
+/// Linear RGB of a spectrum; a channel is negative if the primaries cannot mix the colour. The integral is Mitsuba's:
+/// a sum over 1000 wavelengths, both ends of the range included, each with a weight of 1/1000 of the range, divided
+/// by 106.7502593994140625, which is the same sum for y. D65 was scaled with a different sum, so that a reflectance
+/// of 1 at all wavelengths becomes 0.9989.
 Colord rgb_of_spectrum(const Spectrum& spectrum, Illuminant illuminant);
 
 }  // namespace gib

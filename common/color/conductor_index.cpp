@@ -8,7 +8,7 @@ namespace {
 
 struct Preset {
     std::string_view name;
-    std::string_view second_name;  ///< of the same data; empty: there is none
+    std::string_view second_name;  ///< another name of the same data; empty if there is none
     ConductorIndex index;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Indices of refraction of dielectrics, by the names that Mitsuba knows.
+// Indices of refraction of dielectrics, by the names that Mitsuba accepts.
 
 #include <optional>
 #include <string_view>
@@ -7,10 +7,11 @@
 
 namespace gib {
 
-/// At 589 nm and 0 to 20 degrees Celsius, after Hecht, Optics, 4th edition. Empty: no such material.
+/// The index of a material at 589 nm and 0 to 20 degrees Celsius, after Hecht, Optics, 4th edition. Empty if there is
+/// no such material.
 std::optional<double> dielectric_index(std::string_view name);
 
-/// For messages.
+/// All names, for error messages.
 std::vector<std::string_view> dielectric_names();
 
 }  // namespace gib

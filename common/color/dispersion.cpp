@@ -9,12 +9,13 @@ namespace gib {
 
 namespace {
 
-constexpr double shortest = 400, longest = 700;
+constexpr double shortest = 400, longest = 700;  ///< [nm]
 
 double per_square_um(double wavelength) { return sqr(1000 / wavelength); }
 
 std::array<Color, wavelength_strata> stratum_weights() {
-    constexpr int parts = 64;  // of a stratum, for its integral; the tables are linear between multiples of 5 nm
+    // Number of samples for the integral over a stratum; the tables are linear between multiples of 5 nm.
+    constexpr int parts = 64;
     constexpr double width = (longest - shortest) / wavelength_strata;
     std::array<Colord, wavelength_strata> shown;
     Colord sum = Colord::Zero();

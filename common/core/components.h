@@ -1,5 +1,6 @@
 #pragma once
-// The five components of an image, classified from the eye at the first diffuse vertex (Heckbert's notation).
+// The five components into which an image is split by the class of its light paths. Classes are regular expressions
+// in Heckbert's notation, read from the eye: E eye, L light, S specular vertex, D diffuse vertex.
 
 #include <array>
 #include <optional>
@@ -18,15 +19,17 @@ inline std::string_view name_of(Component c) { return component_names[static_cas
 inline int index_of(Component c) { return static_cast<int>(c); }
 std::optional<Component> component_named(std::string_view name);
 
-/// S or D: how a vertex scattered. A lobe rougher than glossy_roughness counts as diffuse, the rest as specular.
+/// How a vertex scattered: S (specular) or D (diffuse). A lobe rougher than glossy_roughness counts as diffuse, any
+/// other as specular.
 enum class LobeKind { diffuse, specular };
 inline constexpr float glossy_roughness = 0.1f;
 
-/// The history of a path seen from the eye; one rule for every method, so that each path class is counted once.
+/// The properties of a path, seen from the eye, that decide its component. All methods use this one rule, so that no
+/// path is counted in two components.
 struct PathClass {
     int diffuse_vertices = 0;             ///< D vertices so far
     bool specular_since_diffuse = false;  ///< an S vertex after the last D (or after the eye)
-    bool in_medium = false;               ///< a vertex in a medium
+    bool in_medium = false;               ///< a vertex so far lies in a medium
 
     void scatter(LobeKind kind) {
         if (kind == LobeKind::diffuse) {
@@ -36,8 +39,8 @@ struct PathClass {
             specular_since_diffuse = true;
         }
     }
-    /// The component of a path that ends on a light now:
-    /// one with a vertex in a medium, else E S* L | E S* D L | E S* D S+ L | E S* D (S* D)+ S* L.
+    /// The component of the path if it ends on a light now: volume if a vertex lies in a medium, otherwise emission
+    /// E S* L, direct E S* D L, caustic E S* D S+ L or indirect E S* D (S* D)+ S* L.
     Component component() const {
         if (in_medium) return Component::volume;
         if (diffuse_vertices == 0) return Component::emission;

@@ -1,6 +1,7 @@
 #pragma once
-// Deliberate mistakes, to see that the tests catch them. They exist only in builds with the CMake option GIB_FAULTS;
-// there the environment variable GIB_FAULT chooses one by its name. scripts/faults runs the tests with each of them.
+// Faults are deliberate mistakes in the code, which show whether the tests catch them. They exist only in builds with
+// the CMake option GIB_FAULTS, in which the environment variable GIB_FAULT chooses one by its name. scripts/faults
+// runs the tests once with each fault.
 
 #include <string_view>
 #include <vector>
@@ -58,21 +59,21 @@ struct FaultDescription {
     std::string_view name;
     std::string_view sentence;
 };
-/// In the order of Fault.
+/// All faults, in the order of the enumeration Fault.
 const std::vector<FaultDescription>& fault_descriptions();
 
 inline constexpr bool faults_built = GIB_FAULTS;
 
-/// Whether GIB_FAULT names this mistake. Throws std::runtime_error if it names none.
+/// Whether GIB_FAULT names this fault. Throws std::runtime_error if GIB_FAULT holds a name that no fault has.
 bool is_chosen(Fault fault);
 
-/// Whether this mistake is to be made.
+/// Whether the calling code must make this mistake; always false in builds without faults.
 inline bool injected(Fault fault) {
     if constexpr (faults_built) return is_chosen(fault);
     else return false;
 }
 
-/// The factor of a lobe that loses 1 % of its energy under the fault.
+/// The factor of a lobe: 0.99 if the fault is chosen, so that the lobe loses 1 % of its energy, otherwise 1.
 inline float with_loss(Fault fault) { return injected(fault) ? 0.99f : 1.f; }
 
 }  // namespace gib

@@ -39,22 +39,22 @@ private:
 };
 
 constexpr std::string_view temporary_mark = ".tmp-";
-constexpr std::size_t temporary_letters = 6;  // mkstemp's
+constexpr std::size_t temporary_letters = 6;  // the number that mkostemp() requires
 
-/// A file that is deleted unless it was renamed to where it belongs. Its writer holds a lock on it: what nobody holds
-/// was left by a process that died.
+/// A temporary file, which is deleted unless it was renamed to its target. Its writer holds a lock on it; a temporary
+/// file without a lock was left by a process that died.
 class TemporaryFile {
 public:
     explicit TemporaryFile(const std::string& target) {
         struct stat status {};
-        do {  // again, if it was taken for such a left-over before it was locked
+        do {  // again if another process removed it as a left-over before it was locked
             path_ = target + std::string(temporary_mark) + std::string(temporary_letters, 'X');
             descriptor_ = std::make_unique<Descriptor>(::mkostemp(path_.data(), O_CLOEXEC));
             if (descriptor_->get() < 0) {
                 path_.clear();
                 fail(target, "cannot create a file in its folder");
             }
-            // remove_leftovers_in() may hold it, for a moment.
+            // remove_leftovers_in() of another process may hold the lock for a moment.
             while (::flock(descriptor_->get(), LOCK_EX) != 0 && errno == EINTR) {
             }
         } while (::fstat(descriptor_->get(), &status) == 0 && status.st_nlink == 0);
@@ -74,12 +74,12 @@ public:
         }
     }
     void move_to(const std::string& target) {
-        // mkstemp makes a private file; a result is as readable as any other new file.
+        // mkostemp() makes a private file; a result must be as readable as any other new file.
         const mode_t mask = ::umask(0);
         ::umask(mask);
         if (::fchmod(descriptor_->get(), 0666 & ~mask) != 0) fail(target, "cannot set its permissions");
         if (::fsync(descriptor_->get()) != 0) fail(target, "cannot write");
-        // Before it is closed, which gives up the lock.
+        // The file is renamed before it is closed, because closing gives up the lock.
         if (::rename(path_.c_str(), target.c_str()) != 0) fail(target, "cannot write");
         path_.clear();
         if (!descriptor_->close()) fail(target, "cannot write");
@@ -97,7 +97,7 @@ private:
 
 std::string binary_digest(std::string_view data) {
     OIIO::SHA1 sha;
-    // Its lengths are 32 bits wide inside.
+    // Lengths have 32 bits inside OIIO::SHA1, so that longer data are added in blocks of 2^30 bytes.
     constexpr std::size_t block = std::size_t{1} << 30;
     for (std::size_t i = 0; i < data.size(); i += block)
         sha.append(data.data() + i, std::min(block, data.size() - i));
@@ -111,7 +111,7 @@ void require_no_device(const struct stat& status, const std::string& path) {
         throw InputError({path, 0, 0}, "cannot read the file: it is a device");
 }
 
-/// `ours(name)`: whether the file that the temporary one was to become is of concern.
+/// Removes the temporary files without a lock in `folder` if `ours(name)` is true for the name of their target.
 template <typename Ours>
 void remove_leftovers(const std::filesystem::path& folder, const Ours& ours) {
     namespace fs = std::filesystem;
@@ -142,14 +142,14 @@ std::string read_file(const std::string& path) {
     require_no_device(status, path);
     if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
     require_memory(static_cast<double>(status.st_size), "the file", {path, 0, 0});
-    // One more, so that the end is found without growing. The size is a hint only: a pipe has none, and a file may
-    // grow.
+    // The buffer is one byte longer than the size, so that the end is found without growing it. The size is only a
+    // hint: a pipe has none, and a file may grow.
     std::string content(static_cast<std::size_t>(status.st_size) + 1, '\0');
     std::size_t size = 0;
     for (;;) {
         if (size == content.size()) {
             const std::size_t larger = size + std::max<std::size_t>(size / 2, 4096);
-            // The old content is kept until it is copied.
+            // The old buffer is kept until it is copied, so that memory for all of the new one must be available.
             require_memory(static_cast<double>(larger), "the file", {path, 0, 0});
             content.resize(larger);
         }
@@ -167,7 +167,8 @@ void write_file(const std::string& path, std::string_view content) {
     TemporaryFile temporary(path);
     temporary.write(content, path);
     temporary.move_to(path);
-    // The new name is part of the folder, which has to reach the disk too; not every file system can do this.
+    // The new name is part of the folder, which has to reach the disk too. Not every file system can flush a folder,
+    // so that a failure is ignored.
     const std::string folder = std::filesystem::path(path).parent_path().string();
     const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (directory.get() >= 0) ::fsync(directory.get());

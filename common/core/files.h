@@ -1,32 +1,37 @@
 #pragma once
-// Files that appear whole or not at all, and hashes of their content.
+// Reads and writes whole files and computes hashes of content. A file that is written appears whole or not at all.
 
 #include <string>
 #include <string_view>
 
 namespace gib {
 
-/// Throws InputError if it is a device, as /dev/zero, which never ends: before a library opens a file that we do not.
+/// Throws InputError if `path` is a device: one such as /dev/zero never ends. To be called before a library opens a
+/// file; read_file() does the same check itself.
 void require_no_device(const std::string& path);
-/// Throws InputError with the file's name.
+/// The content of a file. Throws InputError with the file's name if it cannot be read or needs more memory
+/// than there is.
 std::string read_file(const std::string& path);
-/// Writes to a temporary file in the same folder, flushes it to disk and renames it. Throws RunError.
+/// Writes `content` to a temporary file in the same folder, flushes it to disk and renames it to
+/// `path`. Throws RunError.
 void write_file(const std::string& path, std::string_view content);
-/// Removes what write_file() of dead processes left in a folder of ours, not in those below it.
+/// Removes the temporary files that write_file() left in `folder` when its process died, but not those in folders
+/// below. For folders to which only the bench writes.
 void remove_leftovers_in(const std::string& folder);
-/// The same of one file only: in a folder that is not ours others may have names like them.
+/// Removes only the temporary files that write_file() left for `file`. For folders in which files of other programs
+/// may have similar names.
 void remove_leftovers_of(const std::string& file);
 
-/// Collects what a result depends on.
+/// A hash of everything that a result depends on.
 class ContentHash {
 public:
-    /// Adds a piece; pieces cannot run into each other.
+    /// Adds a piece of data. The hash also depends on where one piece ends and the next begins.
     void add(std::string_view piece);
     /// SHA-1 of all pieces, 40 hexadecimal digits.
     std::string hex() const;
 
 private:
-    std::string pieces_;  ///< the digests so far, one after another
+    std::string pieces_;  ///< the SHA-1 of each piece so far, one after another
 };
 
 }  // namespace gib

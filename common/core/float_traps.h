@@ -1,5 +1,5 @@
 #pragma once
-// Floating-point exceptions that end the program where they happen, in builds with the CMake option GIB_FLOAT_TRAPS.
+// In builds with the CMake option GIB_FLOAT_TRAPS, floating-point exceptions end the program where they happen.
 
 #if GIB_FLOAT_TRAPS
 #include <cfenv>
@@ -9,16 +9,17 @@ namespace gib {
 
 inline constexpr bool float_traps_built = GIB_FLOAT_TRAPS;
 
-/// From here on, invalid operations (0 / 0, infinity - infinity, the root of -1, NaN to an integer) and divisions by
-/// zero raise SIGFPE in this thread and in those that it starts.
+/// From this call on, invalid operations (0 / 0, infinity - infinity, the square root of -1, NaN converted to an
+/// integer) and divisions by zero raise SIGFPE in this thread and in those that it starts.
 inline void trap_floating_point_errors() {
 #if GIB_FLOAT_TRAPS
     ::feenableexcept(FE_INVALID | FE_DIVBYZERO);
 #endif
 }
 
-/// While it lives, they do not: around libraries that compute in lanes that they do not use, and where values that are
-/// not finite are given and passed on. With `paused` false it changes nothing.
+/// While an object of this class lives, floating-point exceptions raise no signal in its thread. It is used around
+/// libraries that compute in vector lanes whose results they ignore, and where values that are not finite are passed
+/// on. With `paused` false it changes nothing.
 class FloatTrapsPaused {
 public:
 #if GIB_FLOAT_TRAPS
@@ -34,11 +35,12 @@ public:
 private:
     int before_;
 #else
-    explicit FloatTrapsPaused(bool = true) {}  // not trivial: an unused variable would be warned about
+    explicit FloatTrapsPaused(bool = true) {}  // not defaulted: an unused variable of a trivial type is warned about
 #endif
 };
 
-/// While it lives, they do again: in our own functions that such a library calls.
+/// While an object of this class lives, floating-point exceptions raise the signal again. It is used in functions of
+/// ours that are called by such a library.
 class FloatTrapsResumed {
 public:
 #if GIB_FLOAT_TRAPS

@@ -1,5 +1,6 @@
 #pragma once
-// Memory for large arrays that are read at random: on large pages, of which the processor finds far more at once.
+// Memory on huge pages for large arrays that are read at random: the processor's cache of page addresses (TLB) then
+// covers far more of an array.
 
 #include <sys/mman.h>
 #include <algorithm>
@@ -10,8 +11,8 @@
 
 namespace gib {
 
-/// An allocator for std::vector. Asks the system for huge pages where an array fills several; it may refuse, which
-/// costs time only.
+/// An allocator for std::vector. It asks the system for huge pages if an array fills at least four of them; the
+/// system may refuse, which costs only time.
 template <typename T>
 class HugePageAllocator {
 public:

@@ -1,6 +1,6 @@
 #pragma once
-// Vectors, colours and orthonormal frames. World space and float unless a name says otherwise; the notation table is in
-// common/README.md.
+// Vectors, colours and orthonormal frames. They are in float and in world space unless a name says otherwise; the
+// notation table is in common/README.md.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -30,7 +30,8 @@ inline float safe_sqrt(float x) { return std::sqrt(std::max(x, 0.f)); }
 inline bool is_black(const Color& c) { return c[0] == 0.f && c[1] == 0.f && c[2] == 0.f; }
 inline float luminance(const Color& c) { return 0.212671f * c[0] + 0.715160f * c[1] + 0.072169f * c[2]; }
 
-/// A right-handed orthonormal basis whose third axis is `n`, without a branch that depends on its direction.
+/// A right-handed orthonormal basis whose third axis is the unit vector `n`, computed without a branch
+/// on its direction.
 /// Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
 struct Frame {
     Vec3 s, t, n;
@@ -47,18 +48,9 @@ struct Frame {
     Vec3 to_world(const Vec3& w) const { return s * w.x() + t * w.y() + n * w.z(); }
 };
 
-/// A frame around the unit vector `n` with its first axis as close to `direction` as can be; any where that has none.
-inline Frame frame_along(const Vec3& n, const Vec3& direction) {
-    const Vec3 d = direction.stableNormalized(), across = d - n * n.dot(d);
-    // Closer to n, what is left across it is rounding, which has a part along n.
-    if (!(across.squaredNorm() > sqr(1e-6f))) return Frame(n);
-    const Vec3 nearly = across.normalized(), s = (nearly - n * n.dot(nearly)).normalized();
-    Frame frame;
-    frame.n = n;
-    frame.s = s;
-    frame.t = n.cross(s);
-    return frame;
-}
+/// A frame around the unit vector `n` whose first axis is as close to `direction` as possible. If the two are
+/// parallel, the first axis is arbitrary.
+Frame frame_along(const Vec3& n, const Vec3& direction);
 
 /// An axis-aligned box; empty until a point is added.
 struct Bounds {
@@ -80,7 +72,7 @@ struct Bounds {
 
 struct Ray {
     Vec3 o;
-    Vec3 d;  ///< not necessarily of unit length: t counts in multiples of it
+    Vec3 d;  ///< need not have unit length: the points of the ray are o + t d
     float t_min = 0.f;
     float t_max = infinity;
 };

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-/// The number that follows a name in a file of lines `name: 123 kB`, in bytes.
+/// The number that follows a name in a file of lines `name: 123 kB`, in bytes. Empty if there is none.
 std::optional<double> entry_in(const std::string& path, const std::string& name) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
@@ -30,7 +30,7 @@ std::optional<double> entry_in(const std::string& path, const std::string& name)
     return std::nullopt;
 }
 
-/// The only number in a file; empty for `max` and for no file.
+/// The number that is the content of a file. Empty if the file holds `max` (no limit) or does not exist.
 std::optional<double> number_in(const fs::path& path) {
     std::ifstream file(path);
     double value = 0;
@@ -38,7 +38,8 @@ std::optional<double> number_in(const fs::path& path) {
     return std::nullopt;
 }
 
-/// What a control group leaves. Pages of files count as used there and are given up when memory is short.
+/// The bytes that a control group leaves: its limit less its use. Cached pages of files count as used, but the system
+/// gives them up when memory is short, so that they are subtracted.
 double left_in(const fs::path& group, const char* limit_name, const char* usage_name, const char* cache_name) {
     const auto limit = number_in(group / limit_name);
     if (!limit) return unlimited;
@@ -47,7 +48,7 @@ double left_in(const fs::path& group, const char* limit_name, const char* usage_
     return std::max(0.0, *limit - std::max(0.0, used - cached));
 }
 
-/// The least of a group and those above it, down from `root`.
+/// The minimum of left(folder) over a control group and all groups above it, from `root` down.
 template <typename Left>
 double least_above(const fs::path& root, const std::string& group, const Left& left) {
     double least = left(root);
@@ -68,7 +69,7 @@ double left_by_groups(const std::string& proc, const fs::path& root) {
     };
     double least = unlimited;
     std::ifstream file(proc + "/self/cgroup");
-    for (std::string line; std::getline(file, line);) {  // `number:controllers:/group`
+    for (std::string line; std::getline(file, line);) {  // a line is `number:controllers:/group`
         const std::size_t first = line.find(':'), second = line.find(':', first + 1);
         if (first == std::string::npos || second == std::string::npos) continue;
         const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
@@ -80,7 +81,7 @@ double left_by_groups(const std::string& proc, const fs::path& root) {
     return least;
 }
 
-/// What a limit of this process leaves above what it has already.
+/// The bytes that a limit of this process leaves: the limit less the memory that the process already has.
 double left_by(int resource, const char* used_name) {
     rlimit limit{};
     if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
@@ -101,7 +102,7 @@ double available_memory() {
 }
 
 void require_memory(double bytes, const std::string& what, const SourceLocation& where) {
-    constexpr double always_there = 1 << 20;  // not worth asking the system for
+    constexpr double always_there = 1 << 20;  // [bytes] too few to be worth asking the system
     if (bytes <= always_there) return;
     const double available = available_memory();
     if (bytes > available)

@@ -1,6 +1,6 @@
 #pragma once
-// Memory that a request takes, refused before it is taken: a machine that overcommits grants every request and then
-// kills the process.
+// Large requests for memory are refused here before they are made: a machine that overcommits grants every request
+// and then kills the process.
 
 #include "common/core/error.h"
 
@@ -8,17 +8,19 @@
 
 namespace gib {
 
-/// Bytes that this process can still take: the least of what the system has (MemAvailable), what the control groups
-/// above it leave, and its own limits (RLIMIT_AS, RLIMIT_DATA). Infinite where nothing says so.
+/// The bytes that this process can still take: the least of the system's available memory (MemAvailable) and of what
+/// is left by the control groups above the process and by its own limits (RLIMIT_AS, RLIMIT_DATA). Infinite if none
+/// of them is known.
 double available_memory();
 
-/// The first two alone; `proc` and `control_groups` are where the system keeps them, /proc and /sys/fs/cgroup.
+/// The same minimum, but over the system and the control groups only [bytes]. `proc` and `control_groups` are the
+/// folders in which the system shows these values, /proc and /sys/fs/cgroup.
 double available_memory(const std::string& proc, const std::string& control_groups);
 
-/// Throws InputError `WHAT needs N bytes, and M are available` if more is needed than there is.
+/// Throws InputError `WHAT needs N bytes, and M are available` if `bytes` is larger than available_memory().
 void require_memory(double bytes, const std::string& what, const SourceLocation& where = {});
 
-/// The same of `values` floats of an image.
+/// Throws the same error if the memory for `values` floats of an image of this size is not available.
 void require_memory_for_image(double values, int width, int height, int channels, const SourceLocation& where);
 
 }  // namespace gib

@@ -15,7 +15,7 @@ namespace gib {
 
 void with_threads(int threads, const std::function<void()>& body) {
     const int n = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    // The control lets the pool grow past the processors; the arena holds this body to n of the pool's threads.
+    // The control lets oneTBB's pool exceed the number of processors; the arena limits this body to n threads.
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
     tbb::task_arena arena(n);
     LoopOrder order;

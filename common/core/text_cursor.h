@@ -1,6 +1,6 @@
 #pragma once
-// Reading lines of numbers from a file in memory, with the place of whatever is wrong. No allocation and no stream:
-// meshes have millions of lines.
+// Reads lines of numbers from a file in memory; errors name the line and column of the wrong text. Nothing is
+// allocated and no stream is used, because meshes have millions of lines.
 
 #include "common/core/error.h"
 
@@ -10,6 +10,7 @@
 
 namespace gib {
 
+/// A position in `text`. `text` and `file`, the file's name for error messages, must outlive the cursor.
 class TextCursor {
 public:
     TextCursor(std::string_view text, const std::string& file)
@@ -21,22 +22,22 @@ public:
     std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
     std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
     SourceLocation location() const { return location_of(at_); }
-    /// Remembers this place, for a message about what is read next from the same line.
+    /// Remembers this place for an error message about what is read next from the same line.
     void mark() { mark_ = at_; }
     SourceLocation marked() const { return location_of(mark_); }
 
     void advance() { ++at_; }
-    /// Spaces and tabs; a carriage return is white space too.
+    /// Skips spaces, tabs and carriage returns.
     void skip_blanks();
-    /// White space including line ends.
+    /// Skips white space including line ends.
     void skip_space();
-    /// To the start of the next line.
+    /// Moves to the start of the next line.
     void next_line();
-    /// Up to the next white space; empty at the end of a line.
+    /// Skips blanks and reads the characters up to the next white space; empty at the end of a line.
     std::string_view word();
 
-    // These skip blanks first, do not leave the line and throw InputError at the place of anything else. An integer may
-    // be followed by a slash.
+    // These skip blanks and then read a number from the same line. They throw InputError at the place of anything
+    // else. An integer may be followed by a slash, as in the faces of OBJ files.
     double number();
     std::int64_t integer();
 

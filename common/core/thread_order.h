@@ -1,6 +1,7 @@
 #pragma once
-// What oneTBB and Embree order in time, told to the thread sanitizer, which sees only what was compiled with it;
-// nothing in other builds. GIB_THREAD_SANITIZER: see common/CMakeLists.txt.
+// Tells the thread sanitizer in which order in time oneTBB runs the parts of a parallel loop. The sanitizer sees
+// only code that was compiled with it, which oneTBB was not. In other builds nothing is done here.
+// common/CMakeLists.txt sets GIB_THREAD_SANITIZER.
 
 #ifdef GIB_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
@@ -8,8 +9,8 @@
 
 namespace gib {
 
-/// The order of a parallel loop: all that its caller did before comes before each block, and each block before all that
-/// the caller does afterwards. Blocks have no order among each other.
+/// The order of a parallel loop: everything that its caller did before the loop happens before each block, and each
+/// block happens before everything that the caller does afterwards. Blocks have no order among each other.
 class LoopOrder {
 public:
     LoopOrder() { pass(start_); }
@@ -17,7 +18,7 @@ public:
     LoopOrder(const LoopOrder&) = delete;
     LoopOrder& operator=(const LoopOrder&) = delete;
 
-    /// Lives as long as a block of the loop.
+    /// An object of this class must live as long as one block of the loop runs.
     class Block {
     public:
         explicit Block(LoopOrder& loop) : loop_(loop) { await(loop_.start_); }

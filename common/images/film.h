@@ -1,11 +1,10 @@
 #pragma once
-// Accumulates samples per pixel and component, in double. Pixels are independent: different threads may add to
-// different ones.
+// The film adds up samples by pixel and component, in double. Different threads may add to different pixels.
 
 #include "common/images/image.h"
+#include "common/images/non_finite.h"
 
 #include <atomic>
-#include <cstdint>
 #include <mutex>
 
 namespace gib {
@@ -19,23 +18,17 @@ struct PixelSample {
     const Color& operator[](Component c) const { return parts[static_cast<std::size_t>(index_of(c))]; }
 };
 
-/// Samples that were not finite: counted, dropped (they count as black), and the first can be reproduced.
-struct NonFinite {
-    std::uint64_t count = 0;
-    std::uint32_t first_pass = 0;
-    std::uint64_t first_pixel = 0;
-};
-
 class Film {
 public:
-    /// `accumulated`: the components that samples may hold; only they are allocated. `black`: further ones that the
-    /// image shows, because the method can simulate them, though this scene cannot have them.
+    /// `accumulated` are the components that samples may hold; only these take memory. `black` are further components
+    /// that the image shows as black, because the method can simulate them but this scene cannot have them. Throws
+    /// InputError if there is not enough memory for the images.
     Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black);
 
-    /// Adds the sample of `pixel` (row-major index) in `pass` (counts from 0). Light in a component that is not
-    /// accumulated is a mistake of the plan: std::logic_error.
+    /// Adds the sample of `pixel` (row-major index) in `pass` (counted from 0). Throws std::logic_error for light in
+    /// a component that is not accumulated, which is a mistake of the plan.
     void add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample);
-    /// The mean over `passes` samples of each pixel.
+    /// The mean over `passes` samples of each pixel [W/(sr m^2)].
     ComponentImages mean(std::uint32_t passes) const;
     NonFinite non_finite() const;
 

@@ -28,14 +28,15 @@ struct Image {
     bool same_size(const Image& other) const { return width == other.width && height == other.height; }
 };
 
-/// An image as the sum of its components; one that a method cannot simulate, or a scene cannot have, is absent.
+/// An image as the sum of its components. A component that the method cannot simulate, or that the scene cannot have,
+/// may be absent.
 struct ComponentImages {
     int width = 0, height = 0;
     std::array<std::optional<Image>, component_count> parts;
 
     const std::optional<Image>& operator[](Component c) const { return parts[static_cast<std::size_t>(index_of(c))]; }
     std::optional<Image>& operator[](Component c) { return parts[static_cast<std::size_t>(index_of(c))]; }
-    /// The sum of the components that are there.
+    /// The sum of the components that are present.
     Image total() const;
 };
 

@@ -34,7 +34,7 @@ std::string channel_name(const std::string& layer, const std::string& channel) {
 
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-/// The whole file in memory, so that writing it to disk is one step that succeeds or fails as one.
+/// Encodes the whole file in memory, so that writing it to disk is one step, which succeeds or fails as a whole.
 std::string encode_exr(const LayeredImage& image, Imf::Compression compression) {
     if (image.layers.empty()) throw std::invalid_argument("an EXR file needs a layer");
     const Image& first = image.layers[0].second;
@@ -64,7 +64,8 @@ std::string encode_exr(const LayeredImage& image, Imf::Compression compression) 
     return stream.str();
 }
 
-/// Cuts what lies outside the display window (overscan). A picture of a part only cannot be compared with a whole one.
+/// Throws InputError if the data window does not cover the display window: a cropped image cannot be compared with a
+/// whole one. Pixels outside the display window (overscan) are allowed; take_channels() leaves them out.
 void require_display_window(const StoredImage& stored, const std::string& path) {
     const auto& [data, display] = std::tie(stored.data, stored.display);
     const bool covered = data.x <= display.x && data.y <= display.y &&
@@ -76,7 +77,7 @@ void require_display_window(const StoredImage& stored, const std::string& path) 
                                            size_text(display.width, display.height) + ": a cropped image");
 }
 
-/// Three channels (or one, three times) as an image of the display window.
+/// Three channels (for grey, one channel three times) as an image of the display window.
 Image take_channels(const StoredImage& stored, const std::array<int, 3>& channels) {
     const auto& [data, display] = std::tie(stored.data, stored.display);
     Image image(display.width, display.height);
@@ -100,7 +101,8 @@ int channel_index(const std::vector<std::string>& names, const std::string& name
     return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-/// The layers that a file's channels form: those with R, G and B, or with Y alone. In the order of the file, "" first.
+/// The layers that a file's channels form. A layer has channels R, G and B, or Y alone; the only channel of a file is
+/// grey whatever its name. Layers are in the order of the file, with "" first.
 std::vector<std::pair<std::string, std::array<int, 3>>> layers_among(const std::vector<std::string>& names) {
     std::vector<std::pair<std::string, std::array<int, 3>>> layers;
     for (const std::string& name : names) {
@@ -111,7 +113,7 @@ std::vector<std::pair<std::string, std::array<int, 3>>> layers_among(const std::
         for (std::size_t k = 0; k < 3; ++k)
             channels[k] = channel_index(names, channel_name(layer, rgb_names[k]));
         const bool colour = std::all_of(channels.begin(), channels.end(), [](int c) { return c >= 0; });
-        // Y beside RY and BY is luminance of a colour image, which Y alone would turn grey.
+        // Y beside RY and BY is the luminance of a colour image; Y alone would make it grey.
         const bool chroma = channel_index(names, channel_name(layer, "RY")) >= 0;
         const bool grey = !colour && !chroma && (channel == "Y" || names.size() == 1);
         if (grey) channels.fill(channel_index(names, name));
@@ -164,7 +166,7 @@ LayeredImage read_image(const std::string& path) {
     LayeredImage image;
     for (const auto& [name, channels] : layers)
         image.layers.emplace_back(name, take_channels(stored, channels));
-    // Some renderers name the only layer ("ViewLayer.Combined.R"): then that is the image.
+    // Some renderers give the only layer a name ("ViewLayer.Combined.R"); this layer is the image.
     if (image.layers.size() == 1) image.layers[0].first = "";
     image.metadata = stored.metadata;
     return image;
@@ -192,7 +194,7 @@ std::vector<std::uint8_t> encode_png(const Image& image, float exposure) {
     std::vector<std::uint8_t> bytes(image.rgb.size());
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         const float v = image.rgb[i] * exposure;
-        // NaN becomes black: a picture shows what is there, the tables count it.
+        // NaN becomes black in the picture; the tables of an experiment count it.
         const float clipped = std::isgreater(v, 0.f) ? std::min(v, 1.f) : 0.f;
         bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * srgb_from_linear(clipped)));
     }

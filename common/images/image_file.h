@@ -1,5 +1,5 @@
 #pragma once
-// Images on disk: written by OpenEXR, read by OpenImageIO (image_library).
+// Images on disk. OpenEXR writes them; OpenImageIO reads them (image_library.h).
 
 #include "common/images/image.h"
 
@@ -16,26 +16,28 @@ struct LayeredImage {
     std::vector<std::pair<std::string, Image>> layers;  ///< in the order of the file, all of one size
     std::map<std::string, std::string> metadata;        ///< string attributes
 
+    /// The layer of that name; null if there is none.
     const Image* find(const std::string& layer) const;
 };
 
 /// Writes a one-part float32 EXR with ZIP compression; the file appears whole or not at all. Throws RunError.
 void write_exr(const std::string& path, const LayeredImage& image);
 
-/// The same for a file that another process reads at once and that is then removed: uncompressed and not flushed to
-/// disk, which is ten times as quick. A crash may leave a part of it.
+/// Writes an EXR file that another process reads at once and that is then removed. The file is uncompressed and not
+/// flushed to disk, which is ten times as fast; a crash may leave a part of it. Throws RunError.
 void write_scratch_exr(const std::string& path, const LayeredImage& image);
 
-/// Reads EXR, PFM, HDR (or whatever OpenImageIO reads) as float; R,G,B or a single grey channel. Throws InputError if
-/// the file is missing or is not an image; metadata are the string attributes.
+/// Reads EXR, PFM, HDR or any other format that OpenImageIO reads, as float. A layer is R,G,B or a single grey
+/// channel; the metadata are the string attributes. Throws InputError if the file is missing or is not an image.
 LayeredImage read_image(const std::string& path);
 
-/// The layers of a render: the sum as R,G,B and each component that is there.
+/// The layers of a render: the sum of its components as R,G,B (layer ""), and each component that is present.
 LayeredImage layers_of(const ComponentImages& image);
-/// The inverse; a file without component layers gives none. The total is the layer "".
+/// The inverse of layers_of(): the component layers of a file. The layer "", the sum, is left out; a file without
+/// component layers gives no component.
 ComponentImages components_in(const LayeredImage& image);
 
-/// An 8-bit sRGB PNG in memory, clipped at 1 after multiplication with `exposure`.
+/// An 8-bit sRGB PNG file in memory. Values are multiplied by `exposure` and clipped at 1. Throws RunError.
 std::vector<std::uint8_t> encode_png(const Image& image, float exposure);
 
 }  // namespace gib

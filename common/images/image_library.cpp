@@ -9,7 +9,8 @@ namespace gib {
 namespace {
 
 const ImageLibrary& load() {
-    // Found in the build's folder, which the program knows; never unloaded, as what it has made lives on.
+    // The library is in the build's folder, whose path was compiled in. It is never unloaded, because objects that it
+    // has made live on.
     void* library = ::dlopen(GIB_IMAGE_LIBRARY, RTLD_NOW | RTLD_LOCAL);
     void* entry = library ? ::dlsym(library, image_library_entry) : nullptr;
     if (!entry) throw RunError(std::string("cannot load the library that reads images: ") + ::dlerror());

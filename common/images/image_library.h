@@ -1,7 +1,7 @@
 #pragma once
-// What the bench takes from OpenImageIO. It stands in a library of its own (common/openimageio/), which is loaded when
-// a scene first reads an image: OpenImageIO brings 240 other libraries along, and a program that loads them starts in
-// 0.27 s instead of 0.02 s. Everything else about images is in linear_file and texture_bitmap.
+// The interface to OpenImageIO. It is implemented by a library of its own (common/openimageio/), which is loaded when
+// an image is first read: OpenImageIO brings 240 other libraries along, and a program that loads them starts in
+// 0.27 s instead of 0.02 s. All other code about image files is in linear_file, texture_bitmap and image_file.
 
 #include <cstdint>
 #include <map>
@@ -11,19 +11,20 @@
 
 namespace gib {
 
-/// An open image file, as linear_file.h describes it.
+/// An open image file that is read as linear floats; linear_file.h describes how.
 class ImageReader {
 public:
     virtual ~ImageReader() = default;
     virtual int width() const = 0;
     virtual int height() const = 0;
     virtual int channels() const = 0;  ///< 1 or 3
-    /// Rows [begin, end), interleaved, to `values`. Throws InputError for damaged data. Safe from several threads.
+    /// Writes rows [begin, end) to `values`: (end - begin) x width x channels, interleaved. Throws InputError if the
+    /// data are damaged. Several threads may call this function.
     virtual void read_rows(int begin, int end, float* values) const = 0;
 };
 
-/// Image files as square tiles of linear floats in a limited memory. Safe from several threads; all throw RunError for
-/// what cannot be read.
+/// Holds image files as square tiles of linear floats in a limited memory. Several threads may call its functions.
+/// Unless stated otherwise, they throw RunError if a file cannot be read.
 class TileCache {
 public:
     virtual ~TileCache() = default;
@@ -32,20 +33,21 @@ public:
         void* handle;
         int tile_width;  ///< texels from one row of a tile to the next
     };
-    /// Throws InputError, as open_image() does.
+    /// Adds a file; `raw` as for LinearFile. Throws InputError as open_image() does.
     virtual File add(const std::string& path, bool raw) = 0;
-    /// Whole rows [begin, end) of an image `width` texels wide, interleaved.
+    /// Writes the whole rows [begin, end) of an image that is `width` texels wide to `values`, interleaved.
     virtual void read_rows(void* file, int width, int begin, int end, float* values) = 0;
 
     struct Tile {
         void* handle;
         const float* texels;  ///< interleaved; valid until the tile is released
     };
+    /// The tile that holds texel (x, y). It stays in memory until release() is called with its handle.
     virtual Tile tile_at(void* file, int x, int y) = 0;
     virtual void release(void* tile) = 0;
 };
 
-/// A file as it is stored.
+/// The content of an image file as it is stored, before any decoding.
 struct StoredImage {
     struct Window {
         int x, y, width, height;
@@ -53,7 +55,7 @@ struct StoredImage {
     Window data, display;
     std::vector<std::string> channels;
     std::vector<float> values;                    ///< of the data window, interleaved
-    bool srgb;                                    ///< encoded so
+    bool srgb;                                    ///< whether the values are encoded in sRGB
     std::map<std::string, std::string> metadata;  ///< string attributes
 };
 
@@ -62,17 +64,18 @@ public:
     virtual ~ImageLibrary() = default;
     /// Throws InputError if the file is missing, is not an image or has several parts.
     virtual StoredImage read_image(const std::string& path) const = 0;
-    /// `rgb`: bytes in sRGB, interleaved. Throws RunError.
+    /// A PNG file in memory. `rgb` holds height x width x 3 bytes in sRGB, row 0 on top. Throws RunError.
     virtual std::vector<std::uint8_t> encode_png(int width, int height, const std::vector<std::uint8_t>& rgb) const = 0;
-    /// Throws InputError, as LinearFile says.
+    /// Throws InputError for the reasons given at LinearFile's constructor.
     virtual std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw) const = 0;
+    /// A cache of `megabytes` MB, whose tiles have `tile_size` texels a side.
     virtual std::unique_ptr<TileCache> tile_cache(double megabytes, int tile_size) const = 0;
 };
 
-/// Loaded by the first call. Throws RunError if it cannot be.
+/// The library, which the first call loads. Throws RunError if it cannot be loaded.
 const ImageLibrary& image_library();
 
-/// What the library exports under this name.
+/// The name and the type of the function that the library exports.
 inline constexpr const char* image_library_entry = "gib_image_library";
 using ImageLibraryEntry = const ImageLibrary*();
 

@@ -1,5 +1,5 @@
 #pragma once
-// Image files row by row as linear floats, the way Mitsuba reads them: what textures and environment maps start from.
+// Reads image files row by row as linear floats, as Mitsuba does. Textures and environment maps are made from them.
 
 #include "common/images/image.h"
 
@@ -13,13 +13,14 @@ class ImageReader;
 /// Linear RGB with sRGB's primaries, row 0 on top.
 using LinearImage = Image;
 
-/// An open image file of one grey channel or of R, G and B. Alpha and other channels are left out and never multiplied
-/// in. 8- and 16-bit integers are decoded as sRGB whatever the file says, floats are linear: Mitsuba's rule. A data
-/// window is the whole image.
+/// An open image file with one grey channel or with R, G and B. Alpha and other channels are left out, and colours
+/// are never multiplied by alpha. By Mitsuba's rule, 8- and 16-bit integers are decoded as sRGB whatever the file
+/// says, and floats are linear. The image is the file's data window.
 class LinearFile {
 public:
-    /// `raw`: values as they are stored, 8- and 16-bit integers as fractions of their range. Throws InputError with the
-    /// file's name if it is missing, is not an image, has several parts, subsampled colour or primaries of its own.
+    /// If `raw` is true, values are not decoded: 8- and 16-bit integers become fractions of their range. Throws
+    /// InputError with the file's name if the file is missing, is not an image, has several parts, subsampled colour
+    /// or primaries other than sRGB's.
     LinearFile(const std::string& path, bool raw);
     ~LinearFile();
     LinearFile(LinearFile&&) noexcept;
@@ -27,14 +28,16 @@ public:
     int width() const;
     int height() const;
     int channels() const;  ///< 1 or 3
-    /// Rows [begin, end), interleaved, to `values`. Throws InputError for damaged data. Safe from several threads.
+    /// Writes rows [begin, end) to `values`: (end - begin) x width x channels, interleaved. Throws InputError if the
+    /// data are damaged. Several threads may call this function.
     void read_rows(int begin, int end, float* values) const;
 
 private:
     std::unique_ptr<ImageReader> reader_;
 };
 
-/// Throws InputError with the file's name: for what LinearFile refuses, and for a value that is not finite.
+/// Reads a whole file. Throws InputError with the file's name if LinearFile refuses the file or a value
+/// is not finite.
 LinearImage load_linear_image(const std::string& path);
 
 }  // namespace gib

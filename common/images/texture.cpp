@@ -8,7 +8,8 @@ namespace gib {
 
 namespace {
 
-/// A coordinate in its first period, so that no later step leaves the range of int: [0, 1], mirrored ones [0, 2].
+/// A coordinate reduced to its first period, [0, 1] or, if mirrored, [0, 2], so that no later step leaves the range
+/// of int. NaN becomes 0.
 float reduced(float s, TextureWrap wrap) {
     if (wrap == TextureWrap::repeat) s -= std::floor(s);
     else if (wrap == TextureWrap::mirror) s -= 2 * std::floor(s / 2);
@@ -16,7 +17,7 @@ float reduced(float s, TextureWrap wrap) {
     return s >= 0 ? s : 0;
 }
 
-/// The texel that stands for index `i` of a row of `size`; i is at most one texel outside of the first period.
+/// The texel that index `i` stands for in a row of `size` texels; i is at most one texel outside the first period.
 int wrapped(int i, int size, TextureWrap wrap) {
     if (wrap == TextureWrap::clamp) return std::clamp(i, 0, size - 1);
     if (wrap == TextureWrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
@@ -25,7 +26,7 @@ int wrapped(int i, int size, TextureWrap wrap) {
     return i < size ? i : 2 * size - 1 - i;
 }
 
-/// Two neighbours along one axis, and how far the place lies from the first to the second.
+/// Two neighbouring texels along one axis; `weight` is the position between the first (0) and the second (1).
 struct Neighbours {
     int first, second;
     float weight;
@@ -68,14 +69,14 @@ Color color_of(const BitmapTexture& texture, const Vec2& uv) {
     const Quad q = quad_at(texture, uv);
     const Color top = (1 - q.wx) * q.texels[0] + q.wx * q.texels[1];
     const Color bottom = (1 - q.wx) * q.texels[2] + q.wx * q.texels[3];
-    // Rounding must not lift a reflectance above 1.
+    // The clamp keeps rounding from lifting a reflectance above 1.
     return ((1 - q.wy) * top + q.wy * bottom).max(bitmap.minimum()).min(bitmap.maximum());
 }
 
 float number(const Color& c, bool grey) { return grey ? c[0] : luminance(c); }
 
-/// Versions of Mitsuba that multiply by the resolution after to_uv instead of before differ where to_uv mixes the axes
-/// of an image that is not square; this is the derivative.
+/// The derivative of the interpolated value with respect to uv. Some versions of Mitsuba multiply by the resolution
+/// after to_uv instead of before; their result differs if to_uv mixes the axes of an image that is not square.
 Vec2 gradient_of(const BitmapTexture& texture, const Vec2& uv) {
     if (texture.filter == TextureFilter::nearest) return Vec2::Zero();
     const Quad q = quad_at(texture, uv);
@@ -97,6 +98,8 @@ bool on_diagonal(const CheckerboardTexture& texture, const Vec2& uv) {
 bool is_grey(const Color& c) { return c[0] == c[1] && c[1] == c[2]; }
 
 }  // namespace
+
+Vec2 UvTransform::operator()(const Vec2& uv) const { return linear * uv + offset; }
 
 struct Texture::Varying {
     std::variant<BitmapTexture, CheckerboardTexture> kind;

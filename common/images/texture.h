@@ -1,5 +1,5 @@
 #pragma once
-// Colours and numbers that vary over a surface, with the meaning that Mitsuba's textures have (variant scalar_rgb).
+// Colours and numbers that vary over a surface, as Mitsuba's textures define them (variant scalar_rgb).
 
 #include "common/images/texture_bitmap.h"
 
@@ -10,18 +10,18 @@ namespace gib {
 enum class TextureFilter { bilinear, nearest };
 enum class TextureWrap { repeat, mirror, clamp };
 
-/// A surface's uv to a texture's st: st = linear uv + offset.
+/// Maps a surface's uv to a texture's st: st = linear uv + offset.
 struct UvTransform {
     Eigen::Matrix2f linear = Eigen::Matrix2f::Identity();
     Vec2 offset = Vec2::Zero();
 
-    Vec2 operator()(const Vec2& uv) const { return linear * uv + offset; }
+    Vec2 operator()(const Vec2& uv) const;
 };
 
 class Texture;
 
-/// Column 0 lies at s = 0 and row 0, the topmost, at t = 0; texel (x, y) has its centre at ((x + 0.5) / width,
-/// (y + 0.5) / height). Filtering comes after the decoding to linear values.
+/// An image as a texture. Column 0 starts at s = 0 and row 0, the topmost, at t = 0; texel (x, y) has its centre at
+/// ((x + 0.5) / width, (y + 0.5) / height). Values are decoded to linear before they are filtered.
 struct BitmapTexture {
     std::shared_ptr<const Bitmap> bitmap;
     TextureFilter filter = TextureFilter::bilinear;
@@ -29,7 +29,7 @@ struct BitmapTexture {
     UvTransform to_uv{};
 };
 
-/// 2 x 2 squares in [0, 1]^2, repeated.
+/// A checkerboard of 2 x 2 squares in [0, 1]^2, repeated.
 struct CheckerboardTexture;
 
 /// A colour that varies over a surface: a constant, a bitmap or a checkerboard. Cheap to copy: pixels are shared.
@@ -40,20 +40,23 @@ public:
     explicit Texture(CheckerboardTexture checkerboard);
 
     bool constant() const { return !varying_; }
-    /// Linear RGB, sRGB's primaries. Within minimum() and maximum() for every uv; a coordinate that is not finite
-    /// counts as 0. Throws RunError if an image that is paged has disappeared.
+    /// The colour at uv: linear RGB with sRGB's primaries, within minimum() and maximum() for every uv. A coordinate
+    /// that is not finite counts as 0. Throws RunError if the file of a paged image has disappeared.
     Color color(const Vec2& uv) const { return varying_ ? varying_color(uv) : constant_; }
-    /// One number, as Mitsuba's eval_1: a grey; the luminance of a bitmap's colour; the mean of the channels of a
-    /// constant one. A checkerboard has its two colours exchanged here: Mitsuba keeps this convention of old.
+    /// The texture as one number, as Mitsuba's eval_1 returns it: a grey value itself, the luminance of a bitmap's
+    /// colour, or the mean of a constant colour's channels. The two colours of a checkerboard are exchanged here, as
+    /// they are in Mitsuba.
     float value(const Vec2& uv) const;
-    /// d value / d (u, v), per unit of uv. 0 for the filter `nearest`.
+    /// The derivative of value() with respect to (u, v), per unit of uv. It is 0 for the filter `nearest` and
+    /// for a checkerboard.
     Vec2 gradient(const Vec2& uv) const;
-    /// A checkerboard has none.
+    /// Whether value() has a derivative; a checkerboard has none.
     bool has_gradient() const;
 
-    /// Over all texels, or both colours of a checkerboard alike: over uv in [0, 1]^2 if `to_uv` keeps that.
+    /// The mean over all texels, or over both colours of a checkerboard with equal weight. It is the mean over uv in
+    /// [0, 1]^2 if `to_uv` maps this square to itself.
     Color mean() const;
-    /// Bounds of each channel.
+    /// Lower and upper bounds of each channel.
     Color minimum() const;
     Color maximum() const;
 
@@ -66,9 +69,9 @@ private:
 };
 
 struct CheckerboardTexture {
-    Texture color0{Color::Constant(0.4f)};  ///< where s and t are in the same half of their period
+    Texture color0{Color::Constant(0.4f)};  ///< colour where s and t are in the same half of their period
     Texture color1{Color::Constant(0.2f)};
-    UvTransform to_uv;  ///< of the squares, not of textures in them
+    UvTransform to_uv;  ///< applies to the squares, not to textures in them
 };
 
 }  // namespace gib

@@ -14,12 +14,12 @@ namespace gib {
 
 struct TextureCache::Tiles {
     std::unique_ptr<TileCache> files;
-    std::atomic<std::int64_t> resident_bytes;  ///< what bitmaps may still keep for good
+    std::atomic<std::int64_t> resident_bytes;  ///< the bytes that bitmaps may still keep in memory
 };
 
 TextureCache::TextureCache(double megabytes) : tiles_(std::make_unique<Tiles>()) {
     tiles_->files = image_library().tile_cache(megabytes, Bitmap::tile_size);
-    // The rest is for the images that are paged.
+    // The remaining quarter is for the images that are paged.
     tiles_->resident_bytes = static_cast<std::int64_t>(0.75 * 1024 * 1024 * megabytes);
 }
 
@@ -45,9 +45,10 @@ Bitmap::~Bitmap() {
         files().release(held);
 }
 
-/// Reads every row in the file's order, so that the cache never seeks backwards while it fills.
+/// Computes mean, minimum and maximum. Rows are read in the file's order, so that the cache never seeks backwards
+/// while it fills.
 void Bitmap::measure(const LinearFile& file, const std::string& path) {
-    // A damaged header may announce rows that no memory holds.
+    // A damaged header may announce rows that do not fit into memory.
     require_memory(1.0 * sizeof(float) * width_ * tile_size * channels_,
                    fmt::format("a texture of {} x {} pixels", width_, height_), {path, 0, 0});
     std::vector<float> values(static_cast<std::size_t>(width_) * tile_size * static_cast<std::size_t>(channels_));
@@ -59,7 +60,7 @@ void Bitmap::measure(const LinearFile& file, const std::string& path) {
         try {
             files().read_rows(file_, width_, y, end, values.data());
         } catch (const RunError& error) {
-            file.read_rows(y, end, values.data());  // says it without the cache's words
+            file.read_rows(y, end, values.data());  // throws the error without the cache's words
             throw InputError({path, 0, 0}, error.what());
         }
         const int count = (end - y) * width_;

@@ -1,5 +1,5 @@
 #pragma once
-// The texels of image files, in OpenImageIO's tile cache: small images stay in memory, large ones are paged.
+// The texels of image files, in OpenImageIO's tile cache. Small images stay in memory; large ones are paged.
 
 #include "common/core/math.h"
 
@@ -29,7 +29,8 @@ private:
 /// An image of linear colours or greys. Safe to read from several threads.
 class Bitmap {
 public:
-    /// Throws InputError with the file's name: for what LinearFile refuses, and for a value that is not finite.
+    /// Opens a file; `raw` as for LinearFile. Throws InputError with the file's name if LinearFile refuses the file
+    /// or a value is not finite.
     Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw);
     ~Bitmap();
     Bitmap(const Bitmap&) = delete;
@@ -38,13 +39,13 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
     bool grey() const { return channels_ == 1; }
-    /// Whether look-ups may read the file.
+    /// Whether the image does not stay in memory, so that look-ups may read the file.
     bool paged() const { return resident_.empty(); }
     /// The texel in column x and row y, row 0 on top. Throws RunError if the file has disappeared since it was opened.
     Color texel(int x, int y) const {
         return paged() ? paged_texel(x, y) : color_at(resident_[tile_index(x, y)] + offset_in_tile(x, y));
     }
-    /// Over all texels.
+    /// Mean, minimum and maximum of each channel over all texels.
     const Color& mean() const { return mean_; }
     const Color& minimum() const { return minimum_; }
     const Color& maximum() const { return maximum_; }
@@ -71,7 +72,7 @@ private:
     TileCache& files() const;
 
     std::shared_ptr<TextureCache> cache_;
-    void* file_;  ///< in the cache
+    void* file_;  ///< its handle in the cache
     int width_, height_, channels_;
     int tile_width_, tiles_across_;
     std::vector<void*> held_;             ///< the tiles that stay in memory

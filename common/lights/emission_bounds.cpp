@@ -8,16 +8,16 @@ namespace gib {
 
 namespace {
 
-/// Relative, of a position in float.
+/// Relative rounding error of a position in float.
 constexpr double rounding = 2e-6;
-/// Of the square of a sine or cosine in float.
+/// Rounding error of the square of a sine or cosine in float.
 constexpr double rounding_of_square = 4e-7;
-/// Triangles that are looked at one by one to bound a part of a mesh.
+/// The most triangles that are examined one by one to bound a part of a mesh.
 constexpr std::size_t most_triangles = 256;
 
 double largest_coordinate(const Vec3d& p) { return p.cwiseAbs().maxCoeff(); }
 
-/// Points of the unit disk in polar coordinates.
+/// A part of the unit disk in polar coordinates, angles in rad.
 struct DiskPatch {
     double r0, r1, phi0, phi1;
 };
@@ -29,8 +29,8 @@ double concentric_angle(double a, double b) {
     return quarter * (2 - a / b) + (b < 0 ? 4 * quarter : 0);
 }
 
-/// Of square_to_disk over the box [x0, x1] x [y0, y1]. The radius is max(|a|, |b|); in each quadrant the angle is
-/// monotone in a and in b, so that its range is that of the corners, unless the centre lies inside.
+/// The image of the box [x0, x1] x [y0, y1] under square_to_disk. The radius is max(|a|, |b|). In each quadrant the
+/// angle is monotone in a and in b, so that the corners give its range unless the centre lies inside.
 DiskPatch square_to_disk_patch(double x0, double x1, double y0, double y1) {
     const double a0 = 2 * x0 - 1, a1 = 2 * x1 - 1, b0 = 2 * y0 - 1, b1 = 2 * y1 - 1;
     const auto least = [](double low, double high) {
@@ -80,25 +80,29 @@ DiskPatch position_patch(const EmissionBox& box) {
 Vec2 direction_lower(const EmissionBox& box) { return {box.lower[2], box.lower[3]}; }
 Vec2 direction_upper(const EmissionBox& box) { return {box.upper[2], box.upper[3]}; }
 
-/// Of square_to_cosine_hemisphere. Near the rim z = sqrt(1 - r^2) loses half of the digits.
+/// The image of the box's directions under square_to_cosine_hemisphere. Near the rim z = sqrt(1 - r^2) loses half of
+/// its digits, for which the patch is widened.
 SphericalPatch cosine_hemisphere_patch(const EmissionBox& box) {
     const auto at = [](float u) { return static_cast<double>(u); };
     const DiskPatch d = square_to_disk_patch(at(box.lower[2]), at(box.upper[2]), at(box.lower[3]), at(box.upper[3]));
     const auto theta = [](double cosine2) { return std::acos(std::sqrt(std::clamp(cosine2, 0.0, 1.0))); };
-    return {theta(1 - sqr(d.r0) + rounding_of_square), theta(1 - sqr(d.r1) - rounding_of_square), d.phi0, d.phi1};
+    return {.theta0 = theta(1 - sqr(d.r0) + rounding_of_square),
+            .theta1 = theta(1 - sqr(d.r1) - rounding_of_square),
+            .phi0 = d.phi0,
+            .phi1 = d.phi1};
 }
 
-/// How far Frame(w) v can move while w stays within `angle` of an axis with |axis.z| = z, for |v| = 1; 2 where the
-/// frame jumps. Frame(w) is the least rotation from +-z to w: beside the turn of w itself it spins about w at a rate of
-/// tan(theta / 2) <= 1, at most sqrt(2) together within a hemisphere of z.
+/// How far Frame(w) v can move, for |v| = 1, while w stays within `angle` [rad] of an axis with |axis.z| = z; 2 if
+/// the frame jumps. Frame(w) is the smallest rotation from +-z to w. Besides turning with w, it spins about w at a
+/// rate of tan(theta / 2) <= 1; together this is a rate of at most sqrt(2) within a hemisphere of z.
 double frame_motion(double z, double angle) {
     if (angle == 0) return 0;
     const bool jumps = angle >= 0.5 * std::numbers::pi || std::abs(z) <= std::sin(angle) + rounding;
     return jumps ? 2 : std::min(2.0, std::numbers::sqrt2 * angle);
 }
 
-/// The points center + Frame(w) (d, 0) for d on a patch of the disk of radius `radius` and w in the cone: every line
-/// along w through a point on the disk meets this ball.
+/// Bounds the points center + Frame(w) (d, 0) for d on a patch of the disk of radius `radius` and w in the cone:
+/// every line along w through a point on the disk meets the ball of the bundle.
 RayBundle bundle_across(const Vec3& center, double radius, const DiskPatch& patch, const DirectionCone& w) {
     const Vec3d c = center.cast<double>();
     RayBundle bundle{c, radius * patch.r1, w};
@@ -117,7 +121,7 @@ RayBundle bundle_across(const Vec3& center, double radius, const DiskPatch& patc
     return bundle;
 }
 
-/// Triangles first .. last of a mesh, which the box's u_position.x chooses among.
+/// Triangles `first` to `last` of a mesh: those that the box's u_position.x chooses among.
 struct TriangleRange {
     std::size_t first, last;
 };
@@ -130,7 +134,7 @@ RayBundle bundle_of_triangle(const Mesh& mesh, const AreaSampler& surface, std::
     const Vec3d v0 = mesh.vertex(corner[0]).cast<double>();
     const Vec3d e1 = mesh.vertex(corner[1]).cast<double>() - v0, e2 = mesh.vertex(corner[2]).cast<double>() - v0;
     const SurfacePoint point = mesh.point_at(i, 0.f, 0.f);
-    // square_to_triangle: b = u - min(u) / 2, each rising with its own number and falling with the other.
+    // square_to_triangle gives b = u - min(u) / 2: each b increases with its own number and decreases with the other.
     const auto within = [&](float u) { return std::clamp(surface.within_triangle(i, u), 0.0, 1.0); };
     const double x0 = within(box.lower[0]), x1 = within(box.upper[0]);
     const double y0 = static_cast<double>(box.lower[1]), y1 = static_cast<double>(box.upper[1]);
@@ -145,7 +149,7 @@ RayBundle bundle_of_triangle(const Mesh& mesh, const AreaSampler& surface, std::
     return bundle;
 }
 
-/// A part of a mesh of several triangles: their box, and the half space of their normals' cone.
+/// Bounds the rays of several triangles by a ball around their box and a cone around their directions.
 RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, const EmissionBox& box) {
     Bounds bounds;
     Vec3d axis = Vec3d::Zero();
@@ -154,7 +158,7 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
         for (const std::uint32_t v : mesh.triangles[i])
             bounds.add(mesh.vertex(v));
         const SurfacePoint point = mesh.point_at(i, 0.f, 0.f);
-        // One without an area has no normal and no offset, and is never chosen.
+        // A triangle without an area has no normal and no offset, and is never chosen.
         if (mesh.normal_of(i).isZero(0)) continue;
         axis += point.ng.cast<double>();
         offset = std::max(offset, static_cast<double>(point.offset));
@@ -164,15 +168,15 @@ RayBundle bundle_of_triangles(const Mesh& mesh, const TriangleRange& range, cons
     if (!(axis.norm() > 1e-3)) return bundle;
     const Vec3 n = axis.normalized().cast<float>();
     const Frame frame(n);
-    double turn = 0;  // of the frames; it also bounds that of the normals
+    double turn = 0;  // the largest motion of a frame's axis, the normal included
     for (std::size_t i = range.first; i <= range.last; ++i) {
         if (mesh.normal_of(i).isZero(0)) continue;
         const Frame own(mesh.point_at(i, 0.f, 0.f).ng);
         turn = std::max({turn, static_cast<double>((own.s - frame.s).norm()),
                          static_cast<double>((own.t - frame.t).norm()), static_cast<double>((own.n - frame.n).norm())});
     }
-    // The sum of three coordinates' motions, each at most `turn`, bounds that of a unit vector by sqrt(3) turn: a
-    // chord.
+    // A unit vector is the sum of three coordinates, whose axes move by at most `turn` each: it moves by a chord of
+    // at most sqrt(3) turn.
     const double chord = std::min(std::numbers::sqrt3 * turn, 2.0);
     bundle.cone = cone_around(cosine_hemisphere_patch(box), frame);
     bundle.cone.half_angle += 2 * std::asin(0.5 * chord);
@@ -214,8 +218,8 @@ private:
 
     static RayBundle from_point(const Vec3& p, const DirectionCone& cone) { return {p.cast<double>(), 0, cone}; }
 
-    /// The origin, far outside, does not matter: the lines pass the disk in the scene's middle where the origins lie
-    /// on theirs.
+    /// The origins lie on a disk far outside and do not matter: the lines pass the parallel disk in the scene's
+    /// middle at the same places.
     RayBundle from_infinity(const BoundingSphere& scene, const DirectionCone& w) const {
         RayBundle bundle = bundle_across(scene.center, static_cast<double>(scene.radius), position_patch(box), w);
         bundle.cone.axis = -w.axis;
@@ -228,7 +232,8 @@ private:
         if (range.first == range.last) return bundle_of_triangle(mesh, light.surface, range.first, box);
         if (range.last - range.first < most_triangles) return bundle_of_triangles(mesh, range, box);
         const Bounds bounds = bounds_of(shapes[light.shape]);
-        // The offset of a point is far below its size, but for needles, which end by being looked at alone.
+        // The offset of a point is far below the size of the mesh. Needles are an exception; in smaller boxes they
+        // are examined one by one.
         return {bounds.center().cast<double>(), 0.51 * static_cast<double>(bounds.diagonal()), {}};
     }
 
@@ -261,8 +266,8 @@ private:
         return bundle;
     }
 
-    /// A ray that leaves the sphere has come through the disk across its middle; one that crosses its inside begins
-    /// up to a radius before that.
+    /// The line of a ray that leaves the sphere passes through the disk across its middle. A ray into a sphere that
+    /// emits inwards starts up to a radius before this disk.
     RayBundle from(const AreaLight&, const Sphere& sphere) const {
         const double radius = static_cast<double>(sphere.radius);
         RayBundle bundle =
@@ -295,7 +300,7 @@ float split_point(const Light& light, const std::vector<Shape>& shapes, const Em
     if (dimension != 0 || !area || !std::holds_alternative<Mesh>(shapes[area->shape])) return middle;
     const TriangleRange range = triangles_of(area->surface, box);
     if (range.first == range.last) return middle;
-    // At the boundary between two triangles that is nearest to the middle.
+    // The cut is the boundary between two triangles that is nearest to the middle.
     const std::size_t i = area->surface.triangle_at(middle);
     const float before = area->surface.begin_of_triangle(i);
     const float after = i < range.last ? area->surface.begin_of_triangle(i + 1) : box.lower[0];
@@ -315,7 +320,8 @@ bool cannot_see_itself(const AreaLight& light, const std::vector<Shape>& shapes)
     for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
         const SurfacePoint point = mesh->point_at(i, 0.f, 0.f);
         if (mesh->normal_of(i).isZero(0)) continue;
-        // Rays start at the offset in front of the triangle and go on to the front.
+        // Rays start at the offset in front of the triangle and go to its front: they cannot meet vertices that lie
+        // further back.
         for (const auto& t : mesh->triangles)
             for (const std::uint32_t v : t)
                 if (!(point.ng.dot(mesh->vertex(v) - point.p) <= point.offset)) return false;

@@ -1,9 +1,9 @@
 #pragma once
-// Where the rays can go that a light emits for a box of random numbers.
+// Bounds of the rays that a light emits for a box of random numbers.
 //
-// A light's emission maps (u_position, u_direction), uniform in [0, 1)^4, to rays whose share of power is in proportion
-// to volume there, whatever the light's own density; so the share of a box is its volume, and its rays are bounded by
-// the continuity of the map. All bounds are conservative.
+// A light's emission maps (u_position, u_direction), uniform in [0, 1)^4, to rays. The share of samples that fall
+// into a box is the box's volume, whatever the light's own density is. The continuity of the map bounds the rays of a
+// box. All bounds are conservative.
 
 #include "common/lights/light.h"
 #include "common/sampling/direction_cone.h"
@@ -12,7 +12,7 @@
 
 namespace gib {
 
-/// [lower, upper) of u_position.x, u_position.y, u_direction.x, u_direction.y.
+/// The ranges [lower, upper) of u_position.x, u_position.y, u_direction.x, u_direction.y.
 struct EmissionBox {
     std::array<float, 4> lower = {0.f, 0.f, 0.f, 0.f}, upper = {1.f, 1.f, 1.f, 1.f};
 
@@ -25,8 +25,8 @@ struct EmissionBox {
     }
 };
 
-/// Rays from a ball into a cone of directions, with all that lies in front of a ray; or the whole lines, if they come
-/// from outside everything.
+/// Rays that start in a ball and go into a cone of directions. With `lines` the rays start outside of the scene:
+/// their lines pass through the ball and count over their whole length.
 struct RayBundle {
     Vec3d center;
     double radius;
@@ -34,16 +34,16 @@ struct RayBundle {
     bool lines = false;
 };
 
-/// Holds every ray that sample_emission(light, ..) makes of numbers in the box.
+/// A bundle that holds every ray that sample_emission(light, ..) makes from numbers in the box.
 RayBundle emission_bundle(const Light& light, const std::vector<Shape>& shapes, const EmissionBox& box);
 
-/// Of the four numbers, those that the rays depend on.
+/// Which of the four numbers the rays depend on.
 std::array<bool, 4> emission_dimensions(const Light& light);
 
-/// Where to cut a box in two along one of them; its own bound if it cannot be cut.
+/// Where to cut a box in two along one of its dimensions; one of the box's own bounds if it cannot be cut.
 float split_point(const Light& light, const std::vector<Shape>& shapes, const EmissionBox& box, std::size_t dimension);
 
-/// The light is the front of a convex surface: none of its rays meets it again.
+/// Whether the light is the front of a convex surface, so that none of its rays meets it again.
 bool cannot_see_itself(const AreaLight& light, const std::vector<Shape>& shapes);
 
 }  // namespace gib

@@ -11,7 +11,7 @@ namespace {
 constexpr float uniform_share = 0.1f;
 constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
 
-/// In double: the product with a small solid angle must not underflow.
+/// The luminance in double, so that its product with a small solid angle does not underflow.
 double luminance_d(const Color& c) { return static_cast<double>(luminance(c)); }
 
 Color lerp(const Color& a, const Color& b, float t) { return (1.f - t) * a + t * b; }
@@ -34,10 +34,11 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
     std::vector<double> rows, columns(width_);
     for (std::size_t row = 0; row < bands_; ++row) {
         const double theta0 = theta_of(row), theta1 = theta_of(row + 1);
-        weights_.push_back({PolarRamp{theta0, theta1, 1, 0}.integral(), PolarRamp{theta0, theta1, 0, 1}.integral()});
+        weights_.push_back({PolarRamp{.theta0 = theta0, .theta1 = theta1, .f0 = 1, .f1 = 0}.integral(),
+                            PolarRamp{.theta0 = theta0, .theta1 = theta1, .f0 = 0, .f1 = 1}.integral()});
         double sum = 0;
         for (std::size_t column = 0; column < width_; ++column) {
-            const Corners c = corners({column, row, 0.f, 0.f});
+            const Corners c = corners({.column = column, .row = row, .s = 0.f, .t = 0.f});
             columns[column] = luminance_of(c, row);
             sum += columns[column];
             integral_ += 0.5 * quad_phi_ *
@@ -57,8 +58,10 @@ Color EnvironmentMap::texel(std::size_t column, std::size_t row) const {
 
 EnvironmentMap::Corners EnvironmentMap::corners(const Quad& quad) const {
     const std::size_t next = quad.column + 1 < width_ ? quad.column + 1 : 0;
-    return {texel(quad.column, quad.row), texel(next, quad.row), texel(quad.column, quad.row + 1),
-            texel(next, quad.row + 1)};
+    return {.c00 = texel(quad.column, quad.row),
+            .c10 = texel(next, quad.row),
+            .c01 = texel(quad.column, quad.row + 1),
+            .c11 = texel(next, quad.row + 1)};
 }
 
 Color EnvironmentMap::interpolated(const Quad& quad) const {
@@ -116,11 +119,12 @@ EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
     const float u_column = std::min((u.x() - uniform_share) / (1.f - uniform_share), 1.f - unit_roundoff);
     const auto row = rows_.sample(u.y());
     const auto column = columns_[row.index].sample(u_column);
-    Quad quad{column.index, row.index, 0.f, 0.f};
+    Quad quad{.column = column.index, .row = row.index, .s = 0.f, .t = 0.f};
     const Corners c = corners(quad);
     const double l00 = luminance_d(c.c00), l10 = luminance_d(c.c10), l01 = luminance_d(c.c01), l11 = luminance_d(c.c11);
     const double theta0 = theta_of(row.index), theta1 = theta_of(row.index + 1);
-    const double theta = PolarRamp{theta0, theta1, l00 + l10, l01 + l11}.sample(static_cast<double>(row.u));
+    const double theta = PolarRamp{.theta0 = theta0, .theta1 = theta1, .f0 = l00 + l10, .f1 = l01 + l11}.sample(
+        static_cast<double>(row.u));
     const double t = (theta - theta0) / (theta1 - theta0);
     quad.t = static_cast<float>(t);
     quad.s = static_cast<float>(
@@ -134,7 +138,8 @@ DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) cons
                                                   Vec2(std::min(upper.x() / uniform_share, 1.f), upper.y())),
                            to_world_);
     if (lower.x() < uniform_share) return {};
-    // By whole texels. Each number finds a row, or a column of it, that does not fall as the number rises.
+    // The cone holds whole texels. The row that a number finds, or the column within a row, never decreases as the
+    // number increases.
     const auto in_row = [](float u) {
         return std::clamp((u - uniform_share) / (1.f - uniform_share), 0.f, 1.f - unit_roundoff);
     };
@@ -147,13 +152,15 @@ DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) cons
         right = std::max(right, columns_[row].sample(in_row(upper.x())).index);
     }
     if (left > right) return {};
-    // Azimuth from -z towards +x, about the map's y.
+    // The azimuth turns about the map's y, from -z towards +x.
     Frame axes;
     axes.s = -to_world_.n;
     axes.t = to_world_.s;
     axes.n = to_world_.t;
-    return cone_around({theta_of(first), theta_of(last + 1), quad_phi_ * (static_cast<double>(left) + 0.5),
-                        quad_phi_ * (static_cast<double>(right) + 1.5)},
+    return cone_around({.theta0 = theta_of(first),
+                        .theta1 = theta_of(last + 1),
+                        .phi0 = quad_phi_ * (static_cast<double>(left) + 0.5),
+                        .phi1 = quad_phi_ * (static_cast<double>(right) + 1.5)},
                        axes);
 }
 

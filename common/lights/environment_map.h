@@ -1,5 +1,5 @@
 #pragma once
-// Radiance from all directions, given by a latitude-longitude image, and directions in proportion to it.
+// Radiance from all directions, given by a latitude-longitude image, and sampling of directions in proportion to it.
 
 #include "common/images/image.h"
 #include "common/sampling/direction_cone.h"
@@ -9,20 +9,21 @@
 
 namespace gib {
 
-/// Mitsuba's map: in the map's frame column coordinate u = atan2(x, -z) / (2 pi) and row coordinate v = acos(y) / pi,
-/// so the middle of the image is +z, its right half -x, its top +y. Texel centres stand at u = (column + 1/2) / width,
-/// periodic, and at v = row / (height - 1): the first and the last row are the poles. Bilinear in between.
+/// Mitsuba's convention: in the map's frame the column coordinate is u = atan2(x, -z) / (2 pi) and the row coordinate
+/// v = acos(y) / pi. So the middle of the image is +z, its right half -x, its top +y. Texel centres stand at u =
+/// (column + 1/2) / width, periodic, and at v = row / (height - 1): the first and the last row are the poles.
+/// Radiance is bilinear in between.
 ///
-/// The density of directions is that of the luminance, except for a tenth that is uniform over the sphere: where the
-/// sun is hidden, the sky that is left would otherwise be found too rarely, and never at all below the resolution of
-/// the random numbers. With it the density is nowhere 0.
+/// The density of directions is proportional to the luminance, except for a tenth that is uniform over the sphere.
+/// Otherwise the sky would be sampled too rarely where the sun is hidden, and never where its share is below the
+/// resolution of the random numbers. With the uniform part the density is nowhere 0.
 class EnvironmentMap {
 public:
     /// `radiance` [W/(sr m^2)] is finite and not negative; an image of one row is constant along each meridian.
     /// `to_world` holds the map's axes in world space, orthonormal.
     EnvironmentMap(Image radiance, const Frame& to_world);
 
-    /// Towards the viewer who looks along the unit vector w.
+    /// Radiance [W/(sr m^2)] towards a viewer who looks along the unit vector w.
     Color radiance(const Vec3& w) const { return interpolated(quad_at(to_world_.to_local(w))); }
     /// The density of sample() [1/sr].
     float pdf_w(const Vec3& w) const { return density(quad_at(to_world_.to_local(w))); }
@@ -32,16 +33,16 @@ public:
         Color radiance;
         float pdf_w;
     };
-    /// Not for a black map.
+    /// Samples a direction with the density pdf_w(). The map must not be black.
     Sample sample(const Vec2& u) const;
-    /// Holds the directions that sample() finds for u in a box of [0, 1]^2. Not for a black map.
+    /// A cone that holds the directions that sample() finds for u in a box of [0, 1]^2. The map must not be black.
     DirectionCone cone_of(const Vec2& lower, const Vec2& upper) const;
 
-    /// Radiance over all directions [W/m^2].
+    /// The integral of the radiance over all directions [W/m^2].
     const Colord& integral() const { return integral_; }
 
 private:
-    /// A place among four texels.
+    /// A place in the quad between four texels.
     struct Quad {
         std::size_t column, row;
         float s, t;  ///< towards the next column and the next row, in [0, 1]
@@ -49,7 +50,8 @@ private:
     struct Corners {
         Color c00, c10, c01, c11;  ///< column, row
     };
-    /// Integrals over a row of quads of the rows' bilinear weights times sin(theta) d theta.
+    /// Integrals over a row of quads of the bilinear weights of its upper and its lower texels, times
+    /// sin(theta) d theta.
     struct Band {
         double upper, lower;
     };
@@ -59,7 +61,7 @@ private:
     Color interpolated(const Quad& quad) const;
     Quad quad_at(const Vec3& w_local) const;
     Vec3 direction_of(const Quad& quad, double theta) const;
-    /// Luminance [W/m^2] of a quad: radiance over its directions.
+    /// Luminance of a quad [W/m^2]: that of the radiance, integrated over its directions.
     double luminance_of(const Corners& c, std::size_t row) const;
     float density(const Quad& quad) const;
     double theta_of(std::size_t row) const { return std::numbers::pi * static_cast<double>(row) / bands_f_; }

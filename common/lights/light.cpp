@@ -7,19 +7,19 @@ namespace gib {
 
 namespace {
 
-/// The mean of a texture over a surface. Deterministic points: whoever asks for the power of a light gets the same
-/// answer.
+/// The mean of a texture over a surface. The points are deterministic, so that a light's power is the same
+/// at every call.
 Color mean_over_surface(const Texture& texture, const AreaSampler& surface, const Shape& shape) {
     constexpr std::uint32_t points = 1u << 16;
     Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < points; ++i)
         sum += texture.color(surface.sample_geometry(shape, Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).uv)
                    .cast<double>();
-    // A texture that is dark but for what no point met keeps a chance to be chosen.
+    // If all points met dark parts of the texture, its plain mean is used, so that the light can still be chosen.
     return sum.maxCoeff() > 0 ? Color((sum / points).cast<float>()) : texture.mean();
 }
 
-/// The directions from p to a sphere that it lies outside of.
+/// The cone of directions from a point p to a sphere that does not contain p.
 struct SphereCone {
     Vec3 axis;
     float distance;  ///< to the centre
@@ -42,14 +42,15 @@ std::optional<SphereCone> cone_to_sphere(const Sphere& sphere, const Vec3& p) {
     return SphereCone{to_center / d, d, sin2 / (1.f + safe_sqrt(1.f - sin2))};
 }
 
-/// Emission is outwards only: a flipped sphere emits inwards and is sampled by area.
+/// The cone of a sphere that emits outwards. A flipped sphere emits inwards and is sampled by area.
 std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
     const auto* sphere = std::get_if<Sphere>(&shape);
     return sphere && !sphere->flip_normals ? cone_to_sphere(*sphere, p) : std::nullopt;
 }
 
-/// The place of a sphere in the direction n from its centre. surface_at() looks for that direction in the difference of
-/// a point and the centre: far out it is rounded least, which matters where the radius is about an ulp of the centre.
+/// The point of a sphere in the direction n from its centre. surface_at() computes the direction from the difference
+/// of a point and the centre. A point far out is passed to it, for which rounding changes the direction least: this
+/// matters if the radius is about an ulp of the centre.
 SurfaceGeometry place_on_sphere(const Sphere& sphere, const Vec3& n) {
     const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
     return surface_at(sphere, 0, 0, 0, sphere.center + lever * n);
@@ -60,21 +61,31 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
     const Frame frame(cone.axis);
     const Vec3 wi = frame.to_world(w);
-    // The near intersection along wi; rays at the rim touch. From the centre it is t w - (0, 0, distance), written
-    // without cancellation: the cone of a small or distant sphere is known to more digits than its cosine.
+    // The near intersection along wi; rays at the rim touch the sphere. In the frame of the cone, it is t w minus (0,
+    // 0, distance) from the centre. This is written without cancellation, because the cone of a small or distant
+    // sphere is known to more digits than the cosine of its angle.
     const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
     const double d = double{cone.distance}, r = double{sphere.radius};
     const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
     const Vec3d n = Vec3d(t * x, t * y, -d * sin2 - inside * cosine).normalized();
     const SurfaceGeometry q = place_on_sphere(sphere, frame.to_world(n.cast<float>()));
-    return LightSample{wi,    static_cast<float>(t),  light.radiance_at(q.uv), 1.f / cone.solid_angle(),
-                       false, shadow_ray_target(q, p)};
+    return LightSample{.wi = wi,
+                       .distance = static_cast<float>(t),
+                       .Le = light.radiance_at(q.uv),
+                       .pdf_w = 1.f / cone.solid_angle(),
+                       .delta = false,
+                       .target = shadow_ray_target(q, p)};
 }
 
-/// Where the shadow ray of a light at infinity may end.
+/// A sample of a light at infinity, whose shadow ray ends past all surfaces.
 LightSample distant_sample(const BoundingSphere& scene, const Vec3& p, const Vec3& wi, const Color& Le, float pdf_w,
                            bool delta) {
-    return {wi, infinity, Le, pdf_w, delta, p + scene.distance_past(p) * wi};
+    return {.wi = wi,
+            .distance = infinity,
+            .Le = Le,
+            .pdf_w = pdf_w,
+            .delta = delta,
+            .target = p + scene.distance_past(p) * wi};
 }
 
 struct LightSampler {
@@ -120,7 +131,8 @@ private:
         const Vec3 wi = to_light * per_d;
         const float cos_light = towards * per_d;
         const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
-        // Built where it is returned, member by member: an aggregate in parentheses is more than clang 14 knows.
+        // The sample is built in place, member by member, because clang 14 cannot initialise an
+        // aggregate in parentheses.
         std::optional<LightSample> sample(std::in_place);
         sample->wi = wi;
         sample->distance = d;
@@ -139,12 +151,18 @@ private:
         const Vec3 wi = to_light / d;
         const Color I = intensity(-wi);
         if (is_black(I)) return std::nullopt;
-        // A ray that ended in the light itself would meet a surface that it lies in, or not, as rounding has it.
-        return LightSample{wi, d, I / d2, 1.f, true, position - rounding_of_connection(position, p) * wi};
+        // The shadow ray ends before the light. If the light lies in a surface, rounding would decide whether a ray
+        // to the light itself meets this surface.
+        return LightSample{.wi = wi,
+                           .distance = d,
+                           .Le = I / d2,
+                           .pdf_w = 1.f,
+                           .delta = true,
+                           .target = position - rounding_of_connection(position, p) * wi};
     }
 };
 
-/// [W] of a lamp that sends out `radiance` everywhere.
+/// Power [W] of an area light that emits `radiance` everywhere.
 Colord power_of_area(const AreaLight& light, const Color& radiance) {
     return std::numbers::pi * double{light.surface.area()} * radiance.cast<double>();
 }
@@ -187,7 +205,7 @@ struct EmissionSampler {
     }
 
 private:
-    /// It may lie in a surface, which is not in the way of its own light.
+    /// The light may lie in a surface, which must not block its own light: the ray starts beyond the rounding error.
     static Ray from_point(const Vec3& position, const Vec3& w) {
         return {position, w, rounding_of_connection(position, position)};
     }
@@ -201,10 +219,10 @@ private:
         return {Ray{offset_origin(q, w), w}, power_of_area(light, Le), q.ng};
     }
 
-    /// The direction first, uniform, then a point of the disk across it, lifted to the sphere. cos dA of the sphere is
-    /// the area on that disk, so this is the same density, 1 / (4 pi) 1 / (pi r^2) = cos / pi 1 / A per cos dA dw, and
-    /// no frame has to be spread over the sphere: neighbours in (u_position, u_direction) are neighbours in position
-    /// and direction.
+    /// Samples the direction first, uniformly, and then a point of the disk across it, which is lifted to the sphere.
+    /// cos dA on the sphere is an area on the disk. The density 1 / (4 pi) 1 / (pi r^2) per cos dA dw is therefore
+    /// that of a uniform point and a cosine-weighted direction, cos / pi 1 / A per dA dw. No frame has to be spread
+    /// over the sphere: neighbours in (u_position, u_direction) are neighbours in position and direction.
     EmissionSample from_sphere(const AreaLight& light, const Sphere& sphere) const {
         const Vec3 w = emission_axes(sphere.center).to_world(square_to_sphere(u_direction));
         const Vec2 d = square_to_disk(u_position);
@@ -215,7 +233,8 @@ private:
         return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, light.radiance_at(q.uv)), q.ng};
     }
 
-    /// Parallel light from the side w, uniform over the disk that hides the scene: E / pdf_a = E pi r^2.
+    /// Parallel light that comes from the direction w, uniform over the disk that covers the scene: E / pdf_a =
+    /// E pi r^2.
     EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Colord& irradiance) const {
         const Vec2 d = scene.radius * square_to_disk(u_position);
         return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w},

@@ -1,14 +1,14 @@
 #pragma once
-// With what probability one of many lights is chosen where nothing is known of which of them are seen.
+// The probabilities with which one of many lights is chosen if nothing is known about which of them are visible.
 
 #include "common/lights/light.h"
 #include "common/sampling/warp.h"
 
 namespace gib {
 
-/// Proportional to power (mean of the channels), but a tenth of the choices goes to all lights alike: what a dim
-/// light adds where the bright ones do not reach would otherwise be found too rarely, and never at all below the
-/// resolution of the random numbers.
+/// Probabilities in proportion to power (mean of the channels), except that a tenth of the choices is uniform over
+/// all lights that emit. Otherwise a dim light would be chosen too rarely where the bright ones do not reach, and
+/// never if its probability is below the resolution of the random numbers.
 DiscreteDistribution light_choice(const std::vector<Light>& lights);
 
 }  // namespace gib

@@ -21,7 +21,7 @@ SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& inten
       cutoff_(static_cast<float>(cutoff_angle)),
       beam_(static_cast<float>(beam_width)),
       beam_one_minus_cos_(static_cast<float>(one_minus_cos(beam_width))),
-      edge_{beam_width, cutoff_angle, 1, 0},
+      edge_{.theta0 = beam_width, .theta1 = cutoff_angle, .f0 = 1, .f1 = 0},
       slide_(std::move(slide)) {
     const double beam = one_minus_cos(beam_width), all = beam + edge_.integral();
     beam_share_ = static_cast<float>(beam / all);
@@ -32,7 +32,8 @@ SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& inten
     Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < power_samples; ++i)
         sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power;
-    // A slide that is dark but for what no sample met keeps a chance to be chosen.
+    // If all samples met dark parts of the slide, its mean colour gives the power, so that the light can
+    // still be chosen.
     power_ = sum.maxCoeff() > 0 ? Colord(sum / power_samples) : Colord(power_ * slide_->mean().cast<double>());
 }
 
@@ -48,7 +49,7 @@ Color SpotLight::slide_color(const Vec3& w) const {
 
 Color SpotLight::intensity(const Vec3& w) const {
     const Vec3 local = axes_.to_local(w);
-    // Not from the cosine, which hardly changes over a narrow beam.
+    // The angle is not taken from the cosine, which hardly changes over a narrow beam.
     const float share = falloff(std::atan2(std::hypot(local.x(), local.y()), local.z()));
     if (!(share > 0.f)) return Color::Zero();
     return slide_ ? Color(share * intensity_ * slide_color(local)) : Color(share * intensity_);
@@ -76,8 +77,10 @@ double SpotLight::sampled_angle(float u) const {
 
 DirectionCone SpotLight::cone_of(const Vec2& lower, const Vec2& upper) const {
     const double turn = 2 * std::numbers::pi;
-    return cone_around({sampled_angle(lower.x()), sampled_angle(upper.x()), turn * static_cast<double>(lower.y()),
-                        turn * static_cast<double>(upper.y())},
+    return cone_around({.theta0 = sampled_angle(lower.x()),
+                        .theta1 = sampled_angle(upper.x()),
+                        .phi0 = turn * static_cast<double>(lower.y()),
+                        .phi1 = turn * static_cast<double>(upper.y())},
                        axes_);
 }
 

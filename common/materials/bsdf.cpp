@@ -12,7 +12,7 @@ LobeTraits traits_of(const Scattering& model) {
     return std::visit([](const auto& m) { return m.traits(); }, model);
 }
 
-/// Into the layer's own frame.
+/// Carries a direction from the shading frame of the hit into the layer's own frame.
 Vec3 to_layer(const Bsdf::Layer& layer, const Vec3& w) {
     if (layer.to_layer) return *layer.to_layer * w;
     return layer.flipped ? Vec3(w.x(), w.y(), -w.z()) : w;
@@ -23,14 +23,16 @@ Vec3 from_layer(const Bsdf::Layer& layer, const Vec3& w) {
     return layer.flipped ? Vec3(w.x(), w.y(), -w.z()) : w;
 }
 
-/// A tilted normal must not let light through the surface: a direction counts only if it lies on the same side of both.
+/// Whether w lies on the same side of the surface's normal as of the layer's tilted one. Only then does it count,
+/// because a tilted normal must not let light through the surface.
 bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
     return !layer.to_layer || w.z() * (layer.flipped ? -w_layer.z() : w_layer.z()) > 0.f;
 }
 
-/// The caller multiplies by the cosine of the shading frame; a tilted layer has its own. For radiance it is that of the
-/// light's direction wi; for power the light comes along wo, and the caller's correction for shading normals expects
-/// the same ratio there (Veach 1997, section 5.3).
+/// The cosine about the layer's normal over that about the shading normal: callers multiply f by the latter, but a
+/// tilted layer scatters by the former. For radiance these are the cosines of the light's direction wi. For power the
+/// light comes along wo, and the caller's correction for shading normals expects the ratio of that direction (Veach
+/// 1997, section 5.3).
 float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wo_layer,
                           const Vec3& wi, const Vec3& wi_layer) {
     if (!layer.to_layer || injected(Fault::tilted_cosine)) return 1.f;
@@ -38,8 +40,9 @@ float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const V
     return std::abs(ratio);
 }
 
-/// 0 for a layer that scatters nothing from wo. Where the eye is still to be found, each layer has the share of
-/// directions for which it exists.
+/// The weight with which a layer is chosen for light from wo; 0 if the layer scatters nothing from there. A path
+/// that carries power does not know its eye yet: the weight then includes the share of eye directions for which
+/// the layer exists.
 float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Transport transport) {
     const Vec3 wo_layer = to_layer(layer, wo);
     if (!same_side(layer, wo, wo_layer)) return 0.f;
@@ -49,13 +52,14 @@ float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Trans
            std::visit([&](const auto& m) { return m.coefficients_local(wo_layer).of(which).mean(); }, layer.model);
 }
 
-/// Whether light leaves a layer along wi: power only towards eyes that see it.
+/// Whether light leaves a layer along wi. Power leaves it only towards eyes that see this layer.
 bool joins(const Bsdf::Layer& layer, Transport transport, const Vec3& wi, const Vec3& wi_layer) {
     return same_side(layer, wi, wi_layer) && (transport == Transport::radiance || layer.exists_for(wi));
 }
 
-/// Power leaves a tilted diffuse layer by the surface's cosine. Samples by the layer's own, which is next to nothing
-/// towards its horizon, would have weights without bound there; so this share of them goes by the surface's.
+/// Power leaves a tilted diffuse layer in proportion to the cosine about the surface's normal. Samples by the layer's
+/// own cosine, which vanishes at the layer's horizon, would have unbounded weights there. This share of the samples
+/// therefore follows the surface's cosine.
 constexpr float untilted_share = 0.5f;
 
 bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which) {
@@ -63,7 +67,7 @@ bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which
            traits_of(layer.model).diffuse;
 }
 
-/// Of the samples of one layer.
+/// The density of the samples of one layer [1/sr].
 float layer_pdf_w(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo, const Vec3& wo_layer,
                   const Vec3& wi, const Vec3& wi_layer) {
     const float tilted =
@@ -73,14 +77,19 @@ float layer_pdf_w(const Bsdf::Layer& layer, Transport transport, Lobes which, co
            (1.f - untilted_share) * tilted;
 }
 
-/// A direction in the shading frame of the hit; of a delta lobe also f and density, those of the layer alone.
+/// Samples a direction, in the shading frame of the hit. For a delta lobe f and the density are valid too, as those
+/// of the layer alone.
 std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo,
                                        float u_lobe, const Vec2& u) {
     const bool untilted = samples_untilted(layer, transport, which);
     if (untilted && u_lobe < untilted_share) {
         const Vec3 w = square_to_cosine_hemisphere(u);
-        return BsdfSample{
-            {w.x(), w.y(), std::copysign(w.z(), wo.z())}, Color::Zero(), 0.f, false, LobeKind::diffuse, 1.f};
+        return BsdfSample{.wi = {w.x(), w.y(), std::copysign(w.z(), wo.z())},
+                          .f = Color::Zero(),
+                          .pdf_w = 0.f,
+                          .delta = false,
+                          .lobe = LobeKind::diffuse,
+                          .eta = 1.f};
     }
     if (untilted) u_lobe = std::min((u_lobe - untilted_share) / (1.f - untilted_share), 1.f - unit_roundoff);
     auto sample = std::visit(
@@ -91,7 +100,8 @@ std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport trans
     return sample;
 }
 
-/// What the maps of a layer leave of light between these directions: nothing, where the eye sees another normal.
+/// The share of the light between these directions that the layer's bump and normal maps leave: the shadowing factor,
+/// or 0 if the eye sees the other of the two normals.
 float perturbed_share(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wi) {
     if (layer.perturbations.empty()) return 1.f;
     const bool radiance = transport == Transport::radiance;
@@ -115,7 +125,7 @@ float Perturbation::share() const {
 float Perturbation::shadowing(const Vec3& light) const {
     if (alpha2_ == 0.f) return 1.f;
     const float cosine = light.dot(base_), sine2 = base_.cross(light).squaredNorm();
-    // 2 / (1 + sqrt(1 + alpha^2 tan^2)), which has no limit of its own at the horizon.
+    // The factor 2 / (1 + sqrt(1 + alpha^2 tan^2)), multiplied out by |cos| because tan is infinite at the horizon.
     return 2.f * std::abs(cosine) / (std::abs(cosine) + std::sqrt(sqr(cosine) + alpha2_ * sine2));
 }
 
@@ -187,8 +197,8 @@ bool Bsdf::is_tilted() const {
 std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
     const LobeTraits& lobes = traits_at(wo.z());
     if (!lobes.delta || !lobes.transmission || lobes.diffuse || lobes.glossy) return std::nullopt;
-    // The lobes at both ends of the numbers that choose one: if their probabilities add up to 1, there is none between
-    // them.
+    // The smallest and the largest random number choose these two lobes. If their probabilities add up to 1, there is
+    // no third lobe.
     const auto first = sample_local(wo, Vec2(0.f, 0.f), Vec2::Zero(), transport, Lobes::specular);
     const auto last = sample_local(wo, Vec2(1.f - unit_roundoff, 0.f), Vec2::Zero(), transport, Lobes::specular);
     if (!first || !last || !(std::abs(first->pdf_w + last->pdf_w - 1.f) <= 4.f * unit_roundoff)) return std::nullopt;
@@ -257,7 +267,8 @@ std::optional<BsdfSample> Bsdf::sample_mixture_local(const Vec3& wo, const Vec2&
         total += weights[l];
     }
     if (!(total > 0.f)) return std::nullopt;
-    // The layer in whose share of [0, total) the number falls; what is left of the number chooses inside the layer.
+    // The number falls into one layer's part of [0, total); its position within this part chooses the lobe
+    // inside the layer.
     float rest = u_lobe.x() * total;
     std::size_t chosen = 0;
     for (std::size_t l = 0; l < layers_.size(); ++l) {

@@ -1,6 +1,7 @@
 #pragma once
-// The material at one point of a surface, all its parameters known: a mixture of scattering models, each of which may
-// be seen from behind or through a tilted normal, and the probability that nothing is there at all.
+// The material at one point of a surface, with all its parameters known. It is a mixture of scattering models, each
+// of which may be seen from behind or through a tilted normal, together with the probability that there is no surface
+// at all.
 
 #include "common/materials/phong.h"
 #include "common/materials/plastic.h"
@@ -16,43 +17,44 @@ namespace gib {
 using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, RoughConductor, RoughDielectric,
                                 Plastic, RoughPlastic, Phong>;
 
-/// A bump or normal map as one layer sees it, in the shading frame of the hit.
+/// The effect of a bump or normal map on one layer, in the shading frame of the hit.
 ///
-/// Mitsuba turns a normal that the eye would see from behind about the surface's own (`flip_invalid_normals`). Light
-/// that is traced from its source does not know yet where the eye lies: a layer then stands for one of the two normals,
-/// and scatters only towards eyes that see this one.
+/// If the eye would see the tilted normal from behind, Mitsuba turns this normal by 180 degrees about the surface's
+/// own (`flip_invalid_normals`). Light traced from its source does not know yet where the eye lies. Therefore each of
+/// the two normals has a layer of its own, which scatters only towards eyes that see this normal.
 ///
-/// The shadowing is that of Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump
-/// Terminator Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3: the light's, whichever way it is followed.
+/// The shadowing factor is that of Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve
+/// the Bump Terminator Problem" (Ray Tracing Gems, chapter 12), equations 1 to 3. It depends on the light's
+/// direction, whether the path is traced from the eye or from the light.
 class Perturbation {
 public:
-    /// The eyes that see a layer, by their side of the normal before it was turned. Of the surface, they see either
-    /// side.
+    /// Which eyes see a layer: all, those that are on the same side of the tilted normal (before it is turned) as of
+    /// the surface's own, or those that are on different sides.
     enum class Eye { any, in_front, behind };
 
-    /// `base` and `tilted`, both normalised: the normal before and after the map, not turned. `shadows`: the factor is
-    /// not 1.
+    /// `base` and `tilted` are the unit normals before and after the map, the latter not turned. `shadows`: whether
+    /// there is a shadowing factor; without it the factor is 1.
     Perturbation(const Vec3& base, const Vec3& tilted, Eye eye, bool shadows);
 
     /// Whether the layer exists for an eye in this direction.
     bool exists_for(const Vec3& eye) const {
         return eye_ == Eye::any || (eye.dot(base_) * eye.dot(tilted_) > 0.f) == (eye_ == Eye::in_front);
     }
-    /// The share of directions for which it exists.
+    /// The share of eye directions for which the layer exists.
     float share() const;
-    /// It leaves all light to its layer, for every eye.
+    /// Whether the layer keeps all its light, for every eye.
     bool does_nothing() const { return eye_ == Eye::any && alpha2_ == 0.f; }
-    /// 0 to 1.
+    /// The shadowing factor for light from this direction, from 0 to 1.
     float shadowing(const Vec3& light) const;
 
 private:
     Vec3 base_, tilted_;
     Eye eye_;
-    float alpha2_;  ///< of the distribution of normals that the map stands for
+    float alpha2_;  ///< squared roughness of the normals that the map stands for; 0: no shadowing
 };
 
-/// f, densities and samples are those of the surface where it is there: a mask of opacity o is a surface that is there
-/// with probability o. Directions are in the shading frame of the hit.
+/// A surface with a mask of opacity o exists with probability o; f, densities and samples are those of the existing
+/// surface. Directions are in the shading frame of the hit.
 class Bsdf {
 public:
     /// One model of a mixture.
@@ -61,7 +63,7 @@ public:
         float weight = 1.f;
         bool flipped = false;  ///< its front is the surface's back
         std::optional<Eigen::Matrix3f> to_layer =
-            {};  ///< orthogonal, the flip included: from the shading frame to a tilted one
+            {};  ///< from the shading frame to a tilted one: orthogonal, includes the flip
         std::vector<Perturbation> perturbations = {};  ///< of the maps that tilted it, without those that do nothing
 
         bool exists_for(const Vec3& eye) const;
@@ -74,8 +76,8 @@ public:
     explicit Bsdf(Scattering one_sided);
     /// Two models back to back (Mitsuba's `twosided`).
     Bsdf(Scattering front, Scattering back);
-    /// Weights as shares of all light; the sum of what one side shows and `pass_through` is at most 1. They are kept
-    /// divided by 1 - pass_through. At most max_layers.
+    /// Each weight is a layer's share of all light. On each side the weights and `pass_through` sum to at most 1;
+    /// they are stored divided by 1 - pass_through. There are at most max_layers layers.
     Bsdf(std::vector<Layer> layers, float pass_through);
 
     /// The probability that light goes straight on, as if there were no surface (`null`, `mask`).
@@ -94,10 +96,10 @@ public:
         return side.alone ? side.model.pdf_w_local(side.seen(wo), side.seen(wi), which)
                           : layered_pdf_w_local(wo, wi, which, transport);
     }
-    /// Empty where nothing is scattered. u_lobe.x() chooses the lobe. Where a diffuse and a glossy lobe could both have
-    /// given the direction, u_lobe.y() decides which of them the path belongs to, with a probability that goes by their
-    /// f; the sample's f is then that lobe's f over this probability, so that each class of paths has its own share of
-    /// light.
+    /// Empty if nothing is scattered. u_lobe.x() chooses the lobe. If both a diffuse and a glossy lobe could have
+    /// generated the direction, u_lobe.y() decides to which of them the path belongs, with probabilities proportional
+    /// to their f. The sample's f is then that lobe's f over its probability, so that each class of paths gets its
+    /// own share of the light.
     std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u, Transport transport,
                                            Lobes which = Lobes::all) const {
         const DiffuseSide& side = diffuse_side(wo.z());
@@ -108,35 +110,36 @@ public:
     }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
-    /// The two delta lobes of a smooth interface, where light from wo has no other way to go: for paths that follow
-    /// both instead of choosing one. The weight of a path is then f |cos|, not divided by pdf_w.
+    /// The two delta lobes of a smooth interface, for paths that follow both instead of choosing one: the weight of
+    /// each path is then f |cos|, not divided by pdf_w. Empty if light from wo has any other way to go.
     std::optional<std::array<BsdfSample, 2>> delta_pair_local(const Vec3& wo, Transport transport) const;
 
-    /// Of all layers, on both sides.
+    /// The lobes of all layers, on both sides.
     const LobeTraits& traits() const { return traits_; }
-    /// Some light is scattered at all.
+    /// Whether any light is scattered.
     bool reflects() const { return traits_.scatters(); }
     bool two_sided() const;
-    /// Some layer has a normal of its own, by a bump or normal map.
+    /// Whether a bump or normal map gives any layer its own normal.
     bool is_tilted() const;
     const std::vector<Layer>& layers() const { return layers_; }
 
-    /// The reflectance of a side with nothing but an ideal diffuse layer, which irradiance alone decides about; else
-    /// empty.
+    /// The reflectance of a side that has only an ideal diffuse layer, where the irradiance alone determines the
+    /// reflected radiance; empty for other sides.
     std::optional<Color> ideal_diffuse_reflectance(float cos_o) const {
         const DiffuseSide& side = diffuse_side(cos_o);
         return side.alone ? std::optional(side.model.reflectance) : std::nullopt;
     }
 
-    /// The lobes that light meets which leaves on the side of this cosine.
+    /// The lobes on the side of an outgoing direction with this cosine.
     const LobeTraits& traits_at(float cos_o) const { return traits_of_side_[below(cos_o)]; }
 
 private:
-    /// A side with nothing but an ideal diffuse layer, by far the most common, which is evaluated without a call.
+    /// One side of the material. If it has only an ideal diffuse layer, by far the most common case, it
+    /// is evaluated inline.
     struct DiffuseSide {
         Diffuse model{Color::Zero()};
-        bool alone = false;
-        float front = 1.f;  ///< the sign of its front's z
+        bool alone = false;  ///< whether the ideal diffuse layer is the only one
+        float front = 1.f;   ///< the sign of z on the layer's front
 
         Vec3 seen(const Vec3& w) const { return {w.x(), w.y(), front * w.z()}; }
     };
@@ -144,7 +147,7 @@ private:
     const DiffuseSide& diffuse_side(float cos_o) const { return diffuse_sides_[below(cos_o)]; }
 
     void prepare();
-    /// The layer that alone matters on this side; null if there are several, or tilted ones.
+    /// The only layer of this side; null if there are several, or tilted ones.
     const Layer* only_layer(float cos_o) const {
         const int i = only_[below(cos_o)];
         return i < 0 ? nullptr : &layers_[static_cast<std::size_t>(i)];

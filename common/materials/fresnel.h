@@ -1,5 +1,5 @@
 #pragma once
-// Reflection at smooth interfaces, exact (no Schlick).
+// Fresnel reflectances of smooth interfaces, exact (without Schlick's approximation).
 
 #include "common/core/math.h"
 
@@ -7,7 +7,8 @@
 
 namespace gib {
 
-/// What a smooth dielectric interface does with light that arrives at cos_i (signed: > 0 from outside).
+/// Reflection and refraction of light that arrives at a smooth dielectric interface at cos_i (signed: >
+/// 0 from outside).
 struct DielectricFresnel {
     float reflectance;  ///< unpolarised, 1 at total internal reflection
     float cos_t;        ///< of the transmitted ray, with the sign opposite to cos_i; 0 at total internal reflection
@@ -27,7 +28,8 @@ inline float dielectric_reflectance(float cos_i, float cos_t, float eta_ti) {
 inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
     const float eta_ti = cos_i >= 0.f ? eta : 1.f / eta;
     const float c = std::abs(cos_i);
-    // cos_t^2 = 1 - (1 - c^2) / eta^2, so that nothing of a small c is lost where eta is nearly 1, nor of 1 - c.
+    // cos_t^2 = 1 - (1 - c^2) / eta^2, in two forms: the first loses no digits of a small c where eta is nearly 1,
+    // the second none of a small 1 - c.
     const float cos_t = c < 0.7f ? safe_sqrt((eta_ti - 1.f) * (eta_ti + 1.f) + c * c) / eta_ti
                                  : safe_sqrt(1.f - (1.f - c) * (1.f + c) / (eta_ti * eta_ti));
     if (cos_t == 0.f) return {1.f, 0.f, eta_ti};
@@ -47,7 +49,8 @@ inline Color fresnel_conductor(float cos_i, const Color& eta, const Color& k) {
     const Color r_s = (t1 - t2) / (t1 + t2);
     const Color t3 = cos2 * a2_plus_b2 + sin2 * sin2;
     const Color t4 = t2 * sin2;
-    // Without any index (eta = k = 0) and straight on, both are zero; everything is reflected at every other angle.
+    // For eta = k = 0 and normal incidence both t3 and t4 are zero. Everything is reflected there, as it is at every
+    // other angle.
     const Color sum = t3 + t4;
     const Color r_p = r_s * (sum > 0.f).select((t3 - t4) / sum.max(std::numeric_limits<float>::min()), Color::Ones());
     return 0.5f * (r_s + r_p);

@@ -12,13 +12,13 @@ namespace {
 
 using Matrix = Eigen::Matrix3f;
 
-/// How the light of one part of a material comes to it: a share of it, seen through frames and from behind.
+/// How light reaches one part of a material: the part's share of the light, and the tilts and flips on the way to it.
 struct Passage {
     float share = 1.f;
     Frame frame;  ///< the shading frame as tilted so far, in world space
     Matrix to_layer = Matrix::Identity();
     bool tilted = false, flipped = false;
-    bool again = false;  ///< the same part seen with another normal, whose holes are counted
+    bool again = false;  ///< the part is seen with its second normal: its holes are already counted
     std::vector<Perturbation> perturbations;
 };
 
@@ -28,7 +28,7 @@ Matrix axes(const Frame& f) {
     return m;
 }
 
-/// Calls `use` with a model whose index depends on the wavelength.
+/// Calls `use` with the model if its index depends on the wavelength.
 template <typename Model, typename Use>
 void if_dispersive(Model& model, Use use) {
     std::visit(
@@ -39,7 +39,7 @@ void if_dispersive(Model& model, Use use) {
         model);
 }
 
-/// What a model is to light of one stratum of wavelengths.
+/// Sets the index of a model to that of one stratum of wavelengths.
 void disperse(Scattering& model, int stratum) {
     if_dispersive(model, [&](auto& m) {
         const auto eta = static_cast<double>(m.eta), b = static_cast<double>(m.cauchy_b);
@@ -53,7 +53,7 @@ bool is_dispersive(const Scattering& model) {
     return found;
 }
 
-/// v over its largest coordinate; zero stays.
+/// v over the largest of its absolute coordinates; a zero vector stays zero.
 Vec3 in_own_units(const Vec3& v) {
     const float largest = v.cwiseAbs().maxCoeff();
     return largest > 0.f ? Vec3(v / largest) : v;
@@ -111,7 +111,7 @@ private:
     void add(const BumpMap& node, const Passage& passage) {
         const Vec3& n = passage.frame.n;
         const Vec2 slope = node.scale * node.height.gradient(point_.uv);
-        // Each in units of its own: the product of two lengths of 1e-20 or 1e20 is no float.
+        // Each vector is scaled by itself, because float cannot hold the product of two lengths of 1e-20 or of 1e20.
         const Vec3 du = in_own_units(point_.dp_du + n * (slope.x() - n.dot(point_.dp_du)));
         const Vec3 dv = in_own_units(point_.dp_dv + n * (slope.y() - n.dot(point_.dp_dv)));
         Vec3 tilted = du.cross(dv);
@@ -122,7 +122,7 @@ private:
         const Color c = node.normal.color(point_.uv);
         add_perturbed(*node.nested, node.options, passage, passage.frame.to_world(Vec3((2.f * c - 1.f).matrix())));
     }
-    /// `normal` of any length; one without a direction tilts nothing.
+    /// `normal` may have any length; without a direction (zero or not finite) it tilts nothing.
     void add_perturbed(const Material& nested, const PerturbationOptions& options, Passage passage,
                        const Vec3& normal) {
         using Eye = Perturbation::Eye;
@@ -155,11 +155,12 @@ private:
     float pass_through_ = 0.f;
 };
 
-/// Every combination of a model's extreme textures: its traits depend on whether a colour is black and on which side of
-/// glossy_roughness it lies. An index that depends on the wavelength is 1 for none but single ones.
+/// The traits for every combination of the textures' extreme values: they depend only on whether a colour is black
+/// and on which side of glossy_roughness a roughness lies. An index that depends on the wavelength is 1 at single
+/// wavelengths at most; one stratum and the index at the d line together show whether there is refraction.
 LobeTraits possible_traits(const TexturedScattering& node) {
     LobeTraits traits;
-    for (std::size_t highest = 0; highest >> node.parameters.size() == 0; ++highest) {  // a bit for each parameter
+    for (std::size_t highest = 0; highest >> node.parameters.size() == 0; ++highest) {  // one bit per parameter
         Scattering model = node.model;
         for (std::size_t i = 0; i < node.parameters.size(); ++i) {
             const TexturedParameter& p = node.parameters[i];
@@ -217,14 +218,18 @@ Material::Material(Node node) : node_(std::move(node)) {
     } else {
         const auto* bump = std::get_if<BumpMap>(&node_);
         nest(bump ? bump->nested : std::get<NormalMap>(node_).nested);
-        // At a point each model appears once for either normal.
+        // At a point each model appears once for each of the two normals.
         if ((bump ? bump->options : std::get<NormalMap>(node_).options).flip_invalid_normals) models_ *= 2;
         is_bumped_ = true;
         constant = false;
     }
     if (models_ > Bsdf::max_layers) throw std::invalid_argument("a material of too many models");
     if (!constant) return;
-    const MaterialPoint anywhere{Vec2::Zero(), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), Frame(Vec3::UnitZ())};
+    const MaterialPoint anywhere{.uv = Vec2::Zero(),
+                                 .ng = Vec3::UnitZ(),
+                                 .dp_du = Vec3::UnitX(),
+                                 .dp_dv = Vec3::UnitY(),
+                                 .shading = Frame(Vec3::UnitZ())};
     constant_ = std::make_shared<const Bsdf>(at(anywhere));
     if (!is_dispersive_) return;
     std::vector<Bsdf> strata;

@@ -1,6 +1,6 @@
 #pragma once
-// What a surface is made of as a scene describes it: scattering models with textured parameters, nested in blends,
-// masks, bump maps and sides. At a point of a surface it becomes a Bsdf.
+// Materials as a scene describes them: scattering models with textured parameters, nested in blends, masks, bump maps
+// and two-sided materials. At a point of a surface a material becomes a Bsdf.
 
 #include "common/images/texture.h"
 #include "common/materials/bsdf.h"
@@ -15,10 +15,10 @@ namespace gib {
 class Material;
 using NestedMaterial = std::shared_ptr<const Material>;
 
-/// A parameter of a scattering model that a texture gives.
+/// A parameter of a scattering model whose value is taken from a texture.
 struct TexturedParameter {
     Texture texture;
-    void (*set_color)(Scattering& model, const Color& color) = nullptr;  ///< one of the two
+    void (*set_color)(Scattering& model, const Color& color) = nullptr;  ///< exactly one of the two is set
     void (*set_value)(Scattering& model, float value) = nullptr;
 };
 struct TexturedScattering {
@@ -32,7 +32,7 @@ struct Blend {
     Texture weight;
     NestedMaterial first, second;
 };
-/// There with probability `opacity`.
+/// A surface that exists with probability `opacity`.
 struct Mask {
     Texture opacity;
     NestedMaterial nested;
@@ -40,7 +40,7 @@ struct Mask {
 struct TwoSided {
     NestedMaterial front, back;
 };
-/// What is done about normals that the geometry contradicts: see Perturbation.
+/// How tilted normals that contradict the geometry are treated: see Perturbation.
 struct PerturbationOptions {
     bool flip_invalid_normals = true, use_shadowing_function = true;
 };
@@ -59,7 +59,7 @@ struct NormalMap {
     PerturbationOptions options{};
 };
 
-/// What a material needs to know of the place where light meets it.
+/// The geometry that a material needs at the point where light meets it.
 struct MaterialPoint {
     Vec2 uv;
     Vec3 ng;
@@ -76,30 +76,30 @@ public:
     explicit Material(Scattering model) : Material(Node(TexturedScattering{std::move(model), {}})) {}
 
     const Node& node() const { return node_; }
-    /// The same Bsdf everywhere; null if it varies.
+    /// The Bsdf of a material that is the same everywhere; null if it varies.
     const Bsdf* constant() const { return constant_.get(); }
     Bsdf at(const MaterialPoint& point) const { return at(point, std::nullopt); }
-    /// Both for light of one stratum of wavelengths, of a material that splits light.
+    /// constant() and at() of a material that splits light, for one stratum of wavelengths (dispersion.h).
     const Bsdf* constant(int stratum) const {
         return constant_strata_ ? &(*constant_strata_)[static_cast<std::size_t>(stratum)] : nullptr;
     }
     Bsdf at(const MaterialPoint& point, std::optional<int> stratum) const;
 
-    /// Of all models, whatever their textures say.
+    /// The lobes of all models, for all values that their textures may have.
     const LobeTraits& traits() const { return traits_; }
     bool has_holes() const { return has_holes_; }      ///< some light may pass straight through
     bool is_textured() const { return is_textured_; }  ///< a parameter varies
     bool is_bumped() const { return is_bumped_; }      ///< its normals are not the shape's
     bool two_sided() const { return two_sided_; }
     bool is_dispersive() const { return is_dispersive_; }  ///< its index depends on the wavelength
-    /// Its shading frame must follow u: normals or anisotropic models depend on it.
+    /// Whether its shading frame must follow u, because normals or anisotropic models depend on the frame.
     bool follows_uv() const { return is_bumped_ || traits_.anisotropic; }
 
 private:
     Node node_;
     LobeTraits traits_;
     bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false, is_dispersive_ = false;
-    std::size_t models_ = 0;  ///< layers that all nested materials can become at a point
+    std::size_t models_ = 0;  ///< number of layers that all nested materials may give at a point
     std::shared_ptr<const Bsdf> constant_;
     std::shared_ptr<const std::vector<Bsdf>> constant_strata_;
 };

@@ -8,11 +8,11 @@ namespace {
 
 constexpr double inv_sqrt_pi = std::numbers::inv_sqrtpi;
 
-/// Random numbers are multiples of 2^-24: the middle of their interval, which is neither 0 nor 1.
+/// The middle of the interval of length 2^-24 that a random number stands for: neither 0 nor 1.
 double middle(float u) { return static_cast<double>(u) + 0x1p-25; }
 
-/// An estimate of gaussian_slope, good to 2e-3 of its size. Source: Winitzki 2008, "A handy approximation for the error
-/// function and its inverse". `tail` = erfc(|x|).
+/// An estimate of gaussian_slope with a relative error of 2e-3. Source: Winitzki 2008, "A handy approximation for the
+/// error function and its inverse". `tail` = erfc(|x|).
 double gaussian_slope_estimate(double tail) {
     constexpr double a = 0.147;
     const double l = std::log(tail * (2 - tail));
@@ -20,30 +20,31 @@ double gaussian_slope_estimate(double tail) {
     return std::sqrt(std::max(std::sqrt(b * b - l / a) - b, 0.0));
 }
 
-/// x with (1 + erf(x)) / 2 = u, for 0 < u < 1.
+/// Solves (1 + erf(x)) / 2 = u for x, 0 < u < 1.
 double gaussian_slope(double u) {
     const double tail = 2 * std::min(u, 1 - u);  // without the cancellation of 1 - erf
     double x = gaussian_slope_estimate(tail);
-    for (int step = 0; step < 2; ++step) {  // Halley's, each triples the digits
+    for (int step = 0; step < 2; ++step) {  // each of Halley's steps triples the digits
         const double newton = (tail - std::erfc(x)) / (2 * inv_sqrt_pi * std::exp(-x * x));
         x -= newton / (1 + newton * x);
     }
     return u < 0.5 ? -x : x;
 }
 
-/// The slope towards a viewer at (cos, sin) to the normal of a Beckmann surface of roughness 1: density proportional to
-/// (cos - t sin) exp(-t^2) for t < cot. Its integral (Heitz and d'Eon 2014, supplement), times sin so that it has a
-/// limit at grazing angles and at normal incidence alike, is N(t) = cos (1 + erf(t)) / 2 + sin exp(-t^2) / (2
-/// sqrt(pi)). Solved for N(t) = u N(cot) by Halley's method inside a shrinking bracket.
+/// Samples the slope t towards a viewer at (cos, sin) to the normal of a Beckmann surface of roughness 1. Its
+/// density is proportional to (cos - t sin) exp(-t^2) for t < cot. The integral of the density (Heitz and d'Eon
+/// 2014, supplement), multiplied by sin so that it has limits both at grazing angles and at normal incidence, is
+/// N(t) = cos (1 + erf(t)) / 2 + sin exp(-t^2) / (2 sqrt(pi)). Halley's method inside a shrinking bracket solves
+/// N(t) = u N(cot).
 double beckmann_visible_slope(double cos_theta, double sin_theta, double u) {
-    constexpr double limit = 6;  // exp(-36): beyond it there is nothing
+    constexpr double limit = 6;  // exp(-36): the density beyond it is negligible
     const auto integral = [&](double t, double gauss) {
         return 0.5 * (cos_theta * std::erfc(-t) + sin_theta * inv_sqrt_pi * gauss);
     };
     double lower = -limit, upper = cos_theta < limit * sin_theta ? cos_theta / sin_theta : limit;
     const double target = u * integral(upper, std::exp(-upper * upper));
-    // Between the solutions for cos = 0 and for sin = 0. Not at the upper end, where the density is 0 and steps come to
-    // rest.
+    // The iteration starts between the solutions for cos = 0 and for sin = 0, but not at the upper end, where the
+    // density is 0 and the steps would stall.
     const double grazing = -std::sqrt(-std::log(u));
     const double frontal = std::copysign(gaussian_slope_estimate(2 * std::min(u, 1 - u)), u - 0.5);
     double t = std::min(sin_theta * sin_theta * grazing + cos_theta * cos_theta * frontal, upper - 0.05);
@@ -53,15 +54,16 @@ double beckmann_visible_slope(double cos_theta, double sin_theta, double u) {
         (excess > 0 ? upper : lower) = t;
         const double newton = excess / (inv_sqrt_pi * facing * gauss);
         const double change = newton / (1 + newton * (t + 0.5 * sin_theta / facing));
-        if (std::abs(change) < 1e-6) return t - change;  // what is left is of the order of its cube
+        if (std::abs(change) < 1e-6) return t - change;  // the remaining error is of the order of its cube
         t = t - change > lower && t - change < upper ? t - change : 0.5 * (lower + upper);
     }
     return t;
 }
 
-/// In the stretched surface, before it is shrunk again: wo_std is a unit vector. Dupuy and Benyoub 2023, "Sampling
-/// Visible GGX Normals with Spherical Caps": mirror directions are uniform on the cap z > -wo.z. Its height over the
-/// cap's edge and its radius are written as products, so that nothing cancels near either end.
+/// A visible normal of the stretched surface, of any length; wo_std is a unit vector. Dupuy and Benyoub 2023,
+/// "Sampling Visible GGX Normals with Spherical Caps": mirror directions are uniform on the cap z > -wo.z. The height
+/// of a mirror direction over the cap's edge and its distance from the axis are written as products, so that nothing
+/// cancels near either end.
 Vec3 ggx_visible_normal(const Vec3& wo_std, const Vec2& u) {
     const float above = 1.f + wo_std.z();
     const float below = (sqr(wo_std.x()) + sqr(wo_std.y())) / above;  // 1 - wo.z
@@ -79,9 +81,8 @@ Vec3 beckmann_visible_normal(const Vec3& wo_std, const Vec2& u) {
     return {along * towards.x() - across * towards.y(), along * towards.y() + across * towards.x(), 1.f};
 }
 
-/// Directions come with a length that is rounded. Near the horizon the sum of two of them is much shorter than they
-/// are, and its direction is decided by what is wrong with the lengths; one step of Newton's for 1 / sqrt corrects
-/// them.
+/// Corrects the rounded length of a unit vector with one Newton step for 1 / sqrt. Near the horizon the sum of two
+/// directions is much shorter than either of them, and the errors of their lengths would decide its direction.
 Vec3d with_exact_length(const Vec3& w) {
     const Vec3d d = w.cast<double>();
     return d * (1.5 - 0.5 * d.squaredNorm());
@@ -95,7 +96,7 @@ float MicrofacetDistribution::density(const Vec3& m) const {
     const float scale = inv_pi / (along_u() * along_v());
     if (type == MicrofacetType::ggx) return scale / sqr(r2 + sqr(m.z()));
     const float z2 = sqr(m.z());
-    // Below 1e-34 of the peak; it keeps the product of overflow and underflow away.
+    // Beyond this the density is below 1e-34 of its peak; the formula would multiply an overflow by an underflow.
     if (r2 > 80.f * z2) return 0.f;
     return scale * std::exp(-r2 / z2) / sqr(z2);
 }
@@ -105,7 +106,7 @@ float MicrofacetDistribution::visible_area(const Vec3& w) const {
     const float c = w.z();
     if (type == MicrofacetType::ggx) return 0.5f * (c + std::sqrt(sqr(c) + s2));
     const float s = std::sqrt(s2);
-    if (c >= 4.f * s) return c;  // exp(-16): equal in single precision
+    if (c >= 4.f * s) return c;  // exp(-16) is below the rounding error
     const float a = c / s;
     return 0.5f * (c * (1.f + std::erf(a)) + s * static_cast<float>(inv_sqrt_pi) * std::exp(-a * a));
 }
@@ -127,7 +128,7 @@ Facet reflecting_facet(const Vec3& wo, const Vec3& wi) {
     const double length = h.norm();
     // wo.h = 1 + wo.wi = |h|^2 / 2.
     const auto cosine = static_cast<float>(0.5 * length);
-    return {(h / length).cast<float>(), cosine, cosine, reflection_jacobian(cosine)};
+    return {.m = (h / length).cast<float>(), .cos_o = cosine, .cos_i = cosine, .jacobian = reflection_jacobian(cosine)};
 }
 
 std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_ti) {
@@ -138,8 +139,10 @@ std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_
     if (!(h.z() > 0)) return std::nullopt;
     const auto cos_o = static_cast<float>(o.dot(h) / length), cos_i = static_cast<float>(-i.dot(h) / length);
     if (!(cos_o > 0.f && cos_i > 0.f)) return std::nullopt;
-    return Facet{(h / length).cast<float>(), cos_o, cos_i,
-                 refraction_jacobian(cos_o, cos_i, eta_ti, static_cast<float>(length))};
+    return Facet{.m = (h / length).cast<float>(),
+                 .cos_o = cos_o,
+                 .cos_i = cos_i,
+                 .jacobian = refraction_jacobian(cos_o, cos_i, eta_ti, static_cast<float>(length))};
 }
 
 }  // namespace gib

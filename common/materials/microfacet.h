@@ -1,6 +1,7 @@
 #pragma once
-// Rough surfaces as random facets: how their normals are distributed, how much of them is visible from a direction, and
-// which facet takes light from one direction to another. Local frame, its z along the mean normal.
+// Microfacet theory of rough surfaces: the distribution of the facets' normals, the share of facets that is visible
+// from a direction, and the facet that takes light from one direction to another. The local frame has z along the
+// mean normal.
 //
 // Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Heitz 2014, "Understanding
 // the Masking-Shadowing Function in Microfacet-Based BRDFs" (JCGT 3(2)); Heitz and d'Eon 2014, "Importance Sampling
@@ -23,13 +24,14 @@ enum class MicrofacetType {
 inline constexpr std::array<std::string_view, 2> microfacet_type_names = {"beckmann", "ggx"};
 
 /// The distribution of slopes is P22(x, y) = p((x / alpha_u)^2 + (y / alpha_v)^2) / (alpha_u alpha_v) with p(r^2) =
-/// exp(-r^2) / pi for Beckmann and 1 / (pi (1 + r^2)^2) for GGX. Stretching the surface by 1 / alpha turns every one
-/// into the isotropic one of roughness 1 (Heitz 2014, section 5.3); directions are stretched by alpha then.
+/// exp(-r^2) / pi for Beckmann and 1 / (pi (1 + r^2)^2) for GGX. Stretching the surface by 1 / alpha turns every
+/// distribution into the isotropic one of roughness 1 (Heitz 2014, section 5.3); it multiplies x and y of directions
+/// by alpha.
 struct MicrofacetDistribution {
     MicrofacetType type = MicrofacetType::beckmann;
-    /// Roughness along x and y; for Beckmann, if they are equal, the root mean square slope. Below min_alpha they act
-    /// as min_alpha, as in Mitsuba 3: narrower lobes cannot be told apart in single precision, and 0 is a case for the
-    /// smooth models.
+    /// Roughness along x and y; for Beckmann with equal values, the root mean square slope. Values below min_alpha
+    /// act as min_alpha, as in Mitsuba 3: narrower lobes cannot be told apart in single precision, and the smooth
+    /// models are meant for a roughness of 0.
     float alpha_u = 0.1f, alpha_v = 0.1f;
 
     static constexpr float min_alpha = 1e-4f;
@@ -38,12 +40,13 @@ struct MicrofacetDistribution {
     /// the integral of D(m) m.z is 1. Zero for m.z <= 0. Walter et al. 2007, equations 25 and 33, for two alphas.
     float density(const Vec3& m) const;
 
-    /// The area of facets that is visible along w, seen from there and per unit of macroscopic area: w.z / G1(w), the
-    /// integral of max(w.m, 0) D(m) (Heitz 2014, equations 13 and 43). Smith's masking, exact (no rational fit as in
-    /// Walter et al.), and positive where w.z = 0 and G1 / w.z would be 0 / 0. For w.z >= 0.
+    /// The area of facets that is visible along w, as seen from there and per unit of macroscopic area: the integral
+    /// of max(w.m, 0) D(m), which is w.z / G1(w) (Heitz 2014, equations 13 and 43). Smith's masking is exact here (no
+    /// rational fit as in Walter et al.), and the area stays positive at w.z = 0, where w.z / G1(w) would be 0 / 0.
+    /// For w.z >= 0.
     float visible_area(const Vec3& w) const;
 
-    /// Smith's masking function, the visible share of the facets that face w. For w.z >= 0.
+    /// Smith's masking function G1: the visible share of the facets that face w. For w.z >= 0.
     float g1(const Vec3& w) const { return w.z() / visible_area(w); }
 
     /// A normal with density max(wo.m, 0) D(m) / visible_area(wo). For wo.z > 0 and u in [0, 1)^2.
@@ -61,14 +64,14 @@ struct Facet {
     Vec3 m;          ///< its unit normal, m.z > 0
     float cos_o;     ///< wo.m > 0
     float cos_i;     ///< |wi.m|
-    float jacobian;  ///< wo.m times the solid angle of m over that of wi: has a limit where wo.m = 0
+    float jacobian;  ///< wo.m times the solid angle of m over that of wi; it stays finite at wo.m = 0
 };
 
 /// The direction that a facet mirrors wo into; cos_o = wo.m.
 inline Vec3 reflected(const Vec3& wo, const Vec3& m, float cos_o) { return (2.f * cos_o * m - wo).normalized(); }
 
-/// The direction that a facet refracts wo into; cos_i = |wi.m| > 0 by Snell's law. wo + eta_ti wi points along m, and
-/// its length |cos_o - eta_ti cos_i| is |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
+/// The direction that a facet refracts wo into; cos_i = |wi.m| > 0 by Snell's law. wo + eta_ti wi points along m. Its
+/// length |cos_o - eta_ti cos_i| is computed as |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
 struct Refraction {
     Vec3 wi;
     float length;  ///< of wo + eta_ti wi
@@ -83,11 +86,11 @@ inline float refraction_jacobian(float cos_o, float cos_i, float eta_ti, float l
     return cos_o * cos_i * sqr((injected(Fault::refraction_jacobian) ? 1.f : eta_ti) / length);
 }
 
-/// The mirror facet for wo.z > 0 and wi.z > 0. Walter et al. 2007, equations 13 and 14.
+/// The facet that mirrors wo into wi, for wo.z > 0 and wi.z > 0. Walter et al. 2007, equations 13 and 14.
 Facet reflecting_facet(const Vec3& wo, const Vec3& wi);
 
-/// For wo.z > 0 and wi.z < 0; `eta_ti` = index on wi's side over index on wo's side, not 1. Empty if no facet refracts
-/// one into the other. Walter et al. 2007, equations 16 and 17.
+/// The facet that refracts wo into wi, for wo.z > 0 and wi.z < 0. `eta_ti` = index on wi's side over index on wo's
+/// side, not 1. Empty if there is no such facet. Walter et al. 2007, equations 16 and 17.
 std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_ti);
 
 }  // namespace gib

@@ -59,7 +59,7 @@ std::optional<BsdfSample> Phong::sample_local(const Vec3& wo, float u_lobe, cons
     const bool is_glossy = u_lobe < *glossy;
     Vec3 wi;
     if (is_glossy) {
-        // cos = u^(1 / (n + 1)) for u in (0, 1], and 1 - cos without cancellation.
+        // cos = u^(1 / (n + 1)) for u in (0, 1]; expm1 and log1p give 1 - cos without cancellation.
         const float one_minus_cos = -std::expm1(std::log1p(-u.y()) / (exponent + 1.f));
         const float sine = safe_sqrt(one_minus_cos * (2.f - one_minus_cos)), phi = 2.f * pi * u.x();
         wi = Frame(mirrored(wo))
@@ -70,8 +70,12 @@ std::optional<BsdfSample> Phong::sample_local(const Vec3& wo, float u_lobe, cons
     }
     const float pdf_w = pdf_w_local(wo, wi, which);
     if (!(pdf_w > 0.f)) return std::nullopt;  // below the surface
-    return BsdfSample{wi,    f_local(wo, wi, transport).of(which),          pdf_w,
-                      false, is_glossy ? glossy_kind() : LobeKind::diffuse, 1.f};
+    return BsdfSample{.wi = wi,
+                      .f = f_local(wo, wi, transport).of(which),
+                      .pdf_w = pdf_w,
+                      .delta = false,
+                      .lobe = is_glossy ? glossy_kind() : LobeKind::diffuse,
+                      .eta = 1.f};
 }
 
 ScatteringCoefficients Phong::coefficients_local(const Vec3& wo) const {

@@ -1,23 +1,26 @@
 #include "common/materials/plastic.h"
 
+#include "common/materials/fresnel.h"
+
 #include <algorithm>
 
 namespace gib {
 
 namespace {
 
-/// What light that came in leaves of a base of this colour, over all its rounds under the coat.
+/// The base's reflectance summed over all rounds under the coat: rho / (1 - rho R), or rho / (1 -
+/// R) without `nonlinear`.
 Color base_reflectance(const Color& rho, float internal_reflectance, bool nonlinear) {
     if (nonlinear) return rho / (1.f - rho * internal_reflectance);
     return rho / (1.f - internal_reflectance);
 }
 
-/// With which probabilities the lobes are sampled; both zero if there is nothing to sample.
+/// The probabilities of sampling the lobes; both are zero if there is nothing to sample.
 struct LobeChoice {
     float coat = 0.f, base = 0.f;
 };
 
-/// By what they reflect, as far as they take part (Mitsuba 3's weights).
+/// Chooses in proportion to the light that each lobe reflects, among the lobes that take part (Mitsuba 3's weights).
 LobeChoice choose_lobe(float transmittance, const Color& coat_color, const Color& base_color, bool has_coat,
                        bool has_base) {
     has_coat = has_coat && !is_black(coat_color);
@@ -27,11 +30,12 @@ LobeChoice choose_lobe(float transmittance, const Color& coat_color, const Color
     return {coat / (coat + base), base / (coat + base)};
 }
 
-/// Of a function of the facet's normal and its cosine with wo. Normals in the two halves of the unit square are mirror
-/// images: one half is enough.
+/// The mean of a function of the facet's normal and its cosine with wo. The two halves of the unit square give
+/// normals that are mirror images: one half is enough.
 template <typename F>
 double mean_over_visible_normals(const MicrofacetDistribution& distribution, const Vec3& wo, int size, F&& f) {
-    // Midpoint rule in t with u = t^2 (3 - 2 t): ends where slopes grow without bounds are approached smoothly.
+    // Midpoint rule in t with u = t^2 (3 - 2 t), which refines the steps towards the ends, where slopes
+    // grow without bounds.
     const auto u = [](double t) { return t * t * (3 - 2 * t); };
     const bool ggx = distribution.type == MicrofacetType::ggx;
     double sum = 0;
@@ -40,7 +44,7 @@ double mean_over_visible_normals(const MicrofacetDistribution& distribution, con
         const auto along = static_cast<float>(u(t));
         for (int j = 0; 2 * j < size; ++j) {
             const double v = (j + 0.5) / size, height = u((j + 1.0) / size) - u(static_cast<double>(j) / size);
-            // GGX: the angle around wo, in which everything is periodic and equal steps are best.
+            // For GGX this number is the angle around wo: the integrand is periodic in it, and equal steps are best.
             const Vec2 point = ggx ? Vec2(static_cast<float>(v), along) : Vec2(along, static_cast<float>(u(v)));
             const Vec3 m = distribution.sample_visible(wo, point);
             sum += width * (ggx ? 1.0 / size : height) * static_cast<double>(f(m, std::max(wo.dot(m), 0.f)));
@@ -49,7 +53,7 @@ double mean_over_visible_normals(const MicrofacetDistribution& distribution, con
     return 2 * sum;
 }
 
-/// The share of light from wo that facets mirror, all of it scattered once.
+/// The share of light from wo that the surface reflects after a single scattering.
 double rough_reflectance(const MicrofacetDistribution& distribution, const Vec3& wo, float eta_ti, int size) {
     return mean_over_visible_normals(distribution, wo, size, [&](const Vec3& m, float cos_o) {
         const Vec3 wi = reflected(wo, m, cos_o);
@@ -65,7 +69,7 @@ double rough_transmittance(const MicrofacetDistribution& distribution, const Vec
     });
 }
 
-constexpr int table_size = 64;  // Mitsuba 3's
+constexpr int table_size = 64;  // as in Mitsuba 3
 
 Vec3 table_direction(int i) {
     const float c = std::max(static_cast<float>(i) / (table_size - 1), 1e-6f);
@@ -75,9 +79,10 @@ Vec3 table_direction(int i) {
 }  // namespace
 
 float diffuse_fresnel_reflectance(float eta_ti) {
-    // From the denser side: what comes out of a diffuse radiance is what goes in at the same angles, over eta^2.
+    // From the denser side: by reciprocity, the transmitted share of diffuse light is that from the other
+    // side over eta^2.
     if (eta_ti < 1.f) return 1.f - sqr(eta_ti) * (1.f - diffuse_fresnel_reflectance(1.f / eta_ti));
-    // cos = t^2: the reflectance changes fastest near the horizon.
+    // The substitution cos = t^2 refines the steps near the horizon, where the reflectance changes fastest.
     constexpr int n = 2000;
     double sum = 0;
     for (int i = 0; i < n; ++i) {
@@ -122,13 +127,21 @@ std::optional<BsdfSample> Plastic::sample_local(const Vec3& wo, float u_lobe, co
                                           which != Lobes::specular);
     if (u_lobe < choice.coat) {
         const Color weight = specular_reflectance * (r * with_loss(Fault::plastic_coat_energy));
-        return BsdfSample{Vec3(-wo.x(), -wo.y(), wo.z()), weight / wo.z(), choice.coat, true, LobeKind::specular, 1.f};
+        return BsdfSample{.wi = Vec3(-wo.x(), -wo.y(), wo.z()),
+                          .f = weight / wo.z(),
+                          .pdf_w = choice.coat,
+                          .delta = true,
+                          .lobe = LobeKind::specular,
+                          .eta = 1.f};
     }
     if (choice.base == 0.f) return std::nullopt;
     const Vec3 wi = square_to_cosine_hemisphere(u);
-    return BsdfSample{
-        wi, f_local(wo, wi, transport).diffuse, choice.base * cosine_hemisphere_pdf(wi.z()), false, LobeKind::diffuse,
-        1.f};
+    return BsdfSample{.wi = wi,
+                      .f = f_local(wo, wi, transport).diffuse,
+                      .pdf_w = choice.base * cosine_hemisphere_pdf(wi.z()),
+                      .delta = false,
+                      .lobe = LobeKind::diffuse,
+                      .eta = 1.f};
 }
 
 ScatteringCoefficients Plastic::coefficients_local(const Vec3& wo) const {
@@ -145,14 +158,15 @@ RoughCoat::RoughCoat(const MicrofacetDistribution& distribution, float eta) {
         const Vec3 w = table_direction(i);
         nodes.push_back(static_cast<float>(rough_transmittance(distribution, w, eta, 64)));
         reflectance += 2 * static_cast<double>(w.z()) * rough_reflectance(distribution, w, 1.f / eta, 64);
-        // Of 2 cos T(cos), T linear between the nodes.
+        // The integral of 2 cos T(cos) between two nodes, where T is linear.
         if (i == 0) continue;
         const double a = nodes[nodes.size() - 2], b = nodes.back();
         const double left = (i - 1.0) / (table_size - 1), right = static_cast<double>(i) / (table_size - 1);
         transmitted += (right - left) * (a * (2 * left + right) + b * (left + 2 * right)) / 3;
     }
     diffuse_transmittance = static_cast<float>(transmitted);
-    // What comes out of a diffuse radiance is what goes in at the same angles, over eta^2: R + that cannot exceed 1.
+    // By reciprocity the coat transmits the share `transmitted` / eta^2 of diffuse light from inside. R is at most
+    // the rest.
     internal_reflectance = static_cast<float>(std::min(reflectance / table_size, 1 - transmitted / sqr(double{eta})));
 }
 
@@ -222,15 +236,19 @@ std::optional<BsdfSample> RoughPlastic::sample_local(const Vec3& wo, float u_lob
     }
     const float pdf_w = pdf_w_local(wo, wi, which);
     if (!(pdf_w > 0.f)) return std::nullopt;  // the facet sends it below the horizon
-    return BsdfSample{wi,    f_local(wo, wi, transport).of(which), pdf_w,
-                      false, coat ? coat_kind : LobeKind::diffuse, 1.f};
+    return BsdfSample{.wi = wi,
+                      .f = f_local(wo, wi, transport).of(which),
+                      .pdf_w = pdf_w,
+                      .delta = false,
+                      .lobe = coat ? coat_kind : LobeKind::diffuse,
+                      .eta = 1.f};
 }
 
 ScatteringCoefficients RoughPlastic::coefficients_local(const Vec3& wo) const {
     ScatteringCoefficients c;
     if (!(wo.z() > 0.f)) return c;
     const float t = coat_->transmittance(wo.z());
-    // Nearly all that is not let in is reflected; the rest is lost.
+    // Nearly all light that does not enter is reflected; the rest is lost.
     const Color coat = (1.f - t) * specular_reflectance;
     (kind_of_roughness(distribution.roughness()) == LobeKind::diffuse ? c.diffuse : c.specular) = coat;
     c.diffuse += base_reflectance(diffuse_reflectance, coat_->internal_reflectance, nonlinear) *

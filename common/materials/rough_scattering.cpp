@@ -1,5 +1,7 @@
 #include "common/materials/rough_scattering.h"
 
+#include "common/materials/fresnel.h"
+
 #include <algorithm>
 
 namespace gib {
@@ -59,7 +61,12 @@ std::optional<BsdfSample> RoughConductor::sample_local(const Vec3& wo, float, co
     const Vec3 wi = reflected(wo, m, cos_o);
     if (!(cos_o > 0.f && wi.z() > 0.f)) return std::nullopt;
     const float pdf_w = distribution.density(m) * reflection_jacobian(cos_o) / distribution.visible_area(wo);
-    return BsdfSample{wi, reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)), pdf_w, false, kind, 1.f};
+    return BsdfSample{.wi = wi,
+                      .f = reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)),
+                      .pdf_w = pdf_w,
+                      .delta = false,
+                      .lobe = kind,
+                      .eta = 1.f};
 }
 
 ScatteringCoefficients RoughConductor::coefficients_local(const Vec3& wo) const {
@@ -67,7 +74,7 @@ ScatteringCoefficients RoughConductor::coefficients_local(const Vec3& wo) const 
     return of_kind(kind_of_roughness(distribution.roughness()), reflectance(wo.z()));
 }
 
-/// What a facet does with the light of two directions that are given.
+/// The scattering at the facet that connects two given directions.
 struct RoughDielectric::Event {
     bool reflects;
     float eta_ti;
@@ -85,7 +92,10 @@ std::optional<RoughDielectric::Event> RoughDielectric::event(const Vec3& wo, con
     const float choice = reflects ? fresnel_dielectric(facet->cos_o, eta_ti).reflectance
                                   : 1.f - dielectric_reflectance(facet->cos_o, facet->cos_i, eta_ti);
     const float pdf_w = choice * distribution.density(facet->m) * facet->jacobian / distribution.visible_area(o);
-    return Event{reflects, eta_ti, pdf_w, distribution.visible_area(on_side(wi, wi.z() < 0.f))};
+    return Event{.reflects = reflects,
+                 .eta_ti = eta_ti,
+                 .pdf_w = pdf_w,
+                 .area_i = distribution.visible_area(on_side(wi, wi.z() < 0.f))};
 }
 
 Color RoughDielectric::reflection() const { return specular_reflectance * with_loss(Fault::rough_reflection_energy); }
@@ -125,7 +135,12 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
     if (wo.z() == 0.f) return std::nullopt;
     if (eta == 1.f) {
         if (which == Lobes::diffuse) return std::nullopt;
-        return BsdfSample{-wo, specular_transmittance / std::abs(wo.z()), 1.f, true, LobeKind::specular, 1.f};
+        return BsdfSample{.wi = -wo,
+                          .f = specular_transmittance / std::abs(wo.z()),
+                          .pdf_w = 1.f,
+                          .delta = true,
+                          .lobe = LobeKind::specular,
+                          .eta = 1.f};
     }
     const LobeKind kind = kind_of_roughness(distribution.roughness());
     if (!includes(which, kind)) return std::nullopt;
@@ -141,8 +156,12 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
         const Vec3 i = reflected(o, m, cos_o);
         if (!(i.z() > 0.f)) return std::nullopt;
         const float pdf_w = fresnel.reflectance * facets * reflection_jacobian(cos_o);
-        return BsdfSample{
-            on_side(i, below), reflection() * (pdf_w / distribution.visible_area(i)), pdf_w, false, kind, 1.f};
+        return BsdfSample{.wi = on_side(i, below),
+                          .f = reflection() * (pdf_w / distribution.visible_area(i)),
+                          .pdf_w = pdf_w,
+                          .delta = false,
+                          .lobe = kind,
+                          .eta = 1.f};
     }
     const float cos_i = -fresnel.cos_t;
     if (!(cos_i > 0.f)) return std::nullopt;
@@ -150,13 +169,13 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
     if (!(i.z() < 0.f)) return std::nullopt;
     const float pdf_w = (1.f - fresnel.reflectance) * facets * refraction_jacobian(cos_o, cos_i, eta_ti, length);
     const Color f = transmission(transport, eta_ti) * (pdf_w / distribution.visible_area(on_side(i, true)));
-    return BsdfSample{on_side(i, below), f, pdf_w, false, kind, eta_ti};
+    return BsdfSample{.wi = on_side(i, below), .f = f, .pdf_w = pdf_w, .delta = false, .lobe = kind, .eta = eta_ti};
 }
 
 ScatteringCoefficients RoughDielectric::coefficients_local(const Vec3& wo) const {
     if (wo.z() == 0.f) return {};
     if (eta == 1.f) return {.specular = specular_transmittance};
-    // Facets are tilted: neither lobe vanishes where the smooth interface has none of it.
+    // Facets are tilted: no lobe vanishes, even if it does for a smooth interface at this angle.
     const float margin = 0.05f * std::min(distribution.roughness(), 1.f);
     const float r = std::clamp(fresnel_dielectric(wo.z(), eta).reflectance, margin, 1.f - margin);
     return of_kind(kind_of_roughness(distribution.roughness()),

@@ -1,7 +1,8 @@
 #pragma once
-// Interfaces made of facets (Walter et al. 2007), each of them a smooth conductor or dielectric. Light is followed
-// through one facet only: what meets a second one is lost, the more the rougher the surface is. The share that is lost
-// where nothing is absorbed, in percent, by alpha and the angle between wo and the normal:
+// Rough conductors and dielectrics: interfaces made of facets, each of them smooth (Walter et al. 2007). Light is
+// followed through one facet only. Light that would meet a second facet is lost; this share grows with the roughness.
+// The table shows the lost share of light in percent, without absorption, by alpha and by the angle between wo and
+// the normal in degrees:
 //
 //            dielectric from outside, eta = 1.5                  conductor, F = 1
 //            beckmann                  ggx                       beckmann                  ggx
@@ -19,12 +20,12 @@
 
 namespace gib {
 
-/// A rough conductor, one-sided. With D the density of normals, F the Fresnel reflectance at the facet and A(w) = w.z /
-/// G1(w) the visible area:
+/// A rough conductor, one-sided. With D the density of normals, F the Fresnel reflectance at the facet and A(w) = w.z
+/// / G1(w) the visible area:
 ///     f = F D(m) G1(wo) G1(wi) / (4 wo.z wi.z) = F D(m) / (4 A(wo) A(wi))       (Walter et al. 2007, equation 20)
 ///     pdf_w = D(m) / (4 A(wo))                                                  visible normals, mirrored
-/// Masking is separable, as in Mitsuba 3. The weight of a sample is F G1(wi) <= 1. Directions that a facet sends below
-/// the horizon are no samples, and the density falls short of 1 by their share.
+/// Masking is separable, as in Mitsuba 3. The weight of a sample is F G1(wi) <= 1. Directions below the horizon are
+/// rejected, so that the density integrates to less than 1 by their share.
 struct RoughConductor {
     std::optional<ConductorIndex> index;  ///< none: F = 1
     MicrofacetDistribution distribution;
@@ -44,9 +45,10 @@ private:
 /// facet, which is 1 / 4 for a reflection and eta_ti^2 |wo.m| |wi.m| / |wo + eta_ti wi|^2 for a refraction (Walter et
 /// al. 2007, equations 14 and 17; 20 and 21 for f):
 ///     pdf_w = F D(m) J / A(wo)             or (1 - F) D(m) J / A(wo)
-///     f     = F D(m) J / (A(wo) A(wi))     or (1 - F) D(m) J / (A(wo) A(wi)), for radiance over eta_ti^2
-/// A sample reflects or refracts by F at its facet and weighs G1(wi). What a facet sends to the wrong side of the mean
-/// surface is no sample. With eta = 1 there is no interface: a delta lobe straight on.
+///     f     = F D(m) J / (A(wo) A(wi))     or (1 - F) D(m) J / (A(wo) A(wi)); divided by eta_ti^2 for radiance
+/// A sample reflects at its facet with probability F and otherwise refracts; its weight is G1(wi). Directions on the
+/// wrong side of the mean surface are rejected. With eta = 1 there is no interface: light goes straight on, as a
+/// delta lobe.
 struct RoughDielectric {
     float eta = 1.f;
     float cauchy_b = 0.f;  ///< as in Dielectric
@@ -64,7 +66,7 @@ struct RoughDielectric {
 private:
     struct Event;
     std::optional<Event> event(const Vec3& wo, const Vec3& wi) const;
-    /// What the lobes are multiplied by.
+    /// The factors of the lobes: tint, and the scaling of refracted radiance.
     Color reflection() const;
     Color transmission(Transport transport, float eta_ti) const;
 };

@@ -1,14 +1,14 @@
 #pragma once
-// What every scattering model speaks: its lobes, their values and samples. f never holds the cosine; directions point
-// away from the surface; local means the shading frame with its normal as z.
+// The interface of every scattering model: its lobes, their values and samples. f never holds the cosine; directions
+// point away from the surface; local means the shading frame with its normal as z.
 //
 // A model is a struct with these members:
 //   LobeTraits traits() const;
 //   LobeValues f_local(wo, wi, transport) const;                    f of the lobes that are no delta [1/sr]
-//   float pdf_w_local(wo, wi, which) const;                         density of sample_local(.., which) for them [1/sr]
+//   float pdf_w_local(wo, wi, which) const;                         density of sample_local for them [1/sr]
 //   optional<BsdfSample> sample_local(wo, u_lobe, u, transport, which) const;
 //   ScatteringCoefficients coefficients_local(wo) const;
-// Where a model scatters nothing (a one-sided one seen from behind), all of them are zero or empty.
+// Where a model scatters nothing, such as a one-sided model seen from behind, all of these are zero or empty.
 
 #include "common/core/components.h"
 #include "common/core/math.h"
@@ -17,24 +17,24 @@
 
 namespace gib {
 
-/// What a path carries. Radiance is scaled by the squared index ratio at a refraction, power is not
+/// The quantity that a path carries. Radiance is scaled by the squared index ratio at a refraction, power is not
 /// (Veach 1997, section 5.2: f is not symmetric there).
 enum class Transport { radiance, power };
 
-/// The lobes that take part, by their kind.
+/// Selects the lobes that take part, by their kind.
 enum class Lobes { all, diffuse, specular };
 constexpr bool includes(Lobes which, LobeKind kind) {
     return which == Lobes::all || (which == Lobes::diffuse) == (kind == LobeKind::diffuse);
 }
 
-/// What lobes a model has, on either side.
+/// The lobes of a model, on either side.
 struct LobeTraits {
     bool diffuse = false;       ///< counts as D; never a delta
     bool glossy = false;        ///< counts as S, though it is no delta
     bool rough = false;         ///< neither a delta nor ideally diffuse, whatever it counts as
     bool delta = false;         ///< counts as S
     bool transmission = false;  ///< light passes to the other side; such a model scatters on both
-    bool refraction = false;    ///< and is bent there
+    bool refraction = false;    ///< transmitted light is bent
 
     bool anisotropic = false;  ///< depends on where the shading frame's axes point
 
@@ -58,7 +58,7 @@ constexpr LobeKind kind_of_roughness(float alpha) {
     return alpha > glossy_roughness ? LobeKind::diffuse : LobeKind::specular;
 }
 
-/// By the kind of lobe, of those that are no delta: f [1/sr], or the radiance that they scatter.
+/// Values by the kind of lobe, without delta lobes: f [1/sr], or the radiance that the lobes scatter.
 struct LobeValues {
     Color diffuse = Color::Zero();
     Color specular = Color::Zero();
@@ -77,9 +77,9 @@ struct BsdfSample {
     float eta;  ///< index on wi's side over index on wo's side; 1 without refraction
 };
 
-/// The slides' reflection coefficients: how much of the light from one direction is scattered diffusely and
-/// specularly. Exact for smooth models; of rough ones an estimate that is not zero where they scatter. They decide
-/// probabilities, and the weights of samples make up for the rest.
+/// Reflection coefficients (Jensen 2001, chapter 5): the shares of the light from one direction that are scattered
+/// diffusely and specularly. They are exact for smooth models; for rough ones they are estimates that are not zero
+/// where the model scatters. They only decide probabilities: the weights of samples correct for their errors.
 struct ScatteringCoefficients {
     Color diffuse = Color::Zero();
     Color specular = Color::Zero();  ///< reflected and transmitted

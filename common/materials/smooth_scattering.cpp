@@ -1,5 +1,7 @@
 #include "common/materials/smooth_scattering.h"
 
+#include "common/materials/fresnel.h"
+
 namespace gib {
 
 namespace {
@@ -8,7 +10,12 @@ Vec3 mirrored(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
 
 /// A delta lobe that takes `weight` of the light and is chosen with `probability`.
 BsdfSample delta_sample(const Vec3& wi, const Color& weight, float probability, float eta) {
-    return {wi, weight / std::abs(wi.z()), probability, true, LobeKind::specular, eta};
+    return {.wi = wi,
+            .f = weight / std::abs(wi.z()),
+            .pdf_w = probability,
+            .delta = true,
+            .lobe = LobeKind::specular,
+            .eta = eta};
 }
 
 bool transmits_nothing(const Color& reflectance, const Color& transmittance) {
@@ -36,8 +43,8 @@ std::optional<BsdfSample> Dielectric::sample_local(const Vec3& wo, float u_lobe,
                             r, 1.f);
     }
     if (fresnel.cos_t == 0.f || r >= 1.f) return std::nullopt;
-    // The delta lobe divides by the cosine of the TRANSMITTED ray. Seen from the eye, the radiance that comes from the
-    // side wi is scaled by (eta_o / eta_i)^2; power is not.
+    // The delta lobe divides by the cosine of the TRANSMITTED ray. Seen from the eye, the radiance from the side of
+    // wi is scaled by (eta_o / eta_i)^2; power is not.
     float scale = transport == Transport::radiance ? 1.f / sqr(fresnel.eta_ti) : 1.f;
     if (injected(Fault::radiance_scaling)) scale = 1.f / scale;
     const Vec3 wi(-wo.x() / fresnel.eta_ti, -wo.y() / fresnel.eta_ti, fresnel.cos_t);

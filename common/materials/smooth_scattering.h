@@ -1,10 +1,9 @@
 #pragma once
-// Models without a roughness: ideal diffuse reflection, and smooth interfaces, which scatter in single directions: they
-// have samples, but neither f nor density.
+// Scattering models without roughness: ideal diffuse reflection and smooth interfaces. The latter scatter into single
+// directions: they have samples, but neither f nor a density.
 
 #include "common/color/conductor_index.h"
 #include "common/core/fault.h"
-#include "common/materials/fresnel.h"
 #include "common/materials/scattering.h"
 #include "common/sampling/warp.h"
 
@@ -26,7 +25,12 @@ struct Diffuse {
     std::optional<BsdfSample> sample_local(const Vec3& wo, float, const Vec2& u, Transport, Lobes which) const {
         if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
         const Vec3 wi = square_to_cosine_hemisphere(u);
-        return BsdfSample{wi, value(wi.z()), cosine_hemisphere_pdf(wi.z()), false, LobeKind::diffuse, 1.f};
+        return BsdfSample{.wi = wi,
+                          .f = value(wi.z()),
+                          .pdf_w = cosine_hemisphere_pdf(wi.z()),
+                          .delta = false,
+                          .lobe = LobeKind::diffuse,
+                          .eta = 1.f};
     }
     ScatteringCoefficients coefficients_local(const Vec3& wo) const {
         ScatteringCoefficients c;
@@ -44,7 +48,7 @@ private:
 /// A smooth interface between two dielectrics; `eta` = interior index / exterior index.
 struct Dielectric {
     float eta = 1.f;
-    float cauchy_b = 0.f;  ///< [um^2], over the exterior index: how eta depends on the wavelength; see dispersion.h
+    float cauchy_b = 0.f;  ///< [um^2], B of Cauchy's formula over the exterior index; see dispersion.h
     Color specular_reflectance = Color::Ones();
     Color specular_transmittance = Color::Ones();
 
@@ -55,9 +59,8 @@ struct Dielectric {
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
 };
 
-/// A thin sheet of a dielectric: what is transmitted goes straight on, and light reflected between its two faces is
-/// summed up, R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R) without absorption. `eta` = index of the sheet / index
-/// around it.
+/// A thin sheet of a dielectric. Transmitted light goes straight on. Reflections between the two faces are summed up
+/// without absorption: R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R). `eta` = index of the sheet / index around it.
 struct ThinDielectric {
     float eta = 1.f;
     Color specular_reflectance = Color::Ones();
@@ -68,11 +71,11 @@ struct ThinDielectric {
     float pdf_w_local(const Vec3&, const Vec3&, Lobes) const { return 0.f; }
     std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
-    /// Of the whole sheet.
+    /// The reflectance R' of the whole sheet.
     float reflectance(float cos_theta) const;
 };
 
-/// A smooth conductor, one-sided. Without an index ("none") a perfect mirror.
+/// A smooth conductor, one-sided. Without an index (material "none") it is a perfect mirror.
 struct Conductor {
     std::optional<ConductorIndex> index;
     Color specular_reflectance = Color::Ones();

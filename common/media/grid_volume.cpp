@@ -98,7 +98,7 @@ Color GridVolume::interpolated(const Vec3& p) const {
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
         const int size = data_.size[a];
-        // Beyond some periods a float has no fraction left; the bound keeps the conversion to int defined.
+        // Far outside the cube a float has no fraction left; the bound keeps the conversion to int defined.
         const float x = std::clamp(in_cube[axis] * static_cast<float>(size), -1e9f, 1e9f);
         const float shifted = filter_ == VolumeFilter::nearest ? x : x - 0.5f;
         const float floor = std::floor(shifted);

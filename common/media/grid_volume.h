@@ -1,5 +1,5 @@
 #pragma once
-// Values on a grid in space: the extinction or the albedo of a heterogeneous medium.
+// Values on a grid in space, such as the extinction or the albedo of a heterogeneous medium.
 
 #include "common/core/math.h"
 
@@ -12,26 +12,25 @@ namespace gib {
 enum class VolumeFilter { trilinear, nearest };
 enum class VolumeWrap { repeat, mirror, clamp };
 
-/// Mitsuba's meaning: voxel (i, j, k) has its centre at ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz) of a unit
-/// cube.
+/// As in Mitsuba, voxel (i, j, k) of a unit cube has its centre at ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz).
 class GridVolume {
 public:
     struct Data {
         std::array<int, 3> size;    ///< voxels along x, y and z
         int channels;               ///< 1 or 3
         std::vector<float> values;  ///< channels fastest, then x, y and z
-        Eigen::AlignedBox3d box;    ///< the file's own, which counts only where a scene asks for it
+        Eigen::AlignedBox3d box;    ///< the file's own box, used only if a scene asks for it
     };
 
-    /// One value everywhere.
+    /// A volume with the same value everywhere.
     explicit GridVolume(const Color& constant) : constant_(constant), lowest_(constant), highest_(constant) {}
     /// `to_grid` carries points of the scene into the unit cube.
     GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, VolumeWrap wrap);
 
     bool constant() const { return data_.values.empty(); }
     Color at(const Vec3& p) const { return constant() ? constant_ : interpolated(p); }
-    /// Cuts the stretch [begin, end) of the line from + t w down to what lies in the cube; false: nothing is left. A
-    /// constant is everywhere.
+    /// Clips the stretch [begin, end) of the line from + t w to the part that lies in the cube; false if nothing is
+    /// left. A constant volume fills all of space.
     bool clip(const Vec3& from, const Vec3& w, float& begin, float& end) const;
     /// Bounds of each channel over all of space.
     const Color& lowest() const { return lowest_; }
@@ -50,9 +49,9 @@ private:
     Color lowest_, highest_;
 };
 
-/// Mitsuba's .vol file: "VOL", version 3, encoding 1 (float32), size, channels, box, values; little-endian. Throws
-/// InputError in the file for what is wrong there: other encodings, sizes that do not match the file's, values that are
-/// not finite.
+/// Reads Mitsuba's .vol file: "VOL", version 3, encoding 1 (float32), size, channels, box, values; little-endian.
+/// Throws InputError at the file for other encodings, a size that does not match the number of values, and values
+/// that are not finite.
 GridVolume::Data load_volume(const std::string& path);
 
 }  // namespace gib

@@ -9,11 +9,12 @@ namespace gib {
 
 namespace {
 
-/// exp(-sigma t) by channel, for an infinite t too.
+/// exp(-sigma t) by channel, also for an infinite t.
 Color attenuation(const Color& sigma, float t) { return (sigma > 0.f).select((-sigma * t).exp(), Color::Ones()); }
 
-/// The distance to the next of events that come at this rate. Of two numbers, for 48 bits: from one of 24 bits the
-/// chance of an event within an optical depth of 1e-6 would be a multiple of 2^-24 = 6e-8.
+/// The distance to the next event of a Poisson process of this rate [1/scene unit]. It takes two random numbers, for
+/// 48 bits: with one of 24 bits the probability of an event within an optical depth of 1e-6 would be a multiple of
+/// 2^-24 = 6e-8.
 float free_flight(float rate, NumberStream& numbers) {
     if (!(rate > 0.f)) return infinity;
     const double high = numbers.next(), low = numbers.next();
@@ -50,7 +51,7 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
     const Color q = throughput / total;
     const float choice = u.next();
     int channel = choice < q[0] ? 0 : choice < q[0] + q[1] ? 1 : 2;
-    while (q[channel] == 0.f)  // a sum of shares that is rounded down
+    while (q[channel] == 0.f)  // the rounded shares may sum to less than `choice`
         --channel;
     const float t = free_flight(sigma[channel], u);
     const auto mean = [&](const Color& density) {
@@ -69,9 +70,10 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
 
 std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                               Color& throughput) const {
-    // From the grid's edge on: a flight is an ulp of the way to a dense grid far away.
+    // Distances are measured from the grid's edge: if a dense grid is far away, a flight is only an ulp of the
+    // distance from the ray's origin.
     const Vec3 edge = from + begin * w;
-    for (double way = 0;;) {  // single precision would come to a stop in a long way of short flights
+    for (double way = 0;;) {  // float would stop growing over many short flights
         way += free_flight(majorant_, u);
         const auto t = static_cast<float>(way);
         if (!(t < end - begin)) return std::nullopt;
@@ -79,7 +81,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
         const Color sigma = extinction_at(p);
         const Color scattered = sigma * albedo_.at(p) / majorant_, passed = 1.f - sigma / majorant_;
         const float real = (throughput * scattered).mean(), null = (throughput * passed).mean();
-        if (real + null == 0.f) {  // a throughput that is not finite goes on, to be counted by the film
+        if (real + null == 0.f) {  // a throughput that is not finite goes on: the film counts it
             throughput.setZero();  // all is absorbed here
             return std::nullopt;
         }
@@ -98,7 +100,7 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
     float begin = 0.f, end = length;
     if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return transmitted;
     const Vec3 edge = from + begin * w;
-    // Little light is followed by roulette, which ends the way through a dense medium.
+    // Once little light is left, Russian roulette ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;
     for (double way = 0;;) {
         way += free_flight(majorant_, u);

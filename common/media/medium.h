@@ -1,5 +1,5 @@
 #pragma once
-// Participating media: what fills the space between surfaces, absorbs light and scatters it.
+// Participating media, which fill the space between surfaces, absorb light and scatter it.
 
 #include "common/media/grid_volume.h"
 #include "common/media/phase.h"
@@ -13,28 +13,31 @@ namespace gib {
 /// extinction lies on a grid ends at the grid's cube.
 ///
 /// Estimators, for a stretch of length d along a ray with transmittance T(t) = exp(-integral of sigma_t from 0 to t):
-/// - constant extinction: a flight t with the density sum over channels c of q_c sigma_t,c exp(-sigma_t,c t), by
-/// choosing a channel
-///   with probability q_c; weight sigma_s T(t) / density where light is scattered, T(d) / (sum of q_c exp(-sigma_t,c
-///   d)) where it passes (the balance heuristic over channels, Veach 1997, section 9.2). q_c goes by the throughput:
-///   where nothing is absorbed the weights leave its sum as it is, however often a path is scattered (Kutz et al. 2017,
-///   "Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes", section 5);
-/// - on a grid: delta tracking (Woodcock et al. 1965) with a majorant M of all channels. A collision is real with a
-///   probability P in proportion to the light that is scattered there; weight sigma_s / (M P), or (M - sigma_t) / (M (1
-///   - P)) where it is null (Galtier et al. 2013, "Integral formulation of null-collision Monte Carlo algorithms");
-/// - transmittance on a grid: ratio tracking (Novak et al. 2014), the product of 1 - sigma_t / M over tentative
-/// collisions. A medium that scatters nothing is not sampled: light that passes is weighted by T(d).
+/// - Constant extinction: a channel c is chosen with probability q_c, so that a flight t has the density sum over c
+///   of q_c sigma_t,c exp(-sigma_t,c t). The weight is sigma_s T(t) / density where light is scattered, and T(d) /
+///   (sum of q_c exp(-sigma_t,c d)) where it passes (the balance heuristic over channels, Veach 1997, section 9.2).
+///   q_c is proportional to the throughput: without absorption the weights then keep the sum of its channels, however
+///   often a path is scattered (Kutz et al. 2017, "Spectral and Decomposition Tracking for Rendering Heterogeneous
+///   Volumes", section 5).
+/// - Extinction on a grid: delta tracking (Woodcock et al. 1965) with a majorant M of all channels. A collision is
+///   real with a probability P in proportion to the light that is scattered there. The weight is sigma_s / (M P) for
+///   a real collision and (M - sigma_t) / (M (1 - P)) for a null one (Galtier et al. 2013, "Integral formulation of
+///   null-collision Monte Carlo algorithms").
+/// - Transmittance on a grid: ratio tracking (Novak et al. 2014), the product of 1 - sigma_t / M
+///   over tentative collisions.
+///
+/// A medium that scatters nothing is not sampled: light that passes is weighted by T(d).
 class Medium {
 public:
-    /// Values on grids are those of extinction before `scale`, which is at least 0, and of albedo, 0 to 1.
+    /// `scale` multiplies the extinction and is at least 0; the values of the albedo lie between 0 and 1.
     Medium(GridVolume extinction, float scale, GridVolume albedo, const PhaseFunction& phase);
 
-    /// Follows light from a point along the unit vector w for `length`, which may be infinite. Where it is scattered:
-    /// the distance; nothing if it passes. `throughput` is multiplied by the weight: its mean over both outcomes is
-    /// unbiased.
+    /// Follows light from a point along the unit vector w for `length` [scene units], which may be infinite. Returns
+    /// the distance at which it is scattered [scene units], or nothing if it passes. `throughput` is multiplied by
+    /// the weight; the mean of the weight over both outcomes is unbiased.
     std::optional<float> sample_flight(const Vec3& from, const Vec3& w, float length, NumberStream& u,
                                        Color& throughput) const;
-    /// An unbiased estimate of the transmittance of that stretch, by channel; exact for a constant extinction.
+    /// An unbiased estimate of the transmittance over `length` along w, by channel; exact for a constant extinction.
     Color transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const;
 
     bool scatters() const { return scatters_; }
@@ -47,7 +50,7 @@ private:
                                          Color& throughput) const;
     std::optional<float> track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                           Color& throughput) const;
-    /// Interpolation may round to above the highest value of the grid.
+    /// The extinction, limited because interpolation may round to above the highest value of the grid.
     Color extinction_at(const Vec3& p) const { return (scale_ * extinction_.at(p)).min(majorant_); }
 
     GridVolume extinction_, albedo_;

@@ -15,8 +15,8 @@ float PhaseFunction::value(const Vec3& wo, const Vec3& wi) const {
 
 Vec3 PhaseFunction::sample(const Vec3& wo, const Vec2& u) const {
     if (injected(Fault::phase_warp)) return square_to_sphere(u);
-    // Inverting the distribution of c = cos of the turn gives c = (1 + a^2 - s^2) / 2a with s = (1 - a^2) / (1 - a + 2
-    // a u). With v = 1 - u and k = 1 + a - 2 a v that is, without cancellation and for a = 0 too,
+    // c = cos of the scattering angle has a distribution whose inverse is c = (1 + a^2 - s^2) / 2a with s = (1 - a^2)
+    // / (1 - a + 2 a u). With v = 1 - u and k = 1 + a - 2 a v this is, without cancellation and for a = 0 too,
     //     1 - c = 2 v (1 - a)^2 (1 + a - a v) / k^2.
     const float a = std::abs(g), v = 1.f - u.x();
     const float k = 1.f + a - 2.f * a * v;

@@ -1,5 +1,5 @@
 #pragma once
-// How a medium scatters: directions point away from the point, light comes from wi and leaves along wo.
+// The phase function of a medium. Directions point away from the point: light comes from wi and leaves along wo.
 
 #include "common/core/math.h"
 
@@ -7,10 +7,11 @@ namespace gib {
 
 /// Henyey and Greenstein 1941, "Diffuse radiation in the galaxy":
 ///     p(wo, wi) = (1 - g^2) / (4 pi (1 + g^2 + 2 g wo.wi)^1.5)   [1/sr]
-/// Isotropic for g = 0. It integrates to 1 over either direction and is sampled exactly, so its samples have weight 1.
+/// It is isotropic for g = 0, integrates to 1 over either direction and is sampled exactly, so that its samples have
+/// weight 1.
 struct PhaseFunction {
-    float g = 0.f;  ///< the mean cosine of the angle by which light is turned: -1 < g < 1, above 0 it goes on forwards
-    static constexpr float largest_g = 0.999f;  ///< beyond it single precision does not hold a direction in the peak
+    float g = 0.f;  ///< mean cosine of the scattering angle, -1 < g < 1; above 0 light is scattered forwards
+    static constexpr float largest_g = 0.999f;  ///< beyond it the peak is too narrow for directions in float
 
     float value(const Vec3& wo, const Vec3& wi) const;
     /// A direction with density value(wo, wi) [1/sr].

@@ -10,20 +10,21 @@ namespace gib {
 namespace {
 
 /// The unit vector along v; v itself if it is zero or not finite. Eigen's stableNormalized() divides by the length,
-/// which has few digits below double's smallest normal number: the vector is brought to about 1 first.
+/// which has few digits below double's smallest normal number: v is therefore scaled to a length of about 1 first.
 Vec3d unit_or_zero(const Vec3d& v) {
     const double largest = v.cwiseAbs().maxCoeff();
     if (!(largest > 0 && std::isfinite(largest))) return v;
     return (v / largest).normalized();
 }
 
-/// The inverse transpose of the linear part, times a positive number: only the directions of its images count.
+/// The inverse transpose of the linear part, times a positive number, because only the directions of transformed
+/// normals count.
 Eigen::Matrix3d normal_matrix(const Mat4d& to_world) {
     const Eigen::Matrix3d unit = unit_columns(to_world);
     Vec3d lengths;
     for (int i = 0; i < 3; ++i)
         lengths[i] = to_world.block<3, 1>(0, i).stableNorm();
-    // (U D)^-T = U^-T D^-1, where the inverse of D may leave double's range and its multiple does not.
+    // (U D)^-T = U^-T D^-1. The inverse of D may leave double's range; the multiple of it used here does not.
     return unit.inverse().transpose() * Vec3d(lengths.minCoeff() / lengths.array()).asDiagonal();
 }
 
@@ -67,7 +68,7 @@ void compute_normals(MeshData& mesh) {
         for (std::size_t i = 0; i < 3; ++i) {
             const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
             // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
-            // The angle over a length near double's smallest number would be infinite.
+            // The angle is not divided by the length: near double's smallest number the quotient would be infinite.
             sums[triangle[i]] += std::atan2(length, a.dot(b)) * unit_or_zero(n);
         }
     }

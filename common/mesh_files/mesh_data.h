@@ -1,5 +1,5 @@
 #pragma once
-// Triangles as they come from a file or a built-in shape: in double, until the scene's origin is known.
+// Triangles of a mesh file or a built-in shape. They are in double until the scene's origin is known.
 
 #include "common/core/math.h"
 
@@ -19,36 +19,38 @@ struct MeshData {
     std::vector<Vec2> uvs;  ///< per vertex or empty
 };
 
-/// A Wavefront OBJ file: v, vt, vn and f; other statements are passed over. Faces are fanned into triangles. A vertex
-/// is shared by the corners that name the same v/vt/vn. Throws InputError at the place in `file`.
+/// Reads a Wavefront OBJ file: v, vt, vn and f; other statements are passed over. Faces are fanned into triangles.
+/// The corners that name the same v/vt/vn share a vertex. Throws InputError at the place in `file`.
 MeshData parse_obj(std::string_view text, const std::string& file);
 
-/// A Stanford PLY file, ascii or binary; properties that are not needed are skipped, faces are fanned into triangles.
-/// Throws InputError at the place in `file`: of binary data, the last line of the header, with the byte offset.
+/// Reads a Stanford PLY file, ascii or binary. Properties that are not needed are skipped, faces are fanned into
+/// triangles. Throws InputError at the place in `file`; for binary data this is the last line of the header, with the
+/// byte offset.
 MeshData parse_ply(std::string_view content, const std::string& file);
 
 struct SerializedMesh {
     MeshData data;
-    bool face_normals;  ///< the file asks for them
+    bool face_normals;  ///< whether the file asks for face normals
 };
-/// Mesh number `index`, from 0, of a file in Mitsuba's `serialized` format, version 3 or 4 (Mitsuba's documentation of
-/// the plugin). Vertex colours are skipped. Throws InputError for a file that is damaged in any way, its checksum
-/// included.
+/// Reads mesh number `index`, from 0, of a file in Mitsuba's `serialized` format, version 3 or 4 (Mitsuba's
+/// documentation of the plugin). Vertex colours are skipped. Throws InputError for a file that is damaged in any way,
+/// its checksum included.
 SerializedMesh parse_serialized(std::string_view content, const std::string& file, int index);
 
 /// Whether a normal or a texture coordinate, which are kept in float, can have this value.
 inline bool fits_float(double x) { return std::isfinite(static_cast<float>(x)); }
 
-/// The columns of to_world's linear part, which is not singular, to unit length: what of it turns and mirrors. Products
-/// of its lengths, as in its determinant, may leave double's range.
+/// The columns of to_world's linear part, which must not be singular, scaled to unit length: the rotation
+/// and mirroring in it. The determinant of the linear part itself, a product of its columns' lengths, may
+/// leave double's range.
 Eigen::Matrix3d unit_columns(const Mat4d& to_world);
 
-/// Positions by `to_world`, normals by its inverse transpose, to unit length.
+/// Transforms positions by `to_world`, and normals by its inverse transpose and to unit length.
 void transform_mesh(MeshData& mesh, const Mat4d& to_world);
 
-/// Fills the zero normals with the mean of the adjacent faces' normals, weighted with the angle at the vertex (Thuermer
-/// and Wuethrich 1998, "Computing vertex normals from polygonal facets", JGT 3(1)). Vertices of faces without area stay
-/// zero.
+/// Fills the zero normals with the mean of the adjacent faces' normals, weighted with the angle at the vertex
+/// (Thuermer and Wuethrich 1998, "Computing vertex normals from polygonal facets", JGT 3(1)). Vertices whose faces
+/// have no area keep zero normals.
 void compute_normals(MeshData& mesh);
 
 }  // namespace gib

@@ -89,7 +89,7 @@ private:
         items([&] { normals.push_back(float_vector("a normal")); });
 
         // A vertex of the mesh is a pair of a position and a normal.
-        struct PairHash {  // the library's own leaves a number as it is, and so puts numbers of a kind in one place
+        struct PairHash {  // std::hash keeps a number as it is, and so puts regular numbers into few buckets
             std::size_t operator()(std::uint64_t pair) const { return mix64(pair); }
         };
         std::unordered_map<std::uint64_t, std::uint32_t, PairHash> vertex_of_pair;
@@ -137,7 +137,7 @@ private:
     }
 
     void parse_bone() {
-        for (int i = 0; i < 2; ++i) {  // its name and its parent's
+        for (int i = 0; i < 2; ++i) {  // the names of the bone and of its parent
             line();
             quoted();
             end_line();
@@ -163,7 +163,7 @@ private:
                              fmt::format("bone {} is out of range: there are {}", last_bone_.index, bones_));
     }
 
-    /// To the next line that says something; false at the end of the file.
+    /// Goes to the next line that is neither empty nor a comment; false at the end of the file.
     bool find_line() {
         for (cursor_.skip_space(); cursor_.peek() == '/'; cursor_.skip_space())
             cursor_.next_line();
@@ -177,13 +177,13 @@ private:
         if (!cursor_.at_line_end()) throw InputError(cursor_.location(), "too many words in the line");
         cursor_.next_line();
     }
-    /// A line of any text, which may be empty.
+    /// Skips a line of any text, which may be empty.
     void comment() {
         if (cursor_.at_end()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
         cursor_.next_line();
     }
 
-    /// A count that ends its line, and as many times what follows. Returns the count.
+    /// Reads a count that ends its line, and calls `body` as many times. Returns the count.
     template <typename Body>
     std::int64_t repeat(const Body& body) {
         const std::int64_t count = integer("a count", 0);
@@ -192,7 +192,7 @@ private:
             body();
         return count;
     }
-    /// A line with a count, and a line for each item.
+    /// Reads a line with a count, and a line for each item by `body`.
     template <typename Body>
     void items(const Body& body) {
         line();
@@ -211,7 +211,7 @@ private:
             throw InputError(cursor_.marked(), fmt::format("{} cannot be {}", what, value));
         return value;
     }
-    /// -1 is none.
+    /// Reads an index; -1 means that there is none.
     Reference reference(const char* what) {
         const std::int64_t value = integer(what, -1);
         return {value, cursor_.marked()};
@@ -265,7 +265,7 @@ private:
         end_line();
         return value;
     }
-    /// A line of red, green, blue and an alpha that means nothing here.
+    /// Reads a line of red, green, blue and an alpha, which is not used.
     Color color(const char* what) {
         line();
         Color c;
@@ -289,7 +289,7 @@ private:
 
     TextCursor cursor_;
     SourceLocation start_;
-    std::set<std::string> blocks_;  ///< that were read
+    std::set<std::string> blocks_;  ///< the names of the blocks read so far
     Reference last_material_, last_bone_;
     std::int64_t bones_ = 0;
     Ms3dModel model_;

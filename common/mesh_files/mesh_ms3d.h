@@ -1,5 +1,5 @@
 #pragma once
-// MilkShape 3D ASCII files: meshes with their materials, as far as a still picture needs them.
+// Reads MilkShape 3D ASCII files: meshes with their materials, as far as a still picture needs them.
 
 #include "common/mesh_files/mesh_data.h"
 
@@ -7,7 +7,8 @@
 
 namespace gib {
 
-/// As in the file: MilkShape shows them with OpenGL's fixed lighting. Colours are between 0 and 1.
+/// A material as the file gives it, for OpenGL's fixed lighting, with which MilkShape shows it. Colours are between 0
+/// and 1.
 struct Ms3dMaterial {
     std::string name;
     Color diffuse, specular, emissive;
@@ -27,10 +28,10 @@ struct Ms3dModel {
     std::vector<Ms3dMaterial> materials;
 };
 
-/// The blocks Frames, Frame, Meshes, Materials, Bones and the four of comments, each at most once; Meshes must be
-/// there. Source: the format specification in MilkShape's SDK. Lines that start with // and empty ones are passed over.
-/// Bones and their keys are read and dropped: the vertices stand in the rest pose. Throws InputError at the place in
-/// `file`.
+/// Reads the blocks Frames, Frame, Meshes, Materials, Bones and the four blocks of comments; each may appear once,
+/// and Meshes must be there. Source: the format specification in MilkShape's SDK. Empty lines and lines that start
+/// with // are passed over. Bones and their keys are read and dropped: the vertices stand in the rest pose. Throws
+/// InputError at the place in `file`.
 Ms3dModel parse_ms3d(std::string_view text, const std::string& file);
 
 }  // namespace gib

@@ -1,3 +1,5 @@
+// Reads Wavefront OBJ files.
+
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
 #include "common/sampling/sampler.h"
@@ -10,7 +12,8 @@ namespace gib {
 
 namespace {
 
-/// Indices from 0 of a corner's position, texture coordinate and normal; `none` where it has no such index.
+/// The indices, from 0, of a corner's position, texture coordinate and normal; `none` where the corner has
+/// no such index.
 struct Corner {
     std::uint32_t position, uv, normal;
     bool operator==(const Corner&) const = default;
@@ -28,7 +31,7 @@ constexpr int longest_chain = 32;
 class ObjParser {
 public:
     ObjParser(std::string_view text, const std::string& file) : cursor_(text, file) {
-        // Short lines are 20 to 30 bytes: a guess that is too high wastes address space only.
+        // Short lines have 20 to 30 bytes. A guess that is too high only wastes address space.
         positions_.reserve(text.size() / 64);
         mesh_.triangles.reserve(text.size() / 64);
     }
@@ -91,7 +94,7 @@ private:
         if (corners < 3) throw InputError(cursor_.location(), fmt::format("a face has only {} vertices", corners));
     }
 
-    /// v, v/vt, v//vn or v/vt/vn.
+    /// Reads a corner: v, v/vt, v//vn or v/vt/vn.
     Corner parse_corner() {
         Corner corner{parse_index(positions_.size(), "vertex"), none, none};
         if (cursor_.peek() != '/') return corner;
@@ -103,7 +106,7 @@ private:
         return corner;
     }
 
-    /// Counts from 1, or from the end if it is negative.
+    /// Reads an index, which counts from 1, or from the end if it is negative. Returns it from 0.
     std::uint32_t parse_index(std::size_t size, const char* what) {
         cursor_.mark();
         const std::int64_t given = cursor_.integer(), count = static_cast<std::int64_t>(size);
@@ -114,7 +117,7 @@ private:
         return static_cast<std::uint32_t>(index);
     }
 
-    /// The vertex of a corner.
+    /// The vertex of a corner, which is added to the mesh if it is new.
     std::uint32_t vertex_of(const Corner& corner) {
         if (first_of_position_.size() < positions_.size()) first_of_position_.resize(positions_.capacity(), none);
         std::uint32_t& known = known_vertex(corner);
@@ -129,9 +132,9 @@ private:
         return vertex;
     }
 
-    /// Where the vertex of a corner is kept, or `none` until then. Corners with the same position form a chain. It is
-    /// short in most meshes, and then quicker than a hash table, which has the corners of the few long ones: a search
-    /// of a chain takes as long as it has links.
+    /// The place that holds the vertex of a corner, or `none` if the corner is new. Corners with the same position
+    /// form a chain. In most meshes chains are short and then quicker than a hash table. The time of a search grows
+    /// with the number of links, so that corners beyond `longest_chain` links are kept in a hash table.
     std::uint32_t& known_vertex(const Corner& corner) {
         std::uint32_t* link = &first_of_position_[corner.position];
         for (int links = 1; *link != none && !(corners_[*link] == corner); ++links) {
@@ -157,7 +160,7 @@ private:
     std::vector<Vec3d> positions_;
     std::vector<Vec3> normals_;
     std::vector<Vec2> uvs_;
-    std::vector<Corner> corners_;                                    ///< of each vertex of the mesh
+    std::vector<Corner> corners_;                                    ///< the corner of each vertex of the mesh
     std::vector<std::uint32_t> first_of_position_;                   ///< the first vertex at a position
     std::vector<std::uint32_t> next_;                                ///< the next vertex at the same position
     std::unordered_map<Corner, std::uint32_t, CornerHash> crowded_;  ///< vertices that found no place in a chain

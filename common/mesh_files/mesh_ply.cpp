@@ -1,3 +1,5 @@
+// Reads Stanford PLY files, ascii or binary.
+
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
 
@@ -23,12 +25,12 @@ constexpr std::size_t size_of(Type type) {
 
 bool is_float(Type type) { return type == Type::f32 || type == Type::f64; }
 
-/// What a property is good for; `other` ones are read and dropped.
+/// The meaning of a property; properties of role `other` are read and dropped.
 enum class Role { x, y, z, nx, ny, nz, u, v, corners, other };
 
 struct Property {
     Type type;
-    std::optional<Type> count_type;  ///< of a list
+    std::optional<Type> count_type;  ///< of a list; none: a single value
     Role role;
 };
 
@@ -40,7 +42,7 @@ struct Element {
     bool has(Role role) const {
         return std::any_of(properties.begin(), properties.end(), [&](const auto& p) { return p.role == role; });
     }
-    /// The fewest bytes that one of its items can take.
+    /// The fewest bytes that one item of this element can take.
     std::size_t smallest_item(Format format) const {
         std::size_t size = 0;
         for (const auto& p : properties)
@@ -166,7 +168,7 @@ private:
     std::vector<Element> elements_;
 };
 
-/// Values of the body in ascii.
+/// Reads the values of an ascii body.
 class AsciiReader {
 public:
     explicit AsciiReader(TextCursor& cursor) : cursor_(cursor) {}
@@ -177,7 +179,7 @@ public:
         cursor_.mark();
         return is_float(type) ? cursor_.number() : static_cast<double>(cursor_.integer());
     }
-    /// Of the last value.
+    /// The place of the last value.
     SourceLocation location() const { return cursor_.marked(); }
     std::string place() const { return ""; }
     void finish() {
@@ -189,7 +191,7 @@ private:
     TextCursor& cursor_;
 };
 
-/// Values of the body in binary.
+/// Reads the values of a binary body.
 class BinaryReader {
 public:
     BinaryReader(std::string_view content, std::size_t offset, const Header& header)

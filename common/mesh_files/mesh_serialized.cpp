@@ -1,3 +1,6 @@
+// Reads files in Mitsuba's `serialized` format: meshes with a short header each, compressed by zlib, and a dictionary
+// of the places where they start.
+
 #include "common/core/error.h"
 #include "common/core/memory_limit.h"
 #include "common/mesh_files/mesh_data.h"
@@ -37,7 +40,7 @@ T load(const char* bytes) {
     throw InputError(SourceLocation{file, 0, 0}, message);
 }
 
-/// A zlib stream that is unpacked piece by piece: what a header claims never decides how much memory is taken.
+/// Unpacks a zlib stream piece by piece, so that the claims of a header never decide how much memory is taken.
 class Inflater {
 public:
     Inflater(std::string_view compressed, const std::string& file) : rest_(compressed), file_(file) {
@@ -61,7 +64,7 @@ public:
         read(bytes, sizeof bytes);
         return load<T>(bytes);
     }
-    /// The stream must end here, with the right checksum.
+    /// Checks that the stream ends here, with the right checksum.
     void finish() {
         char extra;
         if (unpack(&extra, 1) != 0) fail(file_, "the mesh has more data than its header says");
@@ -98,7 +101,7 @@ private:
     bool ended_ = false;
 };
 
-/// Appends to what a file of a few bytes may claim to be long: asks for memory before it is taken.
+/// Appends an item and asks for memory before it is taken: a file of a few bytes may unpack to a very long list.
 template <typename T>
 void append(std::vector<T>& items, const T& item, const std::string& file) {
     if (items.size() == items.capacity())
@@ -119,7 +122,8 @@ void read_items(Inflater& stream, std::uint64_t count, std::size_t width, const 
     }
 }
 
-/// Vectors of N finite numbers in either precision, appended by `add`; `in_float`: which keeps them in float.
+/// Reads vectors of N finite numbers in either precision and passes each to `add`. `in_float`: whether they must fit
+/// into float.
 template <int N, bool in_float, typename Add>
 void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std::string& file, const char* what,
                   const Add& add) {
@@ -180,7 +184,8 @@ std::uint16_t version_at(std::string_view content, std::uint64_t offset, const s
     return version;
 }
 
-/// Where mesh number `index` starts, from the dictionary at the end of the file. The first one needs none.
+/// The byte at which mesh number `index` starts, from the dictionary at the end of the file. The first mesh
+/// needs no dictionary.
 std::uint64_t offset_of(std::string_view content, int index, std::uint16_t version, const std::string& file) {
     if (index == 0) return 0;
     const std::uint64_t entry = version == 4 ? 8 : 4, size = content.size();
@@ -203,7 +208,7 @@ SerializedMesh parse_serialized(std::string_view content, const std::string& fil
     const auto flags = stream.read<std::uint32_t>();
     if (version == 4)
         while (stream.read<char>() != '\0') {
-        }  // its name
+        }  // the mesh's name
     SerializedMesh mesh{read_mesh(stream, flags, file), (flags & face_normals) != 0};
     stream.finish();
     return mesh;

@@ -1,4 +1,4 @@
-// The library that common/images/image_library.h speaks of.
+// The library gib_images, which implements the interface of common/images/image_library.h with OpenImageIO.
 #include "common/images/image_library.h"
 
 #include "common/core/error.h"
@@ -13,7 +13,8 @@ namespace gib {
 
 namespace {
 
-/// What the cache reads: linear floats instead of the file's encoding, so that filtering comes after decoding.
+/// The image format that OpenImageIO's cache reads: linear floats instead of the file's encoding, so that values are
+/// decoded before they are filtered.
 class LinearInput final : public OIIO::ImageInput {
 public:
     static OIIO::ImageInput* create() { return new LinearInput; }
@@ -103,15 +104,17 @@ public:
         const auto file = open_file(path);
         const SourceLocation where{path, 0, 0};
         const OIIO::ImageSpec& spec = file->spec();
-        // As it is read, and as layers. A damaged header may announce more than the file can hold.
+        // The values are in memory twice, as they are read and as layers. A damaged header may announce more than the
+        // file can hold.
         require_memory_for_image(2.0 * static_cast<double>(spec.image_pixels()) * spec.nchannels, spec.width,
                                  spec.height, spec.nchannels, where);
-        StoredImage image{{spec.x, spec.y, spec.width, spec.height},
-                          {spec.full_x, spec.full_y, spec.full_width, spec.full_height},
-                          spec.channelnames,
-                          std::vector<float>(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels)),
-                          spec.get_string_attribute("oiio:ColorSpace") == "sRGB" && !spec.format.is_floating_point(),
-                          {}};
+        StoredImage image{
+            .data = {.x = spec.x, .y = spec.y, .width = spec.width, .height = spec.height},
+            .display = {.x = spec.full_x, .y = spec.full_y, .width = spec.full_width, .height = spec.full_height},
+            .channels = spec.channelnames,
+            .values = std::vector<float>(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels)),
+            .srgb = spec.get_string_attribute("oiio:ColorSpace") == "sRGB" && !spec.format.is_floating_point(),
+            .metadata = {}};
         for (const auto& attribute : spec.extra_attribs)
             if (attribute.type() == OIIO::TypeDesc::STRING && attribute.name().rfind("oiio:", 0) != 0)
                 image.metadata[attribute.name().string()] = attribute.get_string();

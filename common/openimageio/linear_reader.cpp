@@ -15,7 +15,8 @@ namespace gib {
 
 namespace {
 
-/// The channel of that name in the only layer: "R", or "Layer.R" where there is no second layer. -1: there is none.
+/// The index of a channel of the only layer: that of "R", or of "Layer.R" if no second layer has an R. -1 if
+/// there is none.
 int find_channel(const std::vector<std::string>& names, const std::string& channel) {
     int found = -1;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -27,12 +28,12 @@ int find_channel(const std::vector<std::string>& names, const std::string& chann
     return found;
 }
 
-/// The channels to take: one grey or R, G, B.
+/// The indices of the channels to read: R, G and B, or one grey channel.
 std::vector<int> choose_channels(const OIIO::ImageSpec& spec, const SourceLocation& where) {
     const auto& names = spec.channelnames;
     const std::vector<int> rgb{find_channel(names, "R"), find_channel(names, "G"), find_channel(names, "B")};
     if (std::all_of(rgb.begin(), rgb.end(), [](int c) { return c >= 0; })) return rgb;
-    // Y beside RY and BY is the luminance of a colour image: taken alone it would turn grey.
+    // Y beside RY and BY is the luminance of a colour image; Y alone would make it grey.
     if (find_channel(names, "RY") >= 0)
         throw InputError(where, "an image of luminance and subsampled chroma; only R,G,B or one channel is supported");
     if (const int grey = find_channel(names, "Y"); grey >= 0 && find_channel(names, "Z") < 0) return {grey};
@@ -41,7 +42,8 @@ std::vector<int> choose_channels(const OIIO::ImageSpec& spec, const SourceLocati
                      fmt::format("no channels R,G,B or Y of one layer; the image has {}", fmt::join(names, ", ")));
 }
 
-/// Colours of other primaries would need a matrix: refused rather than shown wrong.
+/// Throws InputError for primaries other than sRGB's: their colours would need a matrix and would be
+/// wrong without it.
 void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& where) {
     constexpr std::array<float, 8> srgb = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     std::array<float, 8> primaries = srgb;
@@ -51,8 +53,9 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
             throw InputError(where, "the file's chromaticities are not those of sRGB");
 }
 
-/// A header of some bytes can claim any size, and memory for it would be taken before a pixel is read. No format of
-/// photographs or renders packs this many pixels into a byte; what takes little memory may claim what it likes.
+/// Throws InputError if a damaged header claims more pixels than the file can hold, for which memory would be taken
+/// before the first is read. No format of photographs or renders packs more than 4096 pixels into a byte. Images of
+/// up to 2^24 pixels take little memory and are not checked.
 void check_size(const OIIO::ImageSpec& spec, const std::string& path) {
     constexpr double most_free = 1 << 24, most_per_byte = 4096;
     std::error_code error;
@@ -82,7 +85,7 @@ std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO:
 
 void require_one_part(OIIO::ImageInput& file, const SourceLocation& where) {
     if (file.seek_subimage(1, 0)) throw InputError(where, "the file has several parts; one is supported");
-    OIIO::geterror();  // what the search for a second part left behind
+    OIIO::geterror();  // clears the error message of the search for a second part
     file.geterror();
 }
 
@@ -111,7 +114,7 @@ void LinearReader::read_rows(int begin, int end, float* values) const {
     const OIIO::ImageSpec& spec = file_->spec();
     const auto [first, last] = std::minmax_element(channels_.begin(), channels_.end());
     const int stride = *last - *first + 1;
-    // Tiles can only be read as a whole.
+    // Rows are extended to whole tiles, because a tile can only be read as a whole.
     const int tile = std::max(spec.tile_height, 1);
     const int from = begin / tile * tile, to = std::min((end + tile - 1) / tile * tile, spec.height);
     const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stride);

@@ -1,6 +1,6 @@
 #pragma once
-// An image file by OpenImageIO, row by row as linear floats. What it accepts and refuses stands in
-// common/images/linear_file.h.
+// Reads an image file row by row as linear floats with OpenImageIO. common/images/linear_file.h says which files it
+// accepts and how it decodes them.
 
 #include "common/core/error.h"
 #include "common/images/image_library.h"
@@ -10,9 +10,10 @@
 
 namespace gib {
 
-/// A flat image with pixels. Throws InputError with the file's name.
+/// Opens a file that must be a flat image with pixels. Otherwise throws InputError with the file's name.
 std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO::ImageSpec* config = nullptr);
-/// After its only part was read, or before: throws InputError if there are more.
+/// Throws InputError if the file has more than one part. To be called before or after the first part is read,
+/// not during it.
 void require_one_part(OIIO::ImageInput& file, const SourceLocation& where);
 
 class LinearReader final : public ImageReader {
@@ -29,7 +30,7 @@ private:
 
     std::string path_;
     std::unique_ptr<OIIO::ImageInput> file_;
-    std::vector<int> channels_;   ///< one grey or R, G, B
+    std::vector<int> channels_;   ///< indices of the channels to read: one grey or R, G, B
     std::vector<float> decoded_;  ///< the linear value of each byte, if the file holds bytes in sRGB
     bool srgb_ = false;
 };

@@ -13,14 +13,14 @@ namespace gib {
 
 namespace {
 
-/// Of the index inside over that outside. Further out the models lose their digits: a coat of index 1e4 lets a share of
-/// 1e-8 out again, less than the rounding of 1.
+/// Bounds of the relative index, int_ior over ext_ior. Beyond them the models lose their digits: a coat of index 1e4
+/// lets out a share of 1e-8 of the light inside, less than the rounding error of 1.
 constexpr float lowest_relative_index = 0.01f, highest_relative_index = 100.f;
-/// Of eta and k, whose fourth powers are needed.
+/// The highest eta and k of a conductor, whose fourth powers float must hold.
 constexpr float highest_conductor_index = 1e6f;
 constexpr float highest_roughness = 1e4f;
 constexpr double highest_bump = 1e9;
-/// The material inside of an interface, and of plastic, where none is given.
+/// The default materials inside of an interface and of plastic.
 const std::string glass = "bk7", plastic = "polypropylene";
 
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
@@ -33,7 +33,7 @@ double parse_index(Properties& properties, const std::string& name, const std::s
                                                          fmt::join(dielectric_names(), ", ")));
 }
 
-/// Inside over outside.
+/// The two indices of refraction at an interface.
 struct Indices {
     double inside, outside;
 };
@@ -52,7 +52,7 @@ float parse_relative_index(Properties& properties, const std::string& interior) 
     return static_cast<float>(eta);
 }
 
-/// The same for the rough models: Mitsuba refuses an interface without a change of index.
+/// Reads the relative index of a rough model. As in Mitsuba, an interface without a change of index is refused.
 float parse_changing_index(Properties& properties, const std::string& interior) {
     const float eta = parse_relative_index(properties, interior);
     if (eta == 1.f)
@@ -61,8 +61,9 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
     return eta;
 }
 
-/// That of a rough coat, which must be denser than what is outside: RoughCoat's nodes are too far apart for the edge of
-/// the cone through which light enters a thinner one; beyond it, light would both be reflected wholly and get in.
+/// Reads the relative index of a rough coat, which must be above 1. Light enters a coat of lower index only through a
+/// cone, and RoughCoat's nodes are too far apart for the edge of this cone: beyond it light would both be reflected
+/// totally and enter.
 float parse_coat_index(Properties& properties, const std::string& interior) {
     const float eta = parse_changing_index(properties, interior);
     if (eta < 1.f)
@@ -71,8 +72,8 @@ float parse_coat_index(Properties& properties, const std::string& interior) {
     return eta;
 }
 
-/// Our own addition: the B of Cauchy's formula [um^2], or Abbe's number, of the interior; over the exterior's index, as
-/// the index is. 0 where neither is given.
+/// Reads the dispersion of the interior, which Mitsuba does not have: `cauchy_b`, the B of Cauchy's formula [um^2],
+/// or `abbe`, Abbe's number. Returns B over the exterior's index, as for the relative index; 0 if neither is given.
 float parse_dispersion(Properties& properties, const std::string& interior) {
     const bool has_abbe = properties.has("abbe");
     if (has_abbe && properties.has("cauchy_b"))
@@ -95,7 +96,7 @@ float parse_dispersion(Properties& properties, const std::string& interior) {
     return static_cast<float>(b);
 }
 
-/// Reads the parameters of a model: those that are constant into the model, the others as textures beside it.
+/// Reads the parameters of a model. Constant ones are put into the model, the others are kept beside it as textures.
 template <typename Model>
 class ModelReader {
 public:
@@ -104,7 +105,7 @@ public:
     Model* operator->() { return &model_; }
     Properties& properties() { return properties_; }
 
-    /// `Set` is a lambda without captures that puts a colour into the model.
+    /// Reads a colour. `Set` is a lambda without captures that puts it into the model.
     template <typename Set>
     void color(const std::string& name, float fallback, ColorRange range, Set set, float highest = infinity) {
         const Texture texture = parse_textured(properties_, name, fallback, range, files_);
@@ -113,7 +114,7 @@ public:
         if (texture.constant()) return;
         parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
     }
-    /// The same for a number.
+    /// Reads a number. `Set` is a lambda without captures that puts it into the model.
     template <typename Set>
     void number(const std::string& name, float fallback, Set set, float highest) {
         const Texture texture = parse_textured_number(properties_, name, fallback, ColorRange::non_negative, files_);
@@ -151,7 +152,7 @@ private:
     std::vector<TexturedParameter> parameters_;
 };
 
-/// Without a material and an index a perfect mirror.
+/// Reads the index of a conductor. Without a material and an index it is a perfect mirror.
 template <typename Model>
 void read_conductor_index(ModelReader<Model>& model) {
     Properties& properties = model.properties();
@@ -176,7 +177,7 @@ void read_conductor_index(ModelReader<Model>& model) {
                                                                    material, fmt::join(conductor_names(), ", ")));
 }
 
-/// distribution, and sample_visible, which changes no image.
+/// Reads `distribution`, and `sample_visible`, which changes no image.
 MicrofacetType parse_distribution_type(Properties& properties) {
     properties.boolean("sample_visible", true);
     const std::string type = properties.choice("distribution", "beckmann", {"beckmann", "ggx"});
@@ -206,8 +207,8 @@ void read_distribution(ModelReader<Model>& model) {
     model.number("alpha_v", 0.1f, set_v, highest_roughness);
 }
 
-/// Of a roughplastic, whose tables are made once and for one roughness: numbers, and as in Mitsuba the same in both
-/// directions.
+/// Reads the distribution of a roughplastic, whose tables are made once for one roughness. Roughnesses are therefore
+/// numbers and, as in Mitsuba, the same in both directions.
 MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
     const MicrofacetType type = parse_distribution_type(properties);
     const auto roughness = [&](const std::string& name) {
@@ -233,7 +234,7 @@ Material parse_diffuse(Properties& properties, TextureFiles& files) {
     return std::move(model).material();
 }
 
-/// dielectric and thindielectric.
+/// Reads a dielectric or a thindielectric.
 template <typename Model>
 Material parse_dielectric(Properties& properties, TextureFiles& files) {
     ModelReader<Model> model(properties, files);
@@ -296,7 +297,7 @@ Material parse_phong(Properties& properties, TextureFiles& files) {
         "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
     model.diffuse_reflectance();
     model.reflectance(0.2f);
-    // The bounds of two textures may be reached at different places; such a pair is refused though it might be fine.
+    // Two textures may reach their bounds at different places; such a pair is refused although it might be valid.
     if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
         throw InputError(properties.element().where,
                          "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
@@ -307,7 +308,7 @@ NestedMaterial parse_nested(const NestedObject& object, TextureFiles& files) {
     return std::make_shared<const Material>(parse_bsdf(object, files));
 }
 
-/// The bsdfs inside one that takes `count`. Throws InputError for another number.
+/// The bsdfs inside one that takes `lowest` to `highest` of them. Throws InputError for another number.
 std::vector<NestedObject> nested_bsdfs(Properties& properties, std::size_t lowest, std::size_t highest) {
     auto nested = properties.objects("bsdf");
     if (nested.size() >= lowest && nested.size() <= highest) return nested;
@@ -346,7 +347,7 @@ PerturbationOptions parse_perturbation(Properties& properties) {
     return {properties.boolean("flip_invalid_normals", true), properties.boolean("use_shadowing_function", true)};
 }
 
-/// The height's texture may have any name.
+/// Reads a bumpmap. The texture of the height may have any name.
 Material parse_bumpmap(Properties& properties, TextureFiles& files) {
     const double scale = properties.number("scale", 1);
     if (!(std::abs(scale) <= highest_bump))
@@ -359,13 +360,14 @@ Material parse_bumpmap(Properties& properties, TextureFiles& files) {
     const Texture texture = parse_texture(*height, ColorRange::non_negative, files);
     if (!texture.has_gradient())
         throw InputError(height->where, "a bumpmap's texture must be a bitmap: it needs a slope");
-    return Material(BumpMap{texture, static_cast<float>(scale), nested, options});
+    return Material(
+        BumpMap{.height = texture, .scale = static_cast<float>(scale), .nested = nested, .options = options});
 }
 
 Material parse_normalmap(Properties& properties, TextureFiles& files) {
     if (!properties.has("normalmap"))
         throw InputError(properties.element().where, "a normalmap needs a texture named 'normalmap'");
-    // An image may hold anything; a value is a colour.
+    // An image may hold any numbers; a value must be a colour.
     const auto image = properties.named_object("normalmap", "texture");
     const Texture normal = image ? parse_texture(*image, ColorRange::non_negative, files)
                                  : Texture(color_property(properties, "normalmap", 1, ColorRange::unit));

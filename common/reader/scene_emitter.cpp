@@ -9,10 +9,11 @@ namespace gib {
 
 namespace {
 
-constexpr double largest_coordinate = 1e18;  ///< of a light, as for cameras (scene_sensor.cpp)
+constexpr double largest_coordinate = 1e18;  ///< of a light's position, as for cameras (scene_sensor.cpp)
 constexpr double rigid_tolerance = 1e-3;     ///< of squared lengths and of dot products, as for cameras
 
-/// Mitsuba's relative share of the samples. It changes no image but for 0, which switches light sampling off.
+/// Checks Mitsuba's relative share of the light samples. It changes no image, except that 0 switches light sampling
+/// off; this is refused.
 void check_sampling_weight(Properties& properties) { properties.positive("sampling_weight", 1); }
 
 Vec3 recentred_position(const Properties& properties, const Vec3d& position, const Vec3d& origin) {
@@ -22,7 +23,7 @@ Vec3 recentred_position(const Properties& properties, const Vec3d& position, con
     return p.cast<float>();
 }
 
-/// The directions of to_world's axes, which must stay at right angles and of equal length: 1, unless `may_scale`.
+/// The directions of to_world's axes, which must be orthogonal and of equal length: 1, unless `may_scale`.
 Frame rigid_axes(const Properties& properties, const Mat4d& to_world, bool may_scale) {
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
     const double scale = may_scale ? std::cbrt(std::abs(linear.determinant())) : 1;
@@ -31,7 +32,7 @@ Frame rigid_axes(const Properties& properties, const Mat4d& to_world, bool may_s
         throw InputError(properties.where("to_world"),
                          fmt::format("the to_world of '{}' must not {}", properties.element().find("type")->value,
                                      may_scale ? "shear or scale its axes differently" : "scale or shear"));
-    // What the tolerance lets through is straightened.
+    // Errors within the tolerance are removed.
     const Vec3d z = axes.col(2).normalized();
     const Vec3d x = (axes.col(0) - z.dot(axes.col(0)) * z).normalized();
     const Vec3d y = z.cross(x) * (axes.determinant() < 0 ? -1.0 : 1.0);
@@ -52,10 +53,11 @@ PointLight parse_point(Properties& properties, const Vec3d& origin) {
             intensity};
 }
 
-/// A cone that is narrower has less than a thousand float directions across, and what it sends is wrong by that.
+/// The smallest cut-off angle [degrees]. A narrower cone is less than a thousand float directions wide, so that
+/// rounding would change its light by more than a thousandth.
 constexpr double least_cutoff = 1e-3;
 
-/// [degrees], up to 180.
+/// The cut-off angle [degrees], up to 180.
 double parse_cutoff(Properties& properties) {
     const double cutoff = properties.positive("cutoff_angle", 20);
     if (cutoff < least_cutoff)
@@ -110,7 +112,7 @@ MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
     const auto scale = static_cast<float>(properties.number("scale", 1));
     if (!(scale >= 0))
         throw InputError(properties.where("scale"), fmt::format("'scale' must not be negative: {}", scale));
-    properties.boolean("mis_compensation", false);  // changes where Mitsuba samples, not what it finds
+    properties.boolean("mis_compensation", false);  // changes Mitsuba's sampling, not its image
     const std::string path = files.path(*name, properties.element_where("filename"));
     LinearImage image = load_linear_image(path);
     const auto width = static_cast<std::size_t>(image.width);

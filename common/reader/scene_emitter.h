@@ -1,17 +1,18 @@
 #pragma once
-// The <emitter> elements of a scene file.
+// Reads the <emitter> elements of a scene file.
 
 #include "common/lights/light.h"
 #include "common/reader/scene_texture.h"
 
 namespace gib {
 
-/// The radiance of an `area` emitter, which stands in a shape. Throws InputError.
+/// Reads the radiance of an `area` emitter, which stands in a shape. Throws InputError.
 Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files);
 
-/// point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width, texture), directional
-/// (direction or to_world, irradiance), constant (radiance) or envmap (filename, scale, to_world), moved by -origin.
-/// Sampling weights are checked, and mean nothing here: lights are chosen by their power. Throws InputError.
+/// Reads an emitter: point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width,
+/// texture), directional (direction or to_world, irradiance), constant (radiance) or envmap (filename, scale,
+/// to_world). Positions are moved by -origin. Sampling weights are checked but have no effect, because lights are
+/// chosen by their power. Throws InputError.
 Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin);
 
 }  // namespace gib

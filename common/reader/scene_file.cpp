@@ -45,7 +45,7 @@ public:
 
     void add_emitter(const NestedObject& emitter) { emitters_.push_back(emitter); }
 
-    /// Moves the scene's centre to the origin: float holds positions near it best.
+    /// Moves the scene's centre to the origin, because float is most exact for positions near it.
     SceneParts finish(const XmlElement& root, Sensor sensor) {
         if (bounds_.isEmpty()) throw InputError(root.where, "the scene is empty: it has no shape");
         SceneParts parts;
@@ -78,7 +78,7 @@ private:
     struct PendingGroup {
         std::vector<Pending> members;
         BoundsD bounds;
-        std::optional<std::uint32_t> index;  ///< in the scene, once an instance has shown it
+        std::optional<std::uint32_t> index;  ///< of the group in the scene, once an instance shows it
     };
     struct PendingInstance {
         SourceLocation where;
@@ -91,7 +91,7 @@ private:
         return type && type->value == plugin;
     }
 
-    /// The shapes of an element that has a surface, appended to `to`. Returns their bounds.
+    /// Appends the shapes of an element that has a surface to `to`. Returns their bounds.
     BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
         Properties properties(*object.element, ids_);
         const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
@@ -102,7 +102,7 @@ private:
                 *side = medium_index(*medium);
                 media.boundary = true;
             }
-        properties.number("silhouette_sampling_weight");  // Mitsuba's, for derivatives
+        properties.number("silhouette_sampling_weight");  // for Mitsuba's derivatives; no effect here
         ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         properties.finish();
         std::optional<Texture> radiance;
@@ -114,8 +114,12 @@ private:
         BoundsD bounds;
         for (auto& part : shapes.parts) {
             bounds.extend(bounds_of(part.shape));
-            Pending pending{object.where, std::move(part.shape), emitter ? emitter->where : object.where, 0, radiance,
-                            media};
+            Pending pending{.where = object.where,
+                            .shape = std::move(part.shape),
+                            .emitter_where = emitter ? emitter->where : object.where,
+                            .material = 0,
+                            .radiance = radiance,
+                            .media = media};
             if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
                 pending.radiance = Texture(shapes.materials[*part.material].emissive);
             if (bsdf) {
@@ -168,7 +172,7 @@ private:
     }
 
     Vec3d center(const XmlElement& root) const {
-        const FloatTrapsPaused paused;  // whether places overflowed in a transform is the question
+        const FloatTrapsPaused paused;  // the test below looks for overflows in transforms
         const Vec3d center = bounds_.center();
         if (!center.array().isFinite().all()) throw InputError(root.where, "the scene is too large");
         return center;
@@ -184,10 +188,13 @@ private:
     static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
-            SceneParts::Object object{recentred(std::move(p.shape), origin, p.where), p.material, p.radiance, p.media};
+            SceneParts::Object object{.shape = recentred(std::move(p.shape), origin, p.where),
+                                      .material = p.material,
+                                      .radiance = p.radiance,
+                                      .media = p.media};
             const double area = p.radiance ? area_of(object.shape) : 1;
             if (!(area > 0)) throw InputError(p.emitter_where, "an area emitter on a shape without area");
-            // Densities are inverse areas in float.
+            // Densities are inverse areas, which must fit into float.
             if (!(area >= 1e-37 && area <= 1e37))
                 throw InputError(p.emitter_where, fmt::format("an area emitter on a shape of area {:g}: it must be "
                                                               "between 1e-37 and 1e+37",
@@ -197,7 +204,8 @@ private:
         return objects;
     }
 
-    /// Groups that no instance shows, and instances of an empty group, are not in the scene.
+    /// Adds the instances and their groups to the scene. Groups that no instance shows, and instances of an empty
+    /// group, are left out.
     void place_instances(SceneParts& parts) {
         for (const auto& instance : instances_) {
             PendingGroup& group = groups_[instance.group];
@@ -221,7 +229,7 @@ private:
     std::vector<Light> parse_emitters(const Vec3d& origin) {
         std::vector<Light> lights;
         for (const auto& emitter : emitters_) {
-            if (area_emitters_.count(emitter.element)) continue;  // stands in the shape that refers to it
+            if (area_emitters_.count(emitter.element)) continue;  // it stands in the shape that refers to it
             lights.push_back(parse_emitter(emitter, textures_, origin));
             if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
                 throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
@@ -244,7 +252,7 @@ private:
         return it->second;
     }
 
-    /// Mitsuba's: a grey diffuse surface, and a black one on a light.
+    /// Mitsuba's default material: a grey diffuse surface, or a black one for a light.
     std::uint32_t default_material(bool emitter) {
         auto& index = default_materials_[emitter];
         if (!index) {
@@ -293,7 +301,8 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
-    // Only checked here: each is read again by what refers to it. An emission may be all that other colours may.
+    // Spectra and textures are only checked here; whatever refers to one reads it again. The range of an emission
+    // includes those of all other colours.
     for (const auto& spectrum : spectra)
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
     for (const auto& texture : textures)
@@ -308,8 +317,11 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     for (const auto& emitter : emitters)
         builder.add_emitter(emitter);
     SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
-    return {std::filesystem::path(path).stem().string(), std::make_shared<const Scene>(std::move(parts)),
-            parsed.sample_count, max_edges, hash.hex()};
+    return {.name = std::filesystem::path(path).stem().string(),
+            .scene = std::make_shared<const Scene>(std::move(parts)),
+            .sample_count = parsed.sample_count,
+            .max_edges = max_edges,
+            .content_hash = hash.hex()};
 }
 
 LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options) {

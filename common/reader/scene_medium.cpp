@@ -7,7 +7,7 @@ namespace gib {
 
 namespace {
 
-/// [1/scene unit], scaled. Products of it with lengths, and their sums, must stay finite.
+/// The highest extinction after scaling [1/scene unit]. Its products with lengths, and their sums, must stay finite.
 constexpr float highest_extinction = 1e9f;
 
 PhaseFunction parse_phase(const NestedObject& object, const XmlIds& ids) {
@@ -32,7 +32,7 @@ GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const V
     const std::string filter = properties.choice("filter_type", "trilinear", {"nearest", "trilinear"});
     const std::string wrap = properties.choice("wrap_type", "clamp", {"repeat", "mirror", "clamp"});
     const bool own_box = properties.boolean("use_grid_bbox", false);
-    // Mitsuba's: numbers are linear here, and there is one way to look them up.
+    // Two options of Mitsuba have no effect here: values are always linear, and there is one way to look them up.
     properties.boolean("raw", false);
     properties.boolean("accel", true);
     properties.finish();
@@ -122,7 +122,7 @@ Medium parse_medium(const NestedObject& object, TextureFiles& files, const Vec3d
     const bool homogeneous = properties.plugin({"homogeneous", "heterogeneous"}) == "homogeneous";
     const auto phase = properties.object("phase");
     const PhaseFunction function = phase ? parse_phase(*phase, files.ids()) : PhaseFunction{};
-    // Mitsuba's, for how its integrators sample: no image depends on them.
+    // These options control how Mitsuba's integrators sample. No image depends on them.
     properties.boolean("sample_emitters", true);
     properties.boolean("has_spectral_extinction", true);
     Medium medium = homogeneous ? parse_homogeneous(properties, function)

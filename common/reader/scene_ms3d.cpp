@@ -30,7 +30,7 @@ Material opaque_material(const Ms3dMaterial& material, const std::optional<Textu
     phong.specular_reflectance = material.specular / excess;
     phong.exponent = material.shininess;
     TexturedScattering node{phong, {}};
-    // What the highlight leaves over: a bright texel takes no more than its own share.
+    // A texel may reflect no more than the highlight leaves over, so that a bright one does not add energy.
     if (texture)
         node.parameters.push_back({*texture, [](Scattering& s, const Color& c) {
                                        auto& p = std::get<Phong>(s);

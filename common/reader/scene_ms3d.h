@@ -1,5 +1,5 @@
 #pragma once
-// What the materials of MilkShape 3D models mean here. The program has OpenGL's shading, which knows no energy.
+// Converts the materials of MilkShape 3D models, which are made for OpenGL's shading and do not conserve energy.
 
 #include "common/materials/material.h"
 #include "common/mesh_files/mesh_ms3d.h"
@@ -7,9 +7,9 @@
 
 namespace gib {
 
-/// Diffuse, with its colour texture in place of the diffuse colour; with a highlight Phong's model, of which both
-/// colours are scaled down together where they sum to more than 1; behind a mask where it is not opaque. `where` is the
-/// shape's element, for messages about the texture.
+/// A diffuse material, or Phong's model if there is a highlight. A colour texture replaces the diffuse colour.
+/// Phong's two colours are scaled down together if they sum to more than 1. A material that is not opaque stands
+/// behind a mask. `where` is the shape's element, for messages about the texture.
 Material material_of(const Ms3dMaterial& material, TextureFiles& files, const SourceLocation& where);
 
 }  // namespace gib

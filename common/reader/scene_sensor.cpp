@@ -11,7 +11,7 @@ namespace gib {
 namespace {
 
 constexpr double most_samples = 1e9;
-constexpr double largest_coordinate = 1e18;  ///< of the camera, as for shapes (scene_shape.cpp)
+constexpr double largest_coordinate = 1e18;  ///< of the camera's position and axes
 constexpr int deepest_integrator = 8;        ///< an integrator that refers to itself must not recurse for ever
 
 ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
@@ -30,8 +30,8 @@ ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids)
     return result;
 }
 
-/// The image is the window of the film that crop_offset_x, crop_offset_y, crop_width and crop_height name, by default
-/// all of it. Mitsuba's rule: what is given must lie on the film.
+/// The image is the window of the film that crop_offset_x, crop_offset_y, crop_width and crop_height give, by default
+/// the whole film. As in Mitsuba, the window must lie on the film.
 void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
     const int film_width = sensor.width, film_height = sensor.height;
     const int x = properties.integer("crop_offset_x", 0).value_or(0),
@@ -51,7 +51,7 @@ void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
         sensor.crop = Sensor::Crop{Vec2d(film_width, film_height), Vec2d(x, y)};
 }
 
-/// Another number of pixels for the same picture.
+/// Changes the number of pixels of the same picture.
 void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resolution) {
     const auto [width, height] = resolution;
     if (width < 1 || height < 1) throw InputError(fmt::format("a resolution of {} x {} has no pixels", width, height));
@@ -68,7 +68,7 @@ void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters&
     properties.plugin({"hdrfilm"});
     sensor.width = properties.integer("width", 1).value_or(sensor.width);
     sensor.height = properties.integer("height", 1).value_or(sensor.height);
-    // What Mitsuba writes is not what gibench writes: these are checked, and mean nothing here.
+    // These options describe the file that Mitsuba writes. They are checked but have no effect here.
     properties.choice("pixel_format", "rgb", {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"});
     properties.choice("component_format", "float16", {"float16", "float32", "uint32"});
     properties.choice("file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"});
@@ -92,7 +92,7 @@ std::optional<int> parse_sampler(const NestedObject& sampler, const XmlIds& ids)
     return sample_count;
 }
 
-/// Millimetres on a film of 36 x 24, as in "50mm".
+/// Parses a focal length [mm] for a film of 36 mm x 24 mm, such as "50mm".
 double parse_focal_length(const std::string& text, const SourceLocation& where) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -125,9 +125,9 @@ void parse_field_of_view(Properties& properties, Sensor::Parameters& sensor) {
     sensor.fov_axis = axes.at(properties.choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"}));
 }
 
-/// The lens of a thinlens; a perspective may name a distance of focus too, which means nothing without a lens.
+/// Reads the lens of a thinlens. A perspective may give a focus_distance too, which has no effect without a lens.
 void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& sensor) {
-    // Mitsuba's default: its default far clip distance.
+    // As in Mitsuba, the default is the far clip distance, whose own default is 1e4.
     const double far_clip = std::isfinite(sensor.far_clip) ? static_cast<double>(sensor.far_clip) : 1e4;
     const double focus_distance = properties.number("focus_distance", far_clip);
     if (!thinlens) return;
@@ -148,7 +148,7 @@ void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& senso
     sensor.focus_distance = focus_distance;
 }
 
-/// Mitsuba's test and tolerance: the camera-to-world transform keeps lengths.
+/// Refuses a camera-to-world transform that changes lengths, by Mitsuba's test and tolerance.
 void refuse_scale(const Properties& properties, const Mat4d& to_world) {
     for (int i = 0; i < 3; ++i)
         if (std::abs(to_world.block<3, 1>(0, i).squaredNorm() - 1) > 1e-3)
@@ -156,7 +156,7 @@ void refuse_scale(const Properties& properties, const Mat4d& to_world) {
 }
 
 void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
-    // The values for files without them are those that cut nothing off, not Mitsuba's.
+    // The defaults cut nothing off; they are not Mitsuba's.
     const double near_clip = properties.positive("near_clip", 1), far_clip = properties.positive("far_clip", 1);
     if (properties.has("near_clip")) sensor.near_clip = static_cast<float>(near_clip);
     if (properties.has("far_clip")) sensor.far_clip = static_cast<float>(far_clip);
@@ -164,10 +164,10 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
         throw InputError(properties.where("near_clip"), "'near_clip' must be below 'far_clip'");
 }
 
-/// Whether the rays through the film's corners, which lead furthest to the side, have directions: an angle of view next
-/// to 180 degrees, an offset or a filter can be so large that float cannot hold their lengths' squares.
+/// Whether the rays through the film's corners, which point furthest to the side, have directions. An angle of view
+/// near 180 degrees, an offset or a filter can be so large that float cannot hold the square of a ray's length.
 bool has_sound_rays(const Sensor& sensor) {
-    const FloatTrapsPaused paused;  // whether there are such is the question
+    const FloatTrapsPaused paused;  // the test below looks for overflows
     for (const int x : {0, sensor.width() - 1})
         for (const int y : {0, sensor.height() - 1})
             for (const float u : {0.f, 1.f})
@@ -215,7 +215,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                                              properties.number("principal_point_offset_y", 0)};
     parse_clip_distances(properties, parameters);
     parse_lens(properties, type == "thinlens", parameters);
-    // Nothing moves here.
+    // Shutter times have no effect, because nothing moves.
     for (const char* name : {"shutter_open", "shutter_close"})
         properties.number(name);
     const auto medium = properties.object("medium");

@@ -1,5 +1,6 @@
 #pragma once
-// The parts of a scene file that say how to take its picture: <sensor> with its film and sampler, and <integrator>.
+// Reads the parts of a scene file that say how its picture is taken: <sensor> with its film and
+// sampler, and <integrator>.
 
 #include "common/scene/sensor.h"
 #include "common/xml/xml_properties.h"
@@ -8,20 +9,20 @@ namespace gib {
 
 struct ParsedSensor {
     Sensor sensor;
-    std::optional<int> sample_count;     ///< samples a pixel, of the sampler
+    std::optional<int> sample_count;     ///< samples per pixel, as the sampler gives them
     std::optional<NestedObject> medium;  ///< that the sensor stands in
 };
 
-/// perspective, thinlens (fov or focal_length, fov_axis; the first with principal_point_offset_x and _y, the second
-/// with aperture_radius and focus_distance) or orthographic, all with to_world, near_clip, far_clip, an hdrfilm and a
-/// sampler. Clip distances act only if they are given. A film's crop window becomes the image; `resolution` replaces
-/// the image's width and height, and a crop window stays where it is on the film. Throws InputError, also for an image
-/// of more than 1e9 samples.
+/// Reads a sensor: perspective (fov or focal_length, fov_axis, principal_point_offset_x and _y), thinlens (fov or
+/// focal_length, fov_axis, aperture_radius, focus_distance) or orthographic, all with to_world, near_clip, far_clip,
+/// an hdrfilm and a sampler. Clip distances act only if they are given. A film's crop window becomes the image.
+/// `resolution` replaces the image's width and height; a crop window then keeps its place on the film. Throws
+/// InputError, also for an image of more than 1e9 samples.
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution);
 
-/// The edges of the longest path, INT_MAX without a limit, of any of Mitsuba's integrators; its other parameters mean
-/// nothing here. Throws InputError for hide_emitters.
+/// The number of edges of the longest path that any of Mitsuba's integrators follows; INT_MAX: unlimited. Other
+/// parameters of the integrator have no effect. Throws InputError for hide_emitters.
 int parse_max_edges(const NestedObject& integrator, const XmlIds& ids);
 
 }  // namespace gib

@@ -13,21 +13,23 @@ constexpr double largest_coordinate = 1.8e18;
 
 bool mirrors(const Mat4d& to_world) { return unit_columns(to_world).determinant() < 0; }
 
-/// Mitsuba's rectangle, disk and vertex normals follow the inverse transpose of to_world, triangles their vertices:
-/// under a mirroring transform those that have a normal of their own keep it. For a mesh whose uv are given.
+/// Keeps the front of a mesh under a mirroring transform by reversing its triangles, for a mesh whose uv are given.
+/// In Mitsuba the normals of rectangles, disks and vertices follow the inverse transpose of to_world, while those of
+/// triangles follow the order of the vertices.
 void swap_winding(MeshData& mesh) {
     for (auto& triangle : mesh.triangles)
         std::swap(triangle[1], triangle[2]);
 }
 
-/// The same for a mesh with normals: the order of the vertices stays, because barycentric uv depend on it.
+/// Keeps the front of a mesh with normals under a mirroring transform. The order of the vertices stays, because
+/// barycentric uv depend on it.
 void keep_front_of_normals(ParsedMesh& mesh) {
     for (auto& n : mesh.data.normals)
         n = -n;
     mesh.flip_normals = !mesh.flip_normals;
 }
 
-/// [-1, 1]^2 in the plane z = 0, front towards +z.
+/// The square [-1, 1]^2 in the plane z = 0, with its front towards +z.
 ParsedMesh parse_rectangle(Properties& properties, const Mat4d& to_world) {
     ParsedMesh mesh;
     for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
@@ -41,7 +43,7 @@ ParsedMesh parse_rectangle(Properties& properties, const Mat4d& to_world) {
     return mesh;
 }
 
-/// [-1, 1]^3, front outside. Faces share no vertices; each is parametrised from the corner where u = v = 0.
+/// The cube [-1, 1]^3, with its front outside. Faces share no vertices; uv of each face is (0, 0) at `corner`.
 ParsedMesh parse_cube(Properties& properties, const Mat4d& to_world) {
     struct Face {
         Vec3d corner, u, v;  ///< v x u points outwards
@@ -74,32 +76,36 @@ ParsedSphere parse_sphere(Properties& properties, const Mat4d& to_world) {
     if (!(linear.transpose() * linear / (scale * scale)).isIdentity(1e-5))
         throw InputError(properties.where("to_world"), "the to_world of a sphere must scale uniformly and not shear");
     // Mitsuba reads a mirroring transform as a negative radius, which turns the normals.
-    return {linear * center + to_world.topRightCorner<3, 1>(), scale * radius,
-            properties.boolean("flip_normals", false) != mirrors(to_world), linear / scale};
+    return {.center = linear * center + to_world.topRightCorner<3, 1>(),
+            .radius = scale * radius,
+            .flip_normals = properties.boolean("flip_normals", false) != mirrors(to_world),
+            .axes = linear / scale};
 }
 
-/// The unit disk in the plane z = 0, front towards +z.
+/// The unit disk in the plane z = 0, with its front towards +z.
 ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
     const Vec3d du = linear.col(0), dv = linear.col(1);
     if (std::abs(du.stableNormalized().dot(dv.stableNormalized())) > 1e-6)
         throw InputError(properties.where("to_world"), "the to_world of a disk must not shear");
     const Vec3d normal = (unit_columns(to_world).inverse().transpose() * Vec3d::UnitZ()).normalized();
-    return {to_world.topRightCorner<3, 1>(), du, dv,
-            properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
+    return {.center = to_world.topRightCorner<3, 1>(),
+            .du = du,
+            .dv = dv,
+            .normal = properties.boolean("flip_normals", false) ? Vec3d(-normal) : normal};
 }
 
-/// From p0 to p1, front outside. A mirroring transform does not turn it inside out (Mitsuba takes the normal of the
-/// mirrored parametrisation and flips it).
+/// A cylinder from p0 to p1, with its front outside. A mirroring transform does not turn it inside out (Mitsuba takes
+/// the normal of the mirrored parametrisation and flips it).
 ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     const Vec3d p0 = properties.point("p0").value_or(Vec3d::Zero()),
                 p1 = properties.point("p1").value_or(Vec3d::UnitZ());
     const double radius = properties.positive("radius", 1);
-    const Vec3d half_axis = 0.5 * p1 - 0.5 * p0;  // finite, as the whole may not be
+    const Vec3d half_axis = 0.5 * p1 - 0.5 * p0;  // finite even if p1 - p0 is not
     if (half_axis.isZero(0))
         throw InputError(properties.where(properties.has("p1") ? "p1" : "p0"), "'p0' and 'p1' are the same point");
     const Vec3d along = half_axis.stableNormalized();
-    // Where u is 0 is Mitsuba's choice; the rest of float's rounding is taken off.
+    // u is 0 where Mitsuba has it. The axis from float is made orthogonal to `along` again in double.
     const Vec3d s0 = Frame(along.cast<float>()).s.cast<double>();
     const Vec3d s = (s0 - s0.dot(along) * along).normalized(), t = along.cross(s);
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
@@ -111,20 +117,20 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     if (!(unit.transpose() * unit).isIdentity(1e-5))
         throw InputError(properties.where("to_world"),
                          "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
-    return {linear * p0 + to_world.topRightCorner<3, 1>(),
-            2 * (linear * half_axis),
-            unit.col(0),
-            unit.col(1),
-            scale * radius,
-            properties.boolean("flip_normals", false)};
+    return {.base = linear * p0 + to_world.topRightCorner<3, 1>(),
+            .axis = 2 * (linear * half_axis),
+            .s = unit.col(0),
+            .t = unit.col(1),
+            .radius = scale * radius,
+            .flip_normals = properties.boolean("flip_normals", false)};
 }
 
 struct MeshOptions {
     bool face_normals, flip_normals, flip_v;
 };
 
-/// The options of every mesh file, in Mitsuba's order: normals that the file lacks are computed unless the faces' are
-/// wanted.
+/// Applies the options of every mesh file, in Mitsuba's order. Normals that the file lacks are computed unless face
+/// normals are wanted.
 ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d& to_world) {
     ParsedMesh mesh{std::move(data), options.flip_normals};
     if (options.flip_v)
@@ -137,7 +143,7 @@ ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d&
     return mesh;
 }
 
-/// obj, ply, serialized or ms3d.
+/// Reads an obj, ply, serialized or ms3d file.
 ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
                              const FileFinder& files, ContentHash& hash) {
     const bool is_serialized = type == "serialized";
@@ -166,7 +172,7 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
 }
 
 void check_range(const Vec3d& p, const SourceLocation& where) {
-    // Each by itself: a largest coefficient may leave out NaN.
+    // Each coordinate is compared by itself, because the largest coefficient may leave out NaN.
     if (!(p.array().abs() <= largest_coordinate).all())
         throw InputError(where, fmt::format("the shape has coordinates above {:g}", largest_coordinate));
 }
@@ -191,13 +197,18 @@ Sphere recentred(const ParsedSphere& sphere, const Vec3d& origin, const SourceLo
     check_range((sphere.center - origin).cwiseAbs() + Vec3d::Constant(sphere.radius), where);
     const auto radius = static_cast<float>(sphere.radius);
     if (!(radius > 0)) throw InputError(where, "the sphere's radius is too small");
-    return {(sphere.center - origin).cast<float>(), radius, sphere.flip_normals, sphere.axes.cast<float>()};
+    return {.center = (sphere.center - origin).cast<float>(),
+            .radius = radius,
+            .flip_normals = sphere.flip_normals,
+            .axes = sphere.axes.cast<float>()};
 }
 
 Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation& where) {
     check_range((disk.center - origin).cwiseAbs() + disk.du.cwiseAbs() + disk.dv.cwiseAbs(), where);
-    const Disk result{(disk.center - origin).cast<float>(), disk.du.cast<float>(), disk.dv.cast<float>(),
-                      disk.normal.cast<float>()};
+    const Disk result{.center = (disk.center - origin).cast<float>(),
+                      .du = disk.du.cast<float>(),
+                      .dv = disk.dv.cast<float>(),
+                      .normal = disk.normal.cast<float>()};
     if (!(result.du.squaredNorm() > 0) || !(result.dv.squaredNorm() > 0))
         throw InputError(where, "the disk is too small");
     return result;
@@ -205,8 +216,12 @@ Disk recentred(const ParsedDisk& disk, const Vec3d& origin, const SourceLocation
 
 Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLocation& where) {
     check_range((c.base - origin).cwiseAbs() + c.axis.cwiseAbs() + Vec3d::Constant(c.radius), where);
-    const Cylinder result{(c.base - origin).cast<float>(), c.axis.cast<float>(), c.s.cast<float>(), c.t.cast<float>(),
-                          static_cast<float>(c.radius),    c.flip_normals};
+    const Cylinder result{.base = (c.base - origin).cast<float>(),
+                          .axis = c.axis.cast<float>(),
+                          .s = c.s.cast<float>(),
+                          .t = c.t.cast<float>(),
+                          .radius = static_cast<float>(c.radius),
+                          .flip_normals = c.flip_normals};
     if (!(result.radius > 0) || !(result.axis.squaredNorm() > 0)) throw InputError(where, "the cylinder is too small");
     return result;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The <shape> elements of a scene file, in double and in the file's coordinates.
+// Reads the <shape> elements of a scene file, in double and in the file's coordinates.
 
 #include "common/mesh_files/mesh_ms3d.h"
 #include "common/shapes/shape.h"
@@ -15,19 +15,19 @@ struct ParsedSphere {
     Vec3d center;
     double radius;
     bool flip_normals;
-    Eigen::Matrix3d axes;  ///< columns: where its x, y and z point, unit
+    Eigen::Matrix3d axes;  ///< unit columns: the directions of its x, y and z
 };
 struct ParsedDisk {
     Vec3d center, du, dv, normal;
 };
 struct ParsedCylinder {
-    Vec3d base, axis, s, t;  ///< as of a Cylinder
+    Vec3d base, axis, s, t;  ///< as in Cylinder
     double radius;
     bool flip_normals;
 };
 using ParsedShape = std::variant<ParsedMesh, ParsedSphere, ParsedDisk, ParsedCylinder>;
 
-/// What one element stands for: a single shape, or the groups of an ms3d file with the materials that it holds.
+/// The content of one element: a single shape, or the groups of an ms3d file with the file's materials.
 struct ParsedShapes {
     struct Part {
         ParsedShape shape;
@@ -39,23 +39,24 @@ struct ParsedShapes {
     ParsedShapes() = default;
     template <typename Shape>
     requires std::is_constructible_v<ParsedShape, Shape> ParsedShapes(Shape&& shape) {
-        parts.push_back({std::forward<Shape>(shape), std::nullopt});  // a list would copy it
+        parts.push_back({std::forward<Shape>(shape), std::nullopt});  // an initialiser list would copy it
     }
 };
 
 using BoundsD = Eigen::AlignedBox3d;
 
-/// A shape with a surface, with its own parameters; those that every shape takes are the caller's. The bytes of mesh
-/// files are added to `hash`. Throws InputError, in the mesh file for what is wrong there.
+/// Reads a shape that has a surface, with the parameters of its own; the caller reads those that every shape takes.
+/// The bytes of mesh files are added to `hash`. Throws InputError, for an error inside a mesh file at its place in
+/// that file.
 ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);
-/// The box around a box that was moved.
+/// The box around a transformed box.
 BoundsD transformed(const Mat4d& to_world, const BoundsD& bounds);
-/// Throws InputError at `where` for a box that ray queries cannot take.
+/// Throws InputError at `where` for a box that is too large for ray queries.
 void check_range(const BoundsD& bounds, const SourceLocation& where);
 
-/// The shape in float, relative to `origin`. Throws InputError at `where` for what float cannot hold.
+/// The shape in float, relative to `origin`. Throws InputError at `where` for a shape that float cannot hold.
 Shape recentred(ParsedShape&& shape, const Vec3d& origin, const SourceLocation& where);
 
 }  // namespace gib

@@ -29,7 +29,7 @@ namespace {
 
 UvTransform parse_to_uv(Properties& properties) {
     const Mat4d m = properties.transform("to_uv");
-    // Mitsuba leaves out the third row and column; what it would ignore in silence is refused.
+    // Mitsuba leaves out the third row and column. Entries there, which it would ignore in silence, are refused.
     if (m(0, 2) != 0 || m(1, 2) != 0 || m(2, 0) != 0 || m(2, 1) != 0)
         throw InputError(properties.where("to_uv"),
                          "'to_uv' must map u and v alone (a <matrix> of 9 numbers cannot "
@@ -47,7 +47,7 @@ Texture parse_bitmap(Properties& properties, TextureFiles& files) {
     texture.wrap = wrap == "repeat" ? TextureWrap::repeat : wrap == "mirror" ? TextureWrap::mirror : TextureWrap::clamp;
     texture.to_uv = parse_to_uv(properties);
     const bool raw = properties.boolean("raw", false);
-    // Mitsuba's, for its memory and its graphics processors: texels are 32-bit floats here.
+    // These options concern Mitsuba's memory and graphics processors. Texels are always 32-bit floats here.
     properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
     properties.boolean("accel", true);
     texture.bitmap = files.bitmap(*name, properties.element_where("filename"), raw);

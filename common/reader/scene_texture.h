@@ -1,5 +1,5 @@
 #pragma once
-// The <texture> elements of a scene file, and parameters that take a value or a texture.
+// Reads the <texture> elements of a scene file, and parameters that take a value or a texture.
 
 #include "common/images/texture.h"
 #include "common/xml/xml_properties.h"
@@ -12,13 +12,13 @@ namespace gib {
 /// The images that a scene's textures share. Every file that is read is added to the scene's hash.
 class TextureFiles {
 public:
-    /// All three must outlive this.
+    /// All three arguments must outlive this object.
     TextureFiles(const FileFinder& finder, ContentHash& hash, const XmlIds& ids)
         : finder_(finder), hash_(hash), ids_(ids) {}
 
     const XmlIds& ids() const { return ids_; }
-    /// Each image is loaded once. Throws InputError at `where` if there is no such file, and in it for what is wrong
-    /// there.
+    /// The image of a file, which is loaded once. Throws InputError at `where` if there is no such file, and at the
+    /// file itself if its content is wrong.
     std::shared_ptr<const Bitmap> bitmap(const std::string& name, const SourceLocation& where, bool raw);
     /// The path of a file, whose content is added to the hash. Throws InputError at `where` if there is none.
     std::string path(const std::string& name, const SourceLocation& where);
@@ -31,13 +31,13 @@ private:
     std::shared_ptr<TextureCache> cache_;  ///< made with the first bitmap
     std::map<std::pair<std::string, bool>, std::shared_ptr<const Bitmap>> bitmaps_;
     std::set<std::string> hashed_;
-    std::set<const XmlElement*> open_;  ///< being parsed now, to find those that hold themselves
-    std::size_t parts_ = 0;             ///< of the outermost one of them so far, each as often as it is referred to
+    std::set<const XmlElement*> open_;  ///< elements being parsed now, to find any that holds itself
+    std::size_t parts_ = 0;             ///< of the outermost open element so far, one for each reference
 };
 
-/// Marks a texture or material as being parsed. Throws InputError if it is already: references can make it hold itself.
-/// With them a short file can also ask for a chain that is too deep for recursion, or a tree of 2^n parts; both are
-/// refused.
+/// Marks a texture or material as being parsed. Throws InputError if it is marked already, because references can
+/// make an element hold itself. With references a short file can also describe a chain that is too deep for
+/// recursion, or a tree of 2^n parts; both are refused.
 class OpenElement {
 public:
     OpenElement(const NestedObject& object, TextureFiles& files);
@@ -50,14 +50,15 @@ private:
     TextureFiles& files_;
 };
 
-/// A bitmap or checkerboard. `range` holds for the constants in it; images are not checked. Throws InputError.
+/// Reads a bitmap or checkerboard. The constants in it must lie within `range`; images are not
+/// checked. Throws InputError.
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files);
 
-/// The colour parameter `name`: a value as Properties::color() takes it, or a texture within `range`.
+/// The colour parameter `name`: a value as color_property() takes it, or a texture within `range`.
 Texture parse_textured(Properties& properties, const std::string& name, float fallback, ColorRange range,
                        TextureFiles& files);
 
-/// The number `name`: a <float>, or a texture or colour of which value() is taken, within `range`.
+/// The number `name`, within `range`: a <float>, or the value() of a texture or colour.
 Texture parse_textured_number(Properties& properties, const std::string& name, float fallback, ColorRange range,
                               TextureFiles& files);
 

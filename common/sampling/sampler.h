@@ -1,6 +1,6 @@
 #pragma once
-// Random numbers as a pure function of (seed, index, pass, dimension): nothing is stored between calls, so a pixel, a
-// photon or a pass can be replayed alone and the number of threads cannot matter.
+// Random numbers as a pure function of (seed, index, pass, dimension). Nothing is stored between calls, so that a
+// pixel, a photon or a pass can be replayed alone and the number of threads cannot matter.
 
 #include "common/core/math.h"
 
@@ -24,13 +24,14 @@ inline std::uint64_t mix64(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// One key out of two; not symmetric.
+/// Combines two keys into one; their order matters.
 inline std::uint64_t combine_keys(std::uint64_t a, std::uint64_t b) {
     return mix64(mix64(a + 0x9e3779b97f4a7c15ull) ^ (b + 0xd1b54a32d192ed03ull));
 }
 
-/// The same for 32 bits, in vector registers too. Source: lowbias32 of C. Wellons, "Prospecting for Hash Functions"
-/// (2018), whose avalanche is closer to 1/2 than that of MurmurHash3's finaliser.
+/// Mixes 32 bits as mix64() mixes 64; Numbers is one number or a vector register of them. Source: lowbias32 of C.
+/// Wellons, "Prospecting for Hash Functions" (2018). Its output bits change with a probability closer to 1/2 than
+/// those of MurmurHash3's finaliser.
 template <typename Numbers>
 inline Numbers mix32(Numbers x) {
     x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -50,7 +51,7 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
 
-/// As many numbers as a path takes at a vertex, in one vector register.
+/// The eight numbers that a path takes at a vertex, in one vector register.
 using Eight [[gnu::vector_size(32)]] = std::uint32_t;
 using EightFloats [[gnu::vector_size(32)]] = float;
 
@@ -59,7 +60,8 @@ inline EightFloats unit_float(const Eight& bits) {
     return __builtin_convertvector(reinterpret_cast<EightInts>(bits >> 8), EightFloats) * 0x1p-24f;
 }
 
-/// By looking up half bytes: the path tracer's rate on the Cornell box rises by 2 %.
+/// Reverses the bits of eight numbers by table look-ups of half bytes; the path tracer's rate on the Cornell box
+/// rises by 2 %.
 inline Eight reverse_bits(const Eight& numbers) {
 #ifdef __AVX2__
     const __m256i reversed_bytes =
@@ -92,8 +94,9 @@ inline Numbers scramble_reversed(Numbers x, const Numbers& seed) {
     return x;
 }
 
-/// Sobol's second dimension with reversed bits. Its matrix is Pascal's triangle modulo 2, C(i, j) odd exactly if j's
-/// bits are a subset of i's (Lucas), so the product is a sum over supersets, done in five steps.
+/// The second dimension of Sobol's sequence, with reversed bits. Its matrix is Pascal's triangle modulo 2, in which
+/// C(i, j) is odd exactly if the bits of j are a subset of those of i (Lucas). The product of matrix and index is
+/// therefore a sum over supersets, which takes five steps.
 template <typename Numbers>
 inline Numbers sobol_second_reversed(Numbers index) {
     index ^= (index >> 1) & 0x55555555u;
@@ -106,12 +109,12 @@ inline Numbers sobol_second_reversed(Numbers index) {
 
 enum class PointSet {
     independent,  ///< independent random numbers
-    sobol         ///< Owen-scrambled Sobol' points over the passes of one pixel, each pair of dimensions shuffled apart
+    sobol  ///< Owen-scrambled Sobol' points over the passes of one pixel, each pair of dimensions in its own order
 };
 inline constexpr std::array<std::string_view, 2> point_set_names = {"independent", "sobol"};
 
-/// The dimensions of a path from the eye or from a light: which point of the square decides what. The same everywhere,
-/// so that a value is never used twice.
+/// The dimensions of a path from the eye or from a light. A dimension is a random point of the unit square; its name
+/// says what the point decides. All methods use these names, so that no number is used twice.
 namespace dimension {
 inline constexpr std::uint32_t film = 0;
 inline constexpr std::uint32_t lens = 1;
@@ -119,17 +122,18 @@ inline constexpr std::uint32_t stratum = 2;
 inline constexpr std::uint32_t emission_light = 0;
 inline constexpr std::uint32_t emission_position = 1;
 inline constexpr std::uint32_t emission_direction = 2;
-/// A photon's stratum of wavelengths; an eye path's is `stratum`.
+/// The dimension that chooses a photon's stratum of wavelengths; for a path from the eye, it is `stratum`.
 inline constexpr std::uint32_t photon_stratum = 0x3fffffff;
 inline constexpr std::uint32_t first_vertex = 3;
-inline constexpr std::uint32_t choices = 0;  ///< x: of a light; y: whether the path goes on
+inline constexpr std::uint32_t choices = 0;  ///< x chooses a light, y decides whether the path goes on
 inline constexpr std::uint32_t light_position = 1;
 inline constexpr std::uint32_t bsdf_lobe = 2;
 inline constexpr std::uint32_t bsdf_direction = 3;
 inline constexpr std::uint32_t per_vertex = 4;
-/// Whether the n-th surface with holes on a path is there: first_hole + n.
+/// Dimension first_hole + n decides whether the path passes through the n-th surface with a mask that it meets.
 inline constexpr std::uint32_t first_hole = 0x40000000;
-/// Free flights through media and what else takes as many numbers as it needs: first_of_stream + n.
+/// Dimension first_of_stream + n holds number n of a NumberStream, which serves free flights through media and other
+/// decisions that take an unknown count of numbers.
 inline constexpr std::uint32_t first_of_stream = 0x50000000;
 /// The dimension of `what` at vertex number `vertex` (the first surface hit is 0).
 inline constexpr std::uint32_t at_vertex(int vertex, std::uint32_t what) {
@@ -137,11 +141,11 @@ inline constexpr std::uint32_t at_vertex(int vertex, std::uint32_t what) {
 }
 }  // namespace dimension
 
-/// Higher dimensions are independent in every set: the integrand is too rough there for a net to help, and a hash is
-/// cheaper.
+/// Dimensions from this one on are independent random numbers in every point set: the integrand is too rough there
+/// for Sobol' points to help, and a hash is cheaper.
 inline constexpr std::uint32_t sobol_dimensions = dimension::at_vertex(4, 0);
 
-/// What a path decides at one of its vertices.
+/// The random numbers with which a path decides at one of its vertices.
 class VertexNumbers {
 public:
     explicit VertexNumbers(const EightFloats& numbers) : numbers_(numbers) {}
@@ -169,8 +173,9 @@ public:
         pass_key_ = Key(combine_keys(sequence, pass));
     }
 
-    /// The numbers of path i of n that split off this one; `tag` tells the places apart where paths do. Those of all
-    /// passes are one sequence, in which this pass has n places, so they are stratified over all passes.
+    /// The random numbers of path i of n into which this path splits; `tag` must differ between the places where
+    /// paths split. The split paths of all passes form one sequence in which each pass has n places, so that they are
+    /// stratified over all passes.
     Sampler split(std::uint32_t i, std::uint32_t n, std::uint64_t tag) const {
         Sampler path = *this;
         const std::uint64_t sequence = combine_keys(sequence_key_.whole(), tag);
@@ -181,7 +186,7 @@ public:
         return path;
     }
 
-    /// A number in [0, 1).
+    /// A number in [0, 1): the first coordinate of get_2d().
     float get_1d(std::uint32_t dimension) const { return get_2d(dimension).x(); }
 
     /// A point in [0, 1)^2. Different dimensions are independent of each other.
@@ -193,7 +198,8 @@ public:
         return {number(0), number(1)};
     }
 
-    /// get_2d of all dimensions of a vertex, at once: that is what makes random numbers cheap beside ray queries.
+    /// All dimensions of a vertex at once, as get_2d() returns them one by one. This makes random numbers cheap
+    /// compared with ray queries.
     VertexNumbers at_vertex(int vertex) const {
         const std::uint32_t dimension = dimension::at_vertex(vertex, 0);
         const Eight n = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -210,10 +216,11 @@ private:
             : low(static_cast<std::uint32_t>(key)), high(static_cast<std::uint32_t>(key >> 32)) {}
         std::uint64_t whole() const { return std::uint64_t{high} << 32 | low; }
     };
-    /// Weyl's sequence: one step per number, so that no two of a path enter a hash alike.
+    /// The step of a Weyl sequence: each number of a path adds another multiple of it to the key, so that no two have
+    /// the same hash.
     static constexpr std::uint32_t step = 0x9e3779b9u;
 
-    // Coordinate n % 2 of dimension d + n / 2, as 32 bits; of one n or of eight.
+    // Both return coordinate n % 2 of dimension d + n / 2 as 32 bits, for one n or for a vector of eight.
     template <typename Numbers>
     Numbers sobol_number(std::uint32_t d, const Numbers& n) const {
         const Numbers shuffle = mix32(sequence_key_.low + d * step + (n / 2) * step);
@@ -232,12 +239,13 @@ private:
     Key sequence_key_, pass_key_;
 };
 
-/// Numbers of a path one after another, for what takes as many as it needs. Independent of all others of the path.
+/// Random numbers of a path one after another, for decisions that take an unknown count of them. They are independent
+/// of all other numbers of the path.
 class NumberStream {
 public:
-    /// `sampler` must outlive this. One stream a path: two would give the same numbers.
+    /// `sampler` must outlive the stream. A path may have only one stream, because two would return the same numbers.
     explicit NumberStream(const Sampler& sampler) : sampler_(sampler) {}
-    /// In [0, 1).
+    /// The next number in [0, 1).
     float next() { return sampler_.get_1d(dimension_++); }
 
 private:

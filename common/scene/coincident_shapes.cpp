@@ -18,11 +18,12 @@ namespace gib {
 
 namespace {
 
-/// What two pieces of surface have in common if they are in the same place: three vertices in any order, or the numbers
-/// of a sphere, a disk or a cylinder but for the sense of its normal.
+/// A key that is equal for two pieces of surface in the same place: three vertices in sorted order, or the numbers of
+/// a sphere, a disk or a cylinder without the direction of its normal.
 using Place = std::array<float, 11>;
 
-/// And whether its front is on the other side of it than that of the same vertices in another order.
+/// The place of a triangle, and whether its front is on the other side than that of the same vertices
+/// in sorted order.
 std::pair<Place, bool> place_of_triangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
     std::array<std::array<float, 3>, 3> corners = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]],
                                                    mesh.vertices[triangle[2]]};
@@ -46,7 +47,7 @@ Place place_of(const Cylinder& c) {
     return {3, c.base.x(), c.base.y(), c.base.z(), c.axis.x(), c.axis.y(), c.axis.z(), c.radius, 0, 0, 0};
 }
 
-/// Whether triangle i and the next are halves of a plane quadrilateral, as those of rectangles and cubes are.
+/// Whether triangles i and i + 1 are the halves of a plane quadrilateral, as in rectangles and cubes.
 bool is_plane_quad(const Mesh& mesh, std::size_t i) {
     if (i + 1 >= mesh.triangles.size()) return false;
     const auto &t = mesh.triangles[i], &next = mesh.triangles[i + 1];
@@ -54,7 +55,8 @@ bool is_plane_quad(const Mesh& mesh, std::size_t i) {
     return mesh.normal_of(i).stableNormalized().dot(mesh.normal_of(i + 1).stableNormalized()) > 1 - 1e-6;
 }
 
-/// Of a quadrilateral its halves along the other diagonal too: it may be split otherwise in another shape.
+/// Calls `visit` with each place of a shape. A quadrilateral also has the places of its halves along the other
+/// diagonal, because another shape may be split that way.
 template <typename Visit>
 void for_each_place(const Shape& shape, const Visit& visit) {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
@@ -76,10 +78,10 @@ void for_each_place(const Shape& shape, const Visit& visit) {
     }
 }
 
-/// Interior over exterior index, and how it depends on the wavelength.
+/// Interior over exterior index, and its dispersion (Dielectric::cauchy_b).
 using Index = std::pair<float, float>;
 
-/// Of all models of the material that refract.
+/// The indices of all models of the material that refract.
 std::set<Index> indices(const Material& material) {
     const auto of = [](const auto& node) -> std::set<Index> {
         using Node = std::decay_t<decltype(node)>;
@@ -104,7 +106,7 @@ std::set<Index> indices(const Material& material) {
     return std::visit(of, material.node());
 }
 
-/// As seen from a line of `file`.
+/// The text for a place in a message about `file`.
 std::string place_text(const SourceLocation& where, const std::string& file) {
     return where.file == file ? fmt::format("line {}", where.line) : fmt::format("{}:{}", where.file, where.line);
 }
@@ -131,7 +133,7 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
             const auto it = first.find(place);
             if (it == first.end()) return;
             const auto& [lamp, lamp_turned] = it->second;
-            // Where two bodies touch, nothing is seen of either.
+            // Where two bodies touch, neither surface can be seen.
             if (std::holds_alternative<Mesh>(objects[i].shape) && lamp_turned != turned) return;
             throw InputError(where[lamp],
                              fmt::format("this lamp lies exactly in the place of the surface at {}: which of them a "
@@ -141,7 +143,7 @@ void refuse_coincident_lamps(std::span<const SceneParts::Object> objects, std::s
     }
 }
 
-/// What changes where a path crosses a surface, and which way.
+/// The changes for a path that crosses a surface: of the index and of the medium.
 struct Interface {
     std::set<Index> indices;
     MediumSides media;
@@ -194,7 +196,7 @@ void refuse_coincident_interfaces(std::span<const SceneParts::Object> objects, s
     }
 }
 
-/// What the places of two objects may be off by in the direction of `normal`.
+/// How far rounding may move the places of two objects along `normal` [scene units].
 float rounding_along(const Vec3& normal, const Bounds& a, const Bounds& b) {
     const Vec3 extent =
         a.lower.cwiseAbs().cwiseMax(a.upper.cwiseAbs()) + b.lower.cwiseAbs().cwiseMax(b.upper.cwiseAbs());
@@ -214,7 +216,7 @@ std::optional<Vec3> normal_of_flat(const Shape& shape) {
     std::optional<Vec3d> common;
     for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
         const Vec3d n = mesh->normal_of(i).stableNormalized();
-        if (n.isZero(0)) continue;  // of no area
+        if (n.isZero(0)) continue;  // a triangle without area
         if (!common) common = n;
         if (!(n.dot(*common) > 1 - 1e-6)) return std::nullopt;
     }

@@ -1,5 +1,7 @@
 #include "common/scene/effects.h"
 
+#include "common/scene/scene.h"
+
 #include <algorithm>
 
 namespace gib {
@@ -18,8 +20,8 @@ const std::vector<EffectDescription>& effect_descriptions() {
         {Effect::textures, "textures", "materials or emitters that vary over a surface"},
         {Effect::bump_maps, "bump_maps", "shading normals tilted by a bump or normal map"},
         {Effect::smooth_normals, "smooth_normals", "shading normals interpolated over a mesh"},
-        {Effect::depth_of_field, "depth_of_field", "blur of what a lens is not focused on"},
-        {Effect::environment_light, "environment_light", "light from all around, infinitely far away"},
+        {Effect::depth_of_field, "depth_of_field", "blur of points on which the lens is not focused"},
+        {Effect::environment_light, "environment_light", "light from all directions, infinitely far away"},
     };
     return descriptions;
 }

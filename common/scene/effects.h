@@ -1,14 +1,16 @@
 #pragma once
-// What light transport a scene calls for. The analysis is conservative: from materials, lights and shapes, never from
-// sampled rays; it may name an effect that no path shows, it never leaves one out.
+// The effects of light transport that a scene calls for. The analysis looks at materials, lights and shapes, never at
+// sampled rays. It is conservative: it may name an effect that no path shows, but it never leaves one out.
 
-#include "common/scene/scene.h"
-
+#include <initializer_list>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace gib {
+
+class Scene;
 
 enum class Effect {
     direct_light,
@@ -34,7 +36,7 @@ struct EffectDescription {
 /// All effects, in the order in which they are listed everywhere.
 const std::vector<EffectDescription>& effect_descriptions();
 std::string_view name_of(Effect effect);
-/// Empty: none has this name.
+/// Empty if no effect has this name.
 std::optional<Effect> find_effect(std::string_view name);
 
 /// A set of effects.
@@ -49,9 +51,9 @@ public:
     void add(Effect e) { bits_ |= bit(e); }
     bool empty() const { return bits_ == 0; }
     bool has(Effect e) const { return (bits_ & bit(e)) != 0; }
-    /// In the order of effect_descriptions().
+    /// The effects of the set, in the order of effect_descriptions().
     std::vector<Effect> list() const;
-    /// Their names in that order, with `;` between them.
+    /// The names of these effects in the same order, with `;` between them.
     std::string names() const;
     friend Effects operator|(Effects a, Effects b) { return Effects(a.bits_ | b.bits_); }
     friend Effects operator&(Effects a, Effects b) { return Effects(a.bits_ & b.bits_); }

@@ -16,6 +16,11 @@ Sensor required_sensor(std::optional<Sensor>& sensor) {
 
 }  // namespace
 
+void SurfaceHit::take(Bsdf&& bsdf_here) {
+    own_bsdf = std::make_shared<const Bsdf>(std::move(bsdf_here));
+    bsdf = own_bsdf.get();
+}
+
 Scene::Scene(SceneParts parts)
     : materials_(std::move(parts.materials)),
       media_(std::move(parts.media)),
@@ -118,7 +123,8 @@ std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional
 }
 
 MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {
-    MaterialPoint point{hit.uv, hit.ng, Vec3::Zero(), Vec3::Zero(), hit.shading};
+    MaterialPoint point{
+        .uv = hit.uv, .ng = hit.ng, .dp_du = Vec3::Zero(), .dp_dv = Vec3::Zero(), .shading = hit.shading};
     if (!material.follows_uv()) return point;
     const SurfaceDerivatives derivatives = derivatives_at(hit);
     point.dp_du = derivatives.dp_du;

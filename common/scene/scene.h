@@ -22,36 +22,33 @@ struct SurfaceHit : SurfaceGeometry {
     const AreaLight* emitter = nullptr;        ///< null: not a light
     std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
     Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
-    std::uint32_t shape, primitive, instance;  ///< what was hit, for what is computed on demand
-    /// The file's shading normal disagrees with the geometric one about where the ray comes from. `ns` is the latter
-    /// then, mirrors and smooth interfaces scatter about that, and nothing else does.
+    std::uint32_t shape, primitive, instance;  ///< what was hit, for data computed on demand
+    /// True if the ray arrives above one of the two normals, the file's shading normal and the geometric one, and
+    /// below the other. `ns` is then the geometric normal, and only delta lobes (mirrors, smooth interfaces) scatter.
     bool delta_only = false;
     std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
 
-    void take(Bsdf&& bsdf_here) {
-        own_bsdf = std::make_shared<const Bsdf>(std::move(bsdf_here));
-        bsdf = own_bsdf.get();
-    }
+    void take(Bsdf&& bsdf_here);
 
-    /// [W/(sr m^2)] emitted towards wo.
+    /// Emitted radiance [W/(sr m^2)] towards wo.
     Color Le(const Vec3& wo) const {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
     }
-    /// Whether w is on the same side for the shading normal and the geometric one. That the two point to opposite
-    /// sides, as in meshes whose triangles are wound the other way, is no disagreement.
+    /// Whether w is on the same side of the surface by the shading normal as by the geometric one. The two normals
+    /// may point to opposite sides, as in meshes whose triangles are wound the other way: this is no disagreement.
     bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) * ns.dot(ng) >= 0.f; }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 };
 
 inline constexpr std::uint32_t no_medium = ~0u;
 
-/// What lies on either side of a shape's surface.
+/// The media on the two sides of a shape's surface.
 struct MediumSides {
-    bool boundary = false;  ///< false: the same as on the other side, whatever that is
+    bool boundary = false;                                     ///< false: the surface does not change the medium
     std::uint32_t interior = no_medium, exterior = no_medium;  ///< behind the geometric normal, and in front of it
 };
 
-/// What a scene is built from, in the file's own coordinates.
+/// The parts that a scene is built from. `origin` says in which coordinates they are given.
 struct SceneParts {
     struct Object {
         Shape shape;
@@ -60,7 +57,7 @@ struct SceneParts {
         MediumSides media{};
     };
     std::vector<Object> objects;
-    std::vector<std::vector<Object>> groups;  ///< what instances show, each in coordinates of its own; no lights
+    std::vector<std::vector<Object>> groups;  ///< shown by instances, each in its own coordinates; no lights
     std::vector<Instance> instances;
     std::vector<Material> materials;
     std::vector<Medium> media;
@@ -73,31 +70,32 @@ struct SceneParts {
 
 class Scene {
 public:
-    /// Builds the tree and the light distribution.
+    /// Builds the tree and the light distribution. Throws InputError if there is no sensor.
     explicit Scene(SceneParts parts);
 
     const Sensor& sensor() const { return sensor_; }
-    /// Those of groups too, once each.
+    /// All shapes; those of groups appear once each.
     const std::vector<Shape>& shapes() const { return shapes_; }
     const std::vector<Instance>& instances() const { return groups_.instances; }
     const InstancedGroups& groups() const { return groups_; }
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Material>& materials() const { return materials_; }
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
-    /// Some surface lets light pass straight through (masks).
+    /// Whether any surface lets light pass straight through (masks).
     bool has_holes() const { return has_holes_; }
-    /// Some surface splits light by its wavelength.
+    /// Whether any surface splits light by its wavelength.
     bool has_dispersion() const { return has_dispersion_; }
-    /// Makes a hit on a material that does so what it is to light of one stratum of wavelengths.
+    /// Sets the bsdf of a hit on a material that splits light to that for one stratum of wavelengths.
     void disperse(SurfaceHit& hit, int stratum) const;
-    /// Some space between surfaces absorbs or scatters light.
+    /// Whether any space between surfaces absorbs or scatters light.
     bool has_media() const { return has_media_; }
     bool has_scattering_media() const;
-    /// Some medium may have no surface around it: one that the camera stands in, or one that lies outside a shape.
+    /// Whether a medium may have no surface around it: one that the camera stands in, or one that lies
+    /// outside a shape.
     bool has_unbounded_medium() const;
-    /// What the camera stands in; null: nothing.
+    /// The medium that the camera stands in; null: none.
     const Medium* camera_medium() const { return medium(camera_medium_); }
-    /// What a ray of direction w is in beyond a surface, if it was in `before` in front of it.
+    /// The medium beyond a surface for a ray of direction w that was in `before` in front of the surface; null: none.
     const Medium* medium_beyond(const SurfaceHit& hit, const Vec3& w, const Medium* before) const {
         const MediumSides& sides = media_sides_[hit.shape];
         if (!sides.boundary) return before;
@@ -105,32 +103,32 @@ public:
     }
     bool bounds_medium(const SurfaceHit& hit) const { return media_sides_[hit.shape].boundary; }
     const Bounds& bounds() const { return bounds_; }
-    /// Of the box around all surfaces [scene units]; lengths given as fractions refer to it.
+    /// The diagonal of the box around all surfaces [scene units]; lengths given as fractions refer to it.
     float diagonal() const { return bounds_.diagonal(); }
     const Accelerator& accelerator() const { return *accelerator_; }
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
     /// The surface where the accelerator found `intersection` on the ray.
     std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
-    /// Starts to fetch what surface_hit() will read, for callers that have something else to do before.
+    /// Starts to fetch the data that surface_hit() will read, for callers that have other work in between.
     void prefetch(const std::optional<Intersection>& intersection) const {
         if (!intersection) return;
         const auto* mesh = std::get_if<Mesh>(&shapes_[intersection->shape]);
         if (mesh) __builtin_prefetch(&mesh->facets[intersection->primitive]);
     }
-    /// At what intersect() returned.
+    /// The derivatives at a hit that intersect() returned.
     SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
     /// Whether any light emits anything.
     bool has_light() const { return light_choice_.total() > 0; }
-    /// A light, chosen by its power (mean of the channels), and a point on it.
+    /// Chooses a light by its power (light_choice.h) and samples a point on it; empty if this cannot be seen from p.
     std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
     /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
     float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;
-    /// What rays that leave the scene see; null: nothing.
+    /// The light that rays see when they leave the scene; null: none.
     const Light* environment() const { return environment_ ? &lights_[*environment_] : nullptr; }
-    /// [W/(sr m^2)] seen along the unit vector w by a ray that hits nothing.
+    /// Radiance [W/(sr m^2)] seen along the unit vector w by a ray that hits nothing.
     Color environment_radiance(const Vec3& w) const {
         return environment_ ? gib::environment_radiance(lights_[*environment_], w) : Color(Color::Zero());
     }
@@ -138,7 +136,7 @@ public:
     float environment_pdf_w(const Vec3& p, const Vec3& w) const;
     /// The start of a light path; power is divided by the probability of choosing its light.
     EmissionSample sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const;
-    /// [W] of all lights together, per channel.
+    /// Power [W] of all lights together, per channel.
     Colord emitted_power() const;
 
 private:

@@ -25,7 +25,7 @@ ReconstructionFilter ReconstructionFilter::gaussian(float stddev) {
     f.radius_ = 4.f * stddev;
     constexpr int cells = 512;
     const double r = f.radius_, a = 1 / (2.0 * stddev * stddev);
-    // The integral of the filter from -r to x, in closed form at the cell boundaries.
+    // The integral of the filter from -r to x, in closed form at the nodes of the table.
     const auto integral = [&](double x) {
         return std::sqrt(std::numbers::pi / a) / 2 * (std::erf(std::sqrt(a) * x) + std::erf(std::sqrt(a) * r)) -
                std::exp(-a * r * r) * (x + r);
@@ -53,7 +53,7 @@ float ReconstructionFilter::sample_table(float u) const {
 
 namespace {
 
-/// Half the width of the image at distance 1.
+/// Half the width of the image at distance 1, for an image of width / height = `aspect`.
 double tan_half_width(const Sensor::Parameters& p, double aspect) {
     const double tan_half = std::tan(p.fov * std::numbers::pi / 360);
     switch (p.fov_axis) {
@@ -110,7 +110,10 @@ Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) c
     const Vec2 c = film.cwiseProduct(scale_) + offset_;
     if (projection_ == Projection::orthographic) {
         const float length = forward_.norm();
-        return {origin_ + c.x() * left_ + c.y() * up_, forward_ / length, near_clip_ * length, far_clip_ * length};
+        return {.o = origin_ + c.x() * left_ + c.y() * up_,
+                .d = forward_ / length,
+                .t_min = near_clip_ * length,
+                .t_max = far_clip_ * length};
     }
     Vec3 o = origin_, d = c.x() * left_ + c.y() * up_ + forward_;
     if (has_lens_) {
@@ -123,7 +126,7 @@ Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) c
     }
     const float length = d.norm();
     // Clip distances count along the axis: t = z / cos.
-    return {o, d * (1.f / length), near_clip_ * length, far_clip_ * length};
+    return {.o = o, .d = d * (1.f / length), .t_min = near_clip_ * length, .t_max = far_clip_ * length};
 }
 
 }  // namespace gib

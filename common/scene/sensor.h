@@ -1,5 +1,5 @@
 #pragma once
-// Cameras: where the ray of a film position starts and goes. Film coordinates are pixels, (0, 0) the top left corner of
+// Cameras, which turn film positions into rays. Film coordinates are pixels, with (0, 0) at the top left corner of
 // the image.
 
 #include "common/core/math.h"
@@ -10,13 +10,14 @@
 
 namespace gib {
 
-/// How a pixel weighs the film around its centre. Filters are importance-sampled: each pixel keeps its own samples.
+/// The weight of the film around the centre of a pixel. Filters are importance-sampled: each pixel keeps
+/// its own samples.
 class ReconstructionFilter {
 public:
     static ReconstructionFilter box(float radius);
-    /// 1 - |x| / radius.
+    /// 1 - |x| / radius; radius and x in pixels.
     static ReconstructionFilter tent(float radius);
-    /// exp(-x^2 / (2 stddev^2)) - exp(-r^2 / (2 stddev^2)), cut off at r = 4 stddev: Mitsuba's.
+    /// exp(-x^2 / (2 stddev^2)) - exp(-r^2 / (2 stddev^2)), cut off at r = 4 stddev, as in Mitsuba.
     static ReconstructionFilter gaussian(float stddev);
 
     /// An offset from the pixel's centre in pixels, distributed like the filter.
@@ -51,9 +52,8 @@ public:
         float near_clip = 0;  ///< [scene units] along the view direction
         float far_clip = infinity;
         Mat4d to_world = Mat4d::Identity();            ///< camera looks along +z, +y up, +x left
-        Vec2d principal_point_offset = Vec2d::Zero();  ///< added to film positions, in
-                                                       ///< fractions of the film's extents
-        double aperture_radius = 0;                    ///< [scene units], of a perspective's thin lens; 0: a pinhole
+        Vec2d principal_point_offset = Vec2d::Zero();  ///< added to film positions, in fractions of the film's size
+        double aperture_radius = 0;   ///< [scene units], of the thin lens of a perspective; 0: a pinhole
         double focus_distance = 1e4;  ///< [scene units] from the lens to the plane of sharp points, along the view
                                       ///< direction
         int width = 768, height = 576;
@@ -65,7 +65,7 @@ public:
 
     int width() const { return width_; }
     int height() const { return height_; }
-    /// Whether rays differ in their point on the lens: without one, `u_lens` means nothing.
+    /// Whether rays start at different points of a lens. Without a lens `u_lens` has no effect.
     bool has_lens() const { return has_lens_; }
     /// The ray of a sample in pixel (x, y); d has unit length. The middle of `u_lens` is the middle of the lens.
     Ray generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens = Vec2(0.5f, 0.5f)) const;
@@ -74,7 +74,7 @@ public:
         return has_lens_ ? generate_ray(x, y, sampler.get_2d(dimension::film), sampler.get_2d(dimension::lens))
                          : generate_ray(x, y, sampler.get_2d(dimension::film));
     }
-    /// Moves the camera, for a scene that is recentred.
+    /// Moves the camera by a vector [scene units], for a scene that is recentred.
     void translate(const Vec3d& by);
 
 private:

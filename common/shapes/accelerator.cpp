@@ -21,25 +21,24 @@ namespace gib {
 
 namespace {
 
-/// Up to this many primitives the tree is built by one thread, so that it, and with it the choice between triangles
-/// that are hit at exactly the same distance, cannot depend on the number of threads. Larger trees are built in
-/// parallel.
+/// A tree of up to this many primitives is built by one thread, so that it cannot depend on the number of threads.
+/// The tree decides which of two triangles at exactly the same distance is hit. Larger trees are built in parallel.
 constexpr std::size_t serial_build_limit = 200'000;
 
-/// Above this many primitives, rays of neighbouring pixels hit different ones, and part ways too early for packets. The
-/// path tracer's rate over bare Embree's with and without them: 0.58 and 0.55 on 70 thousand triangles, alike on 900
-/// thousand, 0.66 and 0.69 on 10 million.
+/// Above this many primitives packets do not pay, because rays of neighbouring pixels hit different primitives and
+/// soon take different ways through the tree. The path tracer's rate as a fraction of bare Embree's, with and without
+/// packets: 0.58 and 0.55 on 70 thousand triangles, equal on 900 thousand, 0.66 and 0.69 on 10 million.
 constexpr std::size_t packet_limit = 500'000;
 
-/// Embree takes a triangle's determinant (edge x edge . direction) below 1e-18 for zero and then answers u = v = 0, a
-/// point that may lie anywhere on the triangle's plane; of scenes above 1e12 its squares leave float's range. It is
-/// given scenes of an extent between these as they are, for which the determinant holds triangles down to 1e-9 of the
-/// scene, and all others multiplied by a power of two. Rays are multiplied alike, origin and direction, so that t, u
-/// and v are what they were.
+/// Embree takes a triangle's determinant (edge x edge . direction) for zero if it is below 1e-18. It then answers
+/// u = v = 0, although the hit may lie anywhere in the triangle's plane. In scenes larger than 1e12, its squares
+/// leave the range of floats. A scene whose extent lies between these two constants is given to Embree as it is; the
+/// determinant is then large enough for triangles down to 1e-9 of the scene. All other scenes are multiplied by a
+/// power of two. Rays are multiplied by the same factor, origin and direction, so that t, u and v do not change.
 constexpr float smallest_extent = 0.25f, largest_extent = 0x1p30f;
 constexpr int scaled_exponent = 10;
 
-/// The power of two by which Embree is given what lies within these bounds.
+/// The power of two by which coordinates within these bounds are multiplied before Embree gets them.
 float embree_scale(const Bounds& bounds) {
     const float extent = bounds.empty() ? 0.f : (bounds.upper - bounds.lower).maxCoeff();
     if (!(extent > 0.f && std::isfinite(extent))) return 1.f;
@@ -47,13 +46,15 @@ float embree_scale(const Bounds& bounds) {
     return std::ldexp(1.f, std::min(scaled_exponent - std::ilogb(extent), 126));
 }
 
-Ray scaled(const Ray& ray, float scale) { return {scale * ray.o, scale * ray.d, ray.t_min, ray.t_max}; }
+Ray scaled(const Ray& ray, float scale) {
+    return {.o = scale * ray.o, .d = scale * ray.d, .t_min = ray.t_min, .t_max = ray.t_max};
+}
 
-/// What the callbacks of one user geometry read.
+/// The data that the callbacks of one user geometry read.
 struct AnalyticShape {
     const Shape* shape;
     std::uint32_t id;
-    float scale;  ///< of the coordinates that Embree knows it in
+    float scale;  ///< factor from the shape's coordinates to those that Embree has
 };
 
 std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
@@ -63,11 +64,12 @@ std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
 }
 
 Ray ray_of(const RTCRay& r) {
-    return {Vec3(r.org_x, r.org_y, r.org_z), Vec3(r.dir_x, r.dir_y, r.dir_z), r.tnear, r.tfar};
+    return {
+        .o = Vec3(r.org_x, r.org_y, r.org_z), .d = Vec3(r.dir_x, r.dir_y, r.dir_z), .t_min = r.tnear, .t_max = r.tfar};
 }
 
-/// The ray, multiplied by `scale`: without a branch, since most are multiplied by 1. Embree reads four numbers at a
-/// time, and a processor makes it wait where they were written one by one.
+/// Writes the ray, multiplied by `scale`, to `r`. Most scales are 1, but a branch for them would not pay. Embree
+/// reads four numbers at a time, and the processor would have to wait if these had been written one by one.
 void set_ray(RTCRay& r, const Ray& ray, float scale) {
     using Four [[gnu::vector_size(16)]] = float;
     const Four factor = {scale, scale, scale, 1.f};
@@ -83,7 +85,7 @@ void set_ray(RTCRay& r, const Ray& ray, float scale) {
 
 void set_bounds(RTCBounds& bounds, const Bounds& unscaled, float scale) {
     const Bounds b{scale * unscaled.lower, scale * unscaled.upper};
-    // Hits are found in double: the box must hold them after rounding to float.
+    // Hits are computed in double. The box is enlarged so that it contains them after rounding to float.
     const Vec3 margin = 4.f * unit_roundoff * (b.lower.cwiseAbs() + b.upper.cwiseAbs() + (b.upper - b.lower));
     bounds.lower_x = b.lower.x() - margin.x();
     bounds.lower_y = b.lower.y() - margin.y();
@@ -132,8 +134,8 @@ void query(RTCScene scene, const int* valid, RTCRayHit8& packet) {
 #endif
 }
 
-/// What Embree takes while it builds, of which it keeps the larger part: 76 were measured for a mesh of 4.5 million
-/// triangles.
+/// The memory per primitive that Embree takes while it builds [bytes]; Embree keeps most of it. For a mesh of 4.5
+/// million triangles, 76 were measured.
 constexpr double bytes_per_primitive = 100;
 
 void commit(RTCScene scene, std::size_t primitives) {
@@ -152,8 +154,8 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     set_bounds(*args->bounds_o, bounds_of(*a->shape), a->scale);
 }
 
-/// Calls body(ray, i) for each ray that a callback is asked about, one or some of a packet, in the scene's own
-/// coordinates.
+/// Calls body(ray, i) for each ray of a packet that a callback is asked about. A packet may hold a single ray. `ray`
+/// is in the coordinates before the multiplication by `scale`.
 template <typename Body>
 void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, float scale, const Body& body) {
     const FloatTrapsResumed resumed;
@@ -183,17 +185,18 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
     });
 }
 
-/// What the callbacks of the instances read: all of them are the primitives of one user geometry, which asks the tree
-/// of their group. Embree's own instances invert the map in float, with an error that grows with its condition; no
-/// useful bound for the start of a ray is left of that. A geometry for each would also take more memory than the map.
+/// The data that the callbacks of the instances read. All instances are primitives of one user geometry, whose
+/// callbacks query the tree of the instance's group. Embree's own instances invert the map in float. The error of
+/// this inverse grows with the map's condition number, which leaves no useful bound for the start of a ray. One
+/// geometry per instance would also take more memory than the map.
 struct InstanceSet {
     std::span<const Instance> instances;
-    float scale = 1.f;  ///< of the scene that they stand in
+    float scale = 1.f;  ///< embree_scale() of the scene
     struct Group {
         RTCScene scene;
         Bounds bounds;
         std::uint32_t first_shape;
-        float scale;  ///< of its own scene
+        float scale;  ///< embree_scale() of the group
     };
     std::vector<Group> groups;
 
@@ -237,10 +240,10 @@ struct Accelerator::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     std::vector<AnalyticShape> analytic;
-    std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< of meshes that Embree is given multiplied
+    std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< of the meshes that are multiplied for Embree
     InstanceSet instanced;
-    float scale = 1.f;    ///< see embree_scale()
-    bool packets = true;  ///< pay: see packet_limit
+    float scale = 1.f;    ///< embree_scale() of the scene
+    bool packets = true;  ///< whether packets pay, see packet_limit
 
     ~State() {
         if (scene) rtcReleaseScene(scene);
@@ -260,7 +263,8 @@ struct Accelerator::State {
 
 RTCScene Accelerator::State::new_scene() const {
     RTCScene result = rtcNewScene(device);
-    // Robust: rays through shared edges and vertices hit one of the triangles, so that closed meshes are closed.
+    // In robust mode, a ray through a shared edge or vertex hits one of the triangles, so that a closed mesh
+    // has no gaps.
     rtcSetSceneFlags(result, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(result, RTC_BUILD_QUALITY_HIGH);
     return result;
@@ -322,7 +326,8 @@ std::size_t Accelerator::State::attach(RTCScene to, const std::vector<Shape>& sh
 }
 
 void Accelerator::State::add_group(const std::vector<Shape>& shapes, std::uint32_t begin, std::uint32_t end) {
-    auto& group = instanced.groups.emplace_back(InstanceSet::Group{new_scene(), Bounds(), begin, 1.f});
+    auto& group = instanced.groups.emplace_back(
+        InstanceSet::Group{.scene = new_scene(), .bounds = Bounds(), .first_shape = begin, .scale = 1.f});
     for (std::uint32_t i = begin; i < end; ++i)
         group.bounds.add(bounds_of(shapes[i]));
     group.scale = embree_scale(group.bounds);
@@ -335,7 +340,7 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
     s.device = rtcNewDevice(nullptr);
     if (!s.device) throw RunError("Embree could not create a device");
     s.scene = s.new_scene();
-    s.analytic.reserve(shapes.size());  // Embree keeps the addresses, and those of the vertices
+    s.analytic.reserve(shapes.size());  // Embree keeps addresses of these and of the vertices below
     s.scaled_vertices.reserve(shapes.size());
     s.instanced.instances = groups.instances;
     for (std::size_t g = 0; g + 1 < groups.begin.size(); ++g)
@@ -405,7 +410,7 @@ Intersection Accelerator::intersection_of(std::uint32_t geometry, std::uint32_t 
                                           float u, float v, float t) const {
     static_assert(no_instance == RTC_INVALID_GEOMETRY_ID);
     if (instance != no_instance) geometry += state_->instanced.group_of(instance).first_shape;
-    return {geometry, primitive, instance, u, t, v};
+    return {.shape = geometry, .primitive = primitive, .instance = instance, .u = u, .t = t, .v = v};
 }
 
 bool Accelerator::occluded(const Ray& ray) const {

@@ -26,8 +26,10 @@ Bounds transformed(const Instance& instance, const Bounds& in_group) {
 }
 
 Ray carried_to_group(const Instance& instance, const Ray& ray) {
-    return {(instance.inverse * (ray.o.cast<double>() - instance.translation)).cast<float>(),
-            (instance.inverse * ray.d.cast<double>()).cast<float>(), ray.t_min, ray.t_max};
+    return {.o = (instance.inverse * (ray.o.cast<double>() - instance.translation)).cast<float>(),
+            .d = (instance.inverse * ray.d.cast<double>()).cast<float>(),
+            .t_min = ray.t_min,
+            .t_max = ray.t_max};
 }
 
 SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry& in_group) {
@@ -38,8 +40,9 @@ SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry
     s.ng = (n / length).cast<float>();
     s.ns = (instance.inverse.transpose() * in_group.ns.cast<double>()).normalized().cast<float>();
     s.uv = in_group.uv;
-    // Both bounds are distances between parallel planes. The group's, which the map divides by `length`, holds its own
-    // p and the rounding of a ray's start there; the second that of p and of a ray's start here.
+    // The offset is the sum of two bounds, each the distance of two parallel planes. The first is the group's offset,
+    // which covers the rounding of p and of a ray's start in the group; the map divides such distances by `length`.
+    // The second covers the rounding of p and of a ray's start in the scene.
     s.offset = static_cast<float>(static_cast<double>(in_group.offset) / length) +
                8.f * unit_roundoff * s.ng.cwiseAbs().dot(s.p.cwiseAbs());
     return s;

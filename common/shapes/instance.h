@@ -1,6 +1,6 @@
 #pragma once
-// Copies of a group of shapes. A group is stored once, in coordinates of its own; an instance carries its surfaces to
-// the scene.
+// Instances: copies of a group of shapes. A group is stored once, in its own coordinates; an instance maps its
+// surfaces to the scene.
 
 #include "common/shapes/shape.h"
 
@@ -9,7 +9,8 @@
 
 namespace gib {
 
-/// p_scene = linear p_group + translation. In double: then each side is rounded once, whatever the map's condition.
+/// The map p_scene = linear p_group + translation, in double: a result on either side is then rounded to float only
+/// once, however large the map's condition number is.
 struct Instance {
     std::uint32_t group;
     Eigen::Matrix3d linear;
@@ -17,26 +18,27 @@ struct Instance {
     Eigen::Matrix3d inverse;  ///< of `linear`
 };
 
-/// Empty if the map is singular, or scales by more than 1e12 either way, so that the float of a group's coordinates
-/// could not hold it.
+/// An instance of `group`. Empty if the map is singular, or if it or its inverse scales by more than 1e12, because
+/// floats could then not hold the group's coordinates.
 std::optional<Instance> make_instance(std::uint32_t group, const Mat4d& to_scene);
 
-/// The shapes of group g are [begin[g], begin[g + 1]) of a scene's shapes; those before begin[0] stand in the scene
-/// itself.
+/// The instances of a scene and their groups. The shapes of group g are [begin[g], begin[g + 1]) of the scene's
+/// shapes; those before begin[0] belong to no group.
 struct InstancedGroups {
     std::vector<std::uint32_t> begin;
     std::vector<Instance> instances;
 };
 
+/// A box in the scene that holds the instance of the box `in_group`.
 Bounds transformed(const Instance& instance, const Bounds& in_group);
-/// The same ray in the group's coordinates; t means the same on both.
+/// The same ray in the group's coordinates. A value of t stands for the same point on both rays.
 Ray carried_to_group(const Instance& instance, const Ray& ray);
 
-/// A surface of the group in the scene. Normals go by the inverse transpose, so that a mirror does not turn a surface
-/// inside out (Mitsuba's meaning).
+/// Maps a surface of the group to the scene. Normals are mapped by the inverse transpose, so that a mirroring map
+/// does not turn a surface inside out (as in Mitsuba).
 SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry& in_group);
 
-/// Of a point that carried_to_scene returned.
+/// The derivatives, in the scene's coordinates, at a point that carried_to_scene() returned.
 SurfaceDerivatives derivatives_at(const Instance& instance, const Shape& shape, std::uint32_t primitive,
                                   const SurfaceGeometry& in_scene);
 

@@ -11,19 +11,19 @@ namespace gib {
 
 namespace {
 
-/// Bound of n rounded operations in a row (Higham 2002, lemma 3.1).
+/// Bound of the relative error of n rounded operations in a row (Higham 2002, lemma 3.1).
 constexpr float gamma(int n) {
     return static_cast<float>(n) * unit_roundoff / (1.f - static_cast<float>(n) * unit_roundoff);
 }
 
-/// A coordinate plane through the origin has no rounding errors, but a ray that starts on it would find it at distance
-/// 0: this fraction of the shape's size takes it off.
+/// A point in a coordinate plane through the origin has no rounding error, but a ray that starts there would hit the
+/// shape at distance 0. This fraction of the shape's size moves the start off the plane.
 constexpr float off_the_plane = 0x1p-33f;
 
 float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
 
 struct Triangle {
-    Vec3 v0, e1, e2;  ///< a vertex and the edges from it to the second and third
+    Vec3 v0, e1, e2;  ///< the first vertex and the edges from it to the second and third
 };
 
 Triangle triangle_of(const Mesh& mesh, std::size_t i) {
@@ -32,8 +32,8 @@ Triangle triangle_of(const Mesh& mesh, std::size_t i) {
     return {v0, mesh.vertex(t[1]) - v0, mesh.vertex(t[2]) - v0};
 }
 
-/// e1 x e2, exact edges. In double: those of a needle are nearly parallel, so that their products cancel, and the
-/// products of a small triangle's are less than a float holds.
+/// e1 x e2 of the exact edges. It is computed in double, because the edges of a needle are nearly parallel, so that
+/// the products cancel, and because the products of a small triangle underflow in float.
 Vec3d product_of_edges(const Mesh& mesh, std::size_t i) {
     const auto& t = mesh.triangles[i];
     const Vec3d v0 = mesh.vertex(t[0]).cast<double>();
@@ -46,7 +46,7 @@ SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
     s.p = sphere.center + sphere.radius * direction;
     s.ng = sphere.flip_normals ? Vec3(-direction) : direction;
-    // Rounding of the centre's sum and of a unit vector's length, in each of three coordinates.
+    // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
     s.offset = 8.f * unit_roundoff * (sum_abs(sphere.center) + 3.f * sphere.radius);
     return s;
 }
@@ -60,8 +60,8 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     return s;
 }
 
-/// Around the axis `normal` is the only direction that p's rounding counts in; it is that of the sums and of a unit
-/// vector's length.
+/// The point in the direction `normal` from the axis, at the fraction `v` of the axis's length. The offset only has
+/// to bound the rounding of p along `normal`: that of the sums and of the unit vector's length.
 SurfacePoint point_on_cylinder(const Cylinder& cylinder, const Vec3& normal, float v) {
     SurfacePoint s;
     s.p = cylinder.base + v * cylinder.axis + cylinder.radius * normal;
@@ -77,14 +77,15 @@ float turns(float x, float y) {
     return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
 }
 
-/// Longitude and latitude from the north pole, in the sphere's own axes. An arc cosine would lose half of the digits
-/// near a pole.
+/// Longitude and angle from the north pole in the sphere's own axes, each as a fraction of its range. An arc cosine
+/// would lose half of the digits near a pole.
 Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
     const Vec3 d = sphere.axes.transpose() * direction;
     return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
 }
 
-/// Projects `p_ray` in double: the axis may be many times longer than the radius.
+/// Projects `p_ray` onto the cylinder. It does so in double, because the axis may be many times longer
+/// than the radius.
 SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray) {
     const Vec3d axis = cylinder.axis.cast<double>(), d = p_ray.cast<double>() - cylinder.base.cast<double>();
     const double v = d.dot(axis) / axis.squaredNorm();
@@ -99,14 +100,16 @@ struct Roots {
     double near, far;
 };
 
-/// Where |f + t d|^2 = r2, in the form of Haines et al. that does not cancel. Empty for d = 0 too.
+/// The values of t at which |f + t d|^2 = r2, in the form of Haines et al. 2019, which does not cancel. Empty if
+/// there are none, and also if d = 0.
 std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
     const double a = d.squaredNorm(), b = -f.dot(d);
     if (a == 0) return std::nullopt;
     const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
     if (!(discriminant >= 0)) return std::nullopt;
     const double q = b + std::copysign(std::sqrt(a * discriminant), b);
-    // The product of the roots over the one that does not cancel. A line that touches in its origin meets there twice.
+    // One root, q / a, does not cancel; the other is the product of the roots divided by it. q is 0 if the line
+    // touches at its origin, where both roots are 0.
     const double first = q == 0 ? 0 : (f.squaredNorm() - r2) / q, second = q / a;
     return first > second ? Roots{second, first} : Roots{first, second};
 }
@@ -127,15 +130,17 @@ void Mesh::prepare() {
     });
 }
 
-/// A point's offset is the sum of two bounds of distances along the normal, component by component,
-/// so that a floor of any size that lies in a coordinate plane needs next to none. The first is of the rounding of p,
-/// which is no further out than the vertices. The second is of a ray-triangle test which starts there: it forms (v0 -
-/// p) . n, in which |v0 - p| <= |e1| + |e2| and the rounding of n's components is that of the products that they are
-/// sums of, m (Higham 2002, section 3.1). Dividing by |n| makes it grow for needles, whose normal is uncertain.
+/// The offset of the triangle's points is the sum of two bounds of distances along the normal. Each is formed
+/// component by component, so that a floor in a coordinate plane needs next to no offset, whatever its size. The
+/// first bounds the rounding of p, which is no further out than the vertices. The second bounds the error of a
+/// ray-triangle test for a ray that starts at p. The test forms (v0 - p) . n, where |v0 - p| <= |e1| + |e2|, and
+/// each component of n has the rounding error of the products that it is the sum of; `m` is the sum of their
+/// magnitudes (Higham 2002, section 3.1). The division by |n| makes the second bound large for needles, whose
+/// normal is uncertain.
 Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const Triangle t = triangle_of(*this, i);
     Vec3d n = product_of_edges(*this, i);
-    // Rays meet the triangle of the rounded edges, which may have an area where the vertices have none.
+    // Ray queries use the rounded edges, whose triangle may have an area although that of the exact edges has none.
     if (n.isZero(0)) n = t.e1.cast<double>().cross(t.e2.cast<double>());
     const double length = n.norm();
     // A triangle without an area has no normal, and no ray finds it.
@@ -148,10 +153,10 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const float of_point = gamma(8) * ng.cwiseAbs().dot(furthest);
     const float of_query =
         gamma(16) * static_cast<float>(scale * (a1 + a2).dot(m)) + off_the_plane * static_cast<float>((a1 + a2).sum());
-    // The least distance from an edge is a bound of the rounding of p in any direction; the weight of a vertex is that
-    // over its height. But no point moves by more than some eight times as far: off the long edges of a needle, it
-    // would move along them.
-    // In double: floats have no squares of lengths below 1e-23.
+    // Points keep a distance of `off_edges` from each edge, a bound of the rounding of p in any direction; the least
+    // weight of a vertex is this distance over the vertex's height. But no point is moved by more than about eight
+    // times this distance: to keep off the long edges of a needle, it would have to move far along them. Lengths are
+    // in double, because the squares of lengths below 1e-23 underflow in float.
     const Vec3 e3 = t.e2 - t.e1;
     const auto length_of = [](const Vec3& v) { return v.cast<double>().norm(); };
     const double off_edges = static_cast<double>(gamma(4)) * length_of(furthest);
@@ -180,7 +185,7 @@ void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
     b2 = least2 + more2;
 }
 
-/// Normals that cancel out leave no direction: then the face's.
+/// If the sum of the vertex normals is zero, the normal of the face is used.
 Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const {
     const auto& t = triangles[i];
     const Vec3 ns = (1.f - b1 - b2) * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
@@ -240,7 +245,7 @@ bool has_smooth_normals(const Shape& shape) {
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         const Vec3 from_center = p_ray - sphere->center;
-        // Of a sphere that is smaller than an ulp of its place, any direction.
+        // p_ray may be the centre if the sphere is smaller than an ulp of its coordinates; any direction serves then.
         const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
         return {s, s.ng, sphere_uv(*sphere, direction)};

@@ -1,5 +1,6 @@
 #pragma once
-// Geometry: a closed set of shapes in world space, what a ray query needs of a hit on them, and uniform points on them.
+// Geometry: a closed set of shapes, the surface at the point where a ray hits one, and uniform points on them. Shapes
+// are in world space, those of a group of instances in the group's coordinates.
 
 #include "common/core/huge_pages.h"
 #include "common/core/math.h"
@@ -13,19 +14,23 @@
 
 namespace gib {
 
-/// A point on a surface, exact enough to start a ray from.
+/// A point on a surface, with what a ray that starts there needs.
 struct SurfacePoint {
     Vec3 p;
-    Vec3 ng;       ///< geometric normal, unit; the front side is the one that it points to
-    float offset;  ///< a distance along +-ng that no rounding error of p, nor of a ray query from there, can exceed
+    Vec3 ng;       ///< geometric normal, unit; it points to the front side
+    float offset;  ///< [scene units] bound, along +-ng, of the rounding of p and of a ray query from p
 };
+
+/// The geometric normal on wo's side.
+inline Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.dot(s.ng) >= 0.f ? s.ng : Vec3(-s.ng); }
 
 struct SurfaceGeometry : SurfacePoint {
     Vec3 ns;  ///< shading normal, unit
     Vec2 uv;
 };
 
-/// Triangles. Vertices have an extra element at the end, because Embree reads 16 bytes at the last one.
+/// A mesh of triangles. The array of vertices has an extra element at the end, because Embree reads 16 bytes at
+/// the last vertex.
 struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -33,21 +38,23 @@ struct Mesh {
     std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
     bool flip_normals = false;
 
-    /// What finding a point of a triangle takes, in one line of the cache: of a large mesh every ray waits for it to be
-    /// fetched, and would for the indices and then the vertices. The path tracer's rate on ten million triangles rises
-    /// by 5 %.
+    /// All data that a point of a triangle is computed from, in one cache line. In a large mesh every ray waits until
+    /// these data are fetched; without facets it would wait twice, for the indices and then for the vertices. The
+    /// path tracer's rate on ten million triangles rises by 5 %.
     struct alignas(64) Facet {
-        Eigen::Vector4f v0;      ///< a vertex (x, y, z); the offset of points (w)
-        Eigen::Vector4f e1, e2;  ///< the edges from it to the second and third (x, y, z); least b1, b2 of points (w)
-        Eigen::Vector4f ng;      ///< (x, y, z); the least 1 - b1 - b2 of points (w)
+        Eigen::Vector4f v0;      ///< the first vertex (x, y, z); the offset of points (w)
+        Eigen::Vector4f e1, e2;  ///< edges from there to the second and third (x, y, z); least b1, b2 of points (w)
+        Eigen::Vector4f ng;      ///< the unit normal (x, y, z); the least 1 - b1 - b2 of points (w)
     };
-    HugePageVector<Facet> facets;  ///< by prepare(); empty: computed for each point
-    /// To be called once the other members are final.
+    HugePageVector<Facet> facets;  ///< made by prepare(); if empty, computed for each point
+    /// Makes `facets`. To be called once the other members are final. Throws InputError if there is
+    /// not enough memory.
     void prepare();
 
-    /// The point v0 + b1 e1 + b2 e2 of triangle i, kept off the edges by what rounding can move it: rays that leave a
-    /// point beyond an edge of a closed mesh would start outside.
+    /// The point v0 + b1 e1 + b2 e2 of triangle i, kept as far from the edges as rounding can move it: at a point
+    /// beyond an edge of a closed mesh, a ray would start outside the mesh.
     SurfacePoint point_at(std::size_t i, float b1, float b2) const;
+    /// The same point with its shading normal and uv.
     SurfaceGeometry surface_at(std::size_t i, float b1, float b2) const;
 
     Vec3 vertex(std::uint32_t i) const { return {vertices[i][0], vertices[i][1], vertices[i][2]}; }
@@ -56,9 +63,9 @@ struct Mesh {
 
 private:
     Facet facet_of(std::size_t i) const;
-    /// The nearest weights, or nearly, that are no less than the facet's least ones.
+    /// Moves the weights to the nearest ones, or nearly, that are no less than the facet's least weights.
     static void keep_off_edges(const Facet& facet, float& b1, float& b2);
-    /// The shading normal between the vertex normals.
+    /// The unit shading normal, interpolated between the vertex normals.
     Vec3 interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const;
 };
 
@@ -66,10 +73,10 @@ struct Sphere {
     Vec3 center;
     float radius;
     bool flip_normals = false;
-    Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: its own x, y, z, orthonormal; uv follow them
+    Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: its own x, y, z, orthonormal; uv turn with them
 };
 
-/// The ellipse center + a du + b dv with a^2 + b^2 <= 1; du and dv are orthogonal, not of unit length.
+/// The ellipse center + a du + b dv with a^2 + b^2 <= 1. du and dv are orthogonal and need not have unit length.
 struct Disk {
     Vec3 center, du, dv;
     Vec3 normal;
@@ -86,44 +93,46 @@ struct Cylinder {
 using Shape = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 Bounds bounds_of(const Shape& shape);
-/// [scene units^2]
+/// The area [scene units^2].
 double area_of(const Shape& shape);
 bool has_smooth_normals(const Shape& shape);
 
-/// How p moves per unit of u and of v [scene units]. Independent of flip_normals.
+/// The derivatives of p with respect to u and v [scene units]. They do not depend on flip_normals.
 struct SurfaceDerivatives {
     Vec3 dp_du, dp_dv;
 };
 
-/// The hit at barycentric weights (u, v) of a mesh's second and third vertex; `p_ray`, the point computed from the ray,
-/// serves the other shapes, which project it back onto themselves.
+/// The surface at a hit. On a mesh, it is the point of triangle `primitive` with barycentric weights (u, v) of the
+/// second and third vertex. Any other shape projects `p_ray`, the point computed from the ray, back onto itself.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
-/// The same for a shape that is no mesh.
+/// surface_at() for a shape that is not a mesh.
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray);
 
-/// Of the point `at` of a shape. Where uv have no derivative (a triangle without uv, or with all of them on a line)
-/// they are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in the centre of a
-/// disk, where the point does not move with the angle, that derivative keeps its direction and is tiny instead of zero.
+/// The derivatives at the point `at` of a shape. If uv do not determine them (a triangle without uv, or with all of
+/// them on a line), they are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in
+/// the centre of a disk, the point does not move with the angle; the derivative with respect to the angle keeps its
+/// direction there and is tiny instead of zero.
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
 
-/// The smallest t in (t_min, t_max) at which the ray meets a shape that is no mesh. In double: a quadratic's difference
-/// of nearly equal roots loses half of a float's digits (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+/// The smallest t in (t_min, t_max) at which the ray meets a shape that is not a mesh. It is computed in double,
+/// because in float the difference of nearly equal terms in a quadratic equation loses half of the digits (Haines et
+/// al. 2019, Ray Tracing Gems, chapter 7).
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
 std::optional<float> intersect(const Disk& disk, const Ray& ray);
 std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray);
 
-/// Uniform points on a shape, prepared once.
+/// Samples uniform points on a shape. The constructor prepares what is computed only once.
 class AreaSampler {
 public:
     explicit AreaSampler(const Shape& shape);
-    /// Density 1 / area() [1/scene units^2].
+    /// A uniform point, with density 1 / area() [1/scene units^2].
     SurfacePoint sample(const Shape& shape, const Vec2& u) const;
-    /// The same point with its texture coordinates and shading normal.
+    /// The same point as sample(), with its shading normal and uv.
     SurfaceGeometry sample_geometry(const Shape& shape, const Vec2& u) const;
     float area() const { return area_; }
 
-    /// Of a mesh: the triangle that a first number u leads to, where the numbers of triangle i begin, and u's place
-    /// among them, 0 to 1.
+    /// For a mesh: the triangle that sample() chooses for a first number u, the smallest such number of triangle i,
+    /// and the position of u among the numbers of triangle i, from 0 to 1.
     std::size_t triangle_at(float u) const { return triangles_.sample(u).index; }
     float begin_of_triangle(std::size_t i) const { return triangles_.begin(i); }
     double within_triangle(std::size_t i, float u) const {
@@ -141,11 +150,11 @@ private:
     }
     static SurfacePoint sample_analytic(const Shape& shape, const Vec2& u);
 
-    DiscreteDistribution triangles_;  ///< of a mesh
+    DiscreteDistribution triangles_;  ///< of a mesh, in proportion to their areas
     float area_;
 };
 
-// Every ray asks for the points below: inline, they stay in registers.
+// The functions below are called for every ray. They are inline, so that the points stay in registers.
 
 inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
     const auto point = [&](const Facet& facet) -> SurfacePoint {

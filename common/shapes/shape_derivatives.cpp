@@ -1,5 +1,5 @@
-// How a surface moves with its texture coordinates, for bump maps and texture frames. Computed on demand: most hits do
-// not need it.
+// Derivatives of a surface's points with respect to uv, for bump maps and texture frames. They are computed on
+// demand, because most hits do not need them.
 
 #include "common/shapes/shape.h"
 
@@ -7,27 +7,29 @@ namespace gib {
 
 namespace {
 
-/// What a vanishing radius is replaced by, so that a direction is left: far below any derivative that matters.
+/// A radius of 0 is replaced by this one, so that the derivative keeps its direction. It is far below any
+/// derivative that matters.
 constexpr float least_radius = 1e-6f;
 
 struct Circle {
     float radius, cos_phi, sin_phi;
 };
 
-/// (x, y) in polar coordinates; the angle in the centre is 0, as that of atan2(0, 0).
+/// (x, y) in polar coordinates; the angle at the centre is 0, as atan2(0, 0) is.
 Circle circle_through(float x, float y) {
     const float r = std::sqrt(x * x + y * y);
     return r > 0.f ? Circle{r, x / r, y / r} : Circle{0.f, 1.f, 0.f};
 }
 
-/// Mitsuba's coordinate system does not turn with flip_normals.
+/// An orthonormal basis of the tangent plane. `normal` is the normal before flip_normals, with which Mitsuba's basis
+/// does not turn.
 SurfaceDerivatives tangent_basis(const Vec3& normal) {
     const Frame frame(normal);
     return {frame.s, frame.t};
 }
 
-/// The two edges are linear functions of the two differences of uv; their matrix is inverted, in double, as uv may be
-/// any numbers.
+/// Each edge is dp_du times its difference in u plus dp_dv times its difference in v. This system of two equations is
+/// solved in double, because uv may be any numbers.
 SurfaceDerivatives derivatives_of(const Mesh& mesh, std::uint32_t triangle, const SurfaceGeometry& at) {
     const auto fallback = [&] { return tangent_basis(mesh.flip_normals ? Vec3(-at.ng) : at.ng); };
     if (mesh.uvs.empty()) return fallback();

@@ -10,13 +10,13 @@ namespace gib {
 
 namespace {
 
-/// What a colour is for.
+/// The use of a colour: its property and the range of its values.
 struct Purpose {
     const std::string& property;
     ColorRange range;
 };
 
-/// Throws InputError for a channel out of range.
+/// The colour in float. Throws InputError for a channel out of range.
 Color checked(const Colord& rgb, const Purpose& purpose, const SourceLocation& where) {
     for (const double channel : rgb)
         check_color_value(channel, purpose.range, purpose.property, where);
@@ -58,7 +58,7 @@ private:
     SampledSpectrum samples_;
 };
 
-/// A part of an attribute's value.
+/// A part of an attribute's value, as an attribute at the same place.
 XmlAttribute part(const XmlAttribute& attribute, std::string text) {
     return {attribute.name, std::move(text), attribute.where};
 }
@@ -105,7 +105,7 @@ Color parse_file(const std::string& path, const Purpose& purpose) {
     return list.color({path, 0, 0});
 }
 
-/// The same at all wavelengths.
+/// The colour of a value that is the same at all wavelengths.
 Color parse_constant(const XmlAttribute& attribute, const Purpose& purpose) {
     const double value = parse_number(attribute);
     check_color_value(value, purpose.range, purpose.property, attribute.where);
@@ -124,7 +124,7 @@ double required_number(Properties& properties, const std::string& name) {
     return *properties.number(name);
 }
 
-/// The numbers of a <string>, as an attribute that knows where they stand.
+/// The numbers of a <string>, as an attribute at their place.
 XmlAttribute required_list(Properties& properties, const std::string& name) {
     require(properties, name);
     return {"value", *properties.string(name), properties.where(name)};
@@ -189,7 +189,7 @@ Color parse_srgb(Properties& properties, const Purpose& purpose) {
     return properties.rgb("color", 1, purpose.range);
 }
 
-/// Grey: in RGB its wavelengths mean nothing.
+/// A grey. The range of wavelengths has no effect in RGB.
 Color parse_uniform(Properties& properties, const Purpose& purpose) {
     properties.number("wavelength_min");
     properties.number("wavelength_max");

@@ -9,7 +9,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t most_attributes = 64;  ///< none takes more than a few, and each is compared with all before it
+constexpr std::size_t most_attributes = 64;  ///< elements take few, and each is compared with all before it
 constexpr int deepest_element = 64;  ///< deeper files are mistakes, and recursion over them must stay on the stack
 
 class Converter {
@@ -28,7 +28,7 @@ public:
     XmlElement convert(const pugi::xml_node& node, int depth) const {
         // pugixml's offset is that of the name, one after the `<`.
         const auto name_offset = static_cast<std::size_t>(node.offset_debug());
-        XmlElement element{node.name(), location(name_offset - 1), {}, {}};
+        XmlElement element{.tag = node.name(), .where = location(name_offset - 1), .attributes = {}, .children = {}};
         if (depth > deepest_element)
             throw InputError(element.where, fmt::format("elements are nested deeper than {} levels", deepest_element));
         convert_attributes(node, name_offset + element.tag.size(), element);
@@ -42,8 +42,8 @@ public:
     }
 
 private:
-    /// Attributes have no offset in pugixml: their places are found again in the text, which is known to be
-    /// well-formed.
+    /// pugixml has no offsets of attributes: their places are found again in the text, which is known
+    /// to be well-formed.
     void convert_attributes(const pugi::xml_node& node, std::size_t at, XmlElement& element) const {
         for (const auto& attribute : node.attributes()) {
             at = text_.find_first_not_of(" \t\r\n", at);
@@ -91,7 +91,7 @@ void XmlElement::check_no_children() const {
 
 XmlElement parse_xml(const std::string& text, const std::string& file) {
     const Converter converter(text, file);
-    // For pugixml the text ends there, whatever follows.
+    // pugixml ends the text at a byte of value zero, whatever follows.
     if (const std::size_t zero = text.find('\0'); zero != text.npos)
         throw InputError(converter.location(zero), "malformed XML: a byte of value zero");
     pugi::xml_document document;

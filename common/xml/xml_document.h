@@ -1,5 +1,5 @@
 #pragma once
-// An XML file as a tree in which every element and every attribute knows where it stands.
+// An XML file as a tree that holds the place of every element and every attribute in the file.
 
 #include "common/core/error.h"
 
@@ -21,7 +21,7 @@ struct XmlElement {
     std::vector<XmlAttribute> attributes;
     std::vector<XmlElement> children;
 
-    /// Null: there is none.
+    /// Null if there is none.
     const XmlAttribute* find(std::string_view name) const;
     /// Throws InputError if there is none.
     const XmlAttribute& required(std::string_view name) const;
@@ -30,8 +30,8 @@ struct XmlElement {
     void check_no_children() const;
 };
 
-/// The root element of a document in UTF-8; `file` names it in messages. Throws InputError for malformed XML, for text
-/// between elements and for an attribute that is given twice.
+/// Parses a document in UTF-8 and returns its root element; `file` names the document in messages. Throws InputError
+/// for malformed XML, for text between elements and for an attribute that is given twice.
 XmlElement parse_xml(const std::string& text, const std::string& file);
 
 }  // namespace gib

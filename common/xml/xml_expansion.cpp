@@ -11,7 +11,8 @@ namespace gib {
 namespace {
 
 constexpr int deepest_include = 15;
-/// Files that include each other several times, and parameters made of parameters, grow without bound from a few lines.
+/// Limits for files that include each other several times, and for parameters made of parameters: a few lines of them
+/// could grow without bound.
 constexpr int most_includes = 1000;
 constexpr std::size_t most_substituted = 1 << 24;
 
@@ -24,7 +25,7 @@ class Parameters {
 public:
     explicit Parameters(const std::map<std::string, std::string>& given) : given_(given), values_(given) {}
 
-    /// The value given from outside holds; of several defaults the first.
+    /// Keeps a value that was given from outside; of several defaults the first is kept.
     void declare(const std::string& name, const std::string& value) {
         values_.emplace(name, value);
         known_.insert(name);
@@ -81,7 +82,7 @@ private:
     const std::map<std::string, std::string>& given_;
     std::map<std::string, std::string> values_;
     std::set<std::string> known_;
-    std::size_t substituted_ = 0;  ///< characters that took the place of parameters
+    std::size_t substituted_ = 0;  ///< characters that replaced parameters
 };
 
 void check_version(const XmlElement& root) {
@@ -92,7 +93,7 @@ void check_version(const XmlElement& root) {
 }
 
 /// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
-/// either tag. Here the tag tells those that are the same everywhere from those that vary.
+/// either tag. Here <spectrum> is for those that are the same everywhere and <texture> for those that vary.
 void unify_texture_tag(XmlElement& element) {
     if (element.tag != "texture" && element.tag != "spectrum") return;
     const XmlAttribute* type = element.find("type");
@@ -127,7 +128,7 @@ private:
         element.children = std::move(expanded);
     }
 
-    /// Appends what `element` stands for.
+    /// Appends the elements that replace `element`.
     void expand_into(std::vector<XmlElement>& target, XmlElement& element, int depth) {
         for (auto& attribute : element.attributes)
             parameters_.substitute(attribute);
@@ -145,7 +146,8 @@ private:
         }
     }
 
-    /// Replaces the name of a spectrum's file by its path: who reads the value knows neither folders nor the hash.
+    /// Replaces the name of a spectrum's file by its path, because the code that reads the value knows neither the
+    /// folders nor the hash.
     void find_spectrum_file(XmlElement& element) {
         for (auto& attribute : element.attributes) {
             if (attribute.name != "filename") continue;
@@ -197,7 +199,7 @@ private:
             expand_into(target, child, depth + 1);
     }
 
-    /// The root is one more child of what holds the <include>, under the name that this gives it.
+    /// Adds the root as a child of the element that holds the <include>, under the name that the <include> gives.
     void include_object(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
         std::erase_if(root.attributes, [](const XmlAttribute& a) { return a.name == "version"; });
         if (const XmlAttribute* name = include.find("name")) {

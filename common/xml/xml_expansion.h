@@ -1,5 +1,6 @@
 #pragma once
-// What Mitsuba's scene language adds to XML: $parameters with <default>, <include>, <path>, id with <ref> and <alias>.
+// Expands what Mitsuba's scene language adds to XML: $parameters with <default>, <include>, <path>, id with
+// <ref> and <alias>.
 
 #include "common/core/files.h"
 #include "common/xml/xml_document.h"
@@ -10,12 +11,13 @@
 
 namespace gib {
 
-/// Finds files in the main scene's folder, then in the <path> entries, the latest first (Mitsuba's order).
+/// Finds files in the main scene's folder, then in the <path> entries, the latest entry first (Mitsuba's order).
 class FileFinder {
 public:
     explicit FileFinder(std::string main_folder) : main_folder_(std::move(main_folder)) {}
     void add_path(std::string folder) { paths_.insert(paths_.begin(), std::move(folder)); }
-    /// Looks into the folders `first` before all others. Throws InputError at `where`, with the folders searched.
+    /// Looks into the folders `first` before all others. Throws InputError at `where`, with the folders
+    /// that were searched.
     std::string find(const std::string& name, const SourceLocation& where,
                      const std::vector<std::string>& first = {}) const;
 
@@ -45,8 +47,9 @@ struct ExpandedXml {
     FileFinder files;
 };
 
-/// Expands the scene in `text`. `parameters` replace the defaults; what is read is added to `hash`. Throws InputError
-/// for a parameter without a value, one of `parameters` that the file does not know, and a missing or circular include.
+/// Expands the scene in `text`. `parameters` replace the defaults; all files that are read are added to `hash`.
+/// Throws InputError for a parameter without a value, for one of `parameters` that the file does not know, and for a
+/// missing or circular include.
 ExpandedXml expand_xml(const std::string& text, const std::string& path,
                        const std::map<std::string, std::string>& parameters, ContentHash& hash);
 

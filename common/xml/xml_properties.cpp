@@ -27,7 +27,7 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-/// Of a <float> or an <integer>.
+/// The value of a <float> or an <integer>.
 double parse_number_of(const XmlElement& element) {
     const XmlAttribute& value = element.required("value");
     return element.tag == "integer" ? static_cast<double>(parse_integer(value)) : parse_number(value);
@@ -64,13 +64,13 @@ void Properties::add_child(const XmlElement& child) {
     if (child.tag == "ref") {
         child.check_attributes({"id", "name"});
         child.check_no_children();
-        properties_.push_back({name, &ids_.resolve(child), where, true});
+        properties_.push_back({.name = name, .element = &ids_.resolve(child), .where = where, .is_object = true});
     } else if (is_object(child)) {
-        properties_.push_back({name, &child, where, true});
+        properties_.push_back({.name = name, .element = &child, .where = where, .is_object = true});
     } else if (among(child.tag, value_tags)) {
         name = child.required("name").value;
         check_value_element(child);
-        properties_.push_back({name, &child, where, false});
+        properties_.push_back({.name = name, .element = &child, .where = where, .is_object = false});
     } else {
         throw InputError(where, fmt::format("<{}> cannot hold <{}>", element_.tag, child.tag));
     }

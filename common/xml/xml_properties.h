@@ -1,5 +1,5 @@
 #pragma once
-// The parameters of a plugin element such as <shape type="sphere">. What a plugin asks for is what it takes: anything
+// The parameters of a plugin element such as <shape type="sphere">. A plugin takes only what it asks for: anything
 // else in its element is an error at its place, so that no setting is ignored in silence.
 
 #include "common/xml/xml_expansion.h"
@@ -17,11 +17,12 @@ struct NestedObject {
     SourceLocation where;  ///< of the element or of the <ref>
 };
 
-/// Which values a colour may have, in each channel, and what a spectrum is to become RGB as (scene_spectrum.h).
+/// The values that the channels of a colour may have. The range also decides how a spectrum
+/// becomes RGB (scene_spectrum.h).
 enum class ColorRange {
     unit,          ///< 0 to 1: a reflectance
-    non_negative,  ///< an index of refraction
-    emission       ///< not negative; radiance, intensity, irradiance
+    non_negative,  ///< such as an index of refraction
+    emission       ///< not negative: a radiance, intensity or irradiance
 };
 
 /// Throws InputError for a number that a colour of this range cannot have, before or after it is rounded to float.
@@ -29,23 +30,23 @@ void check_color_value(double value, ColorRange range, const std::string& name, 
 
 class Properties {
 public:
-    /// Both must outlive this. Throws InputError for a child that is no property or object at all, for a name that is
-    /// given twice and for a reference to nothing.
+    /// Both arguments must outlive this object. Throws InputError for a child that is no property or object at all,
+    /// for a name that is given twice and for a reference to nothing.
     Properties(const XmlElement& element, const XmlIds& ids);
 
     const XmlElement& element() const { return element_; }
-    /// The plugin's name. Throws InputError if there is none, or none of the supported ones.
+    /// The plugin's name. Throws InputError if it is missing or not among the supported ones.
     const std::string& plugin(const std::vector<std::string_view>& supported) const;
     const XmlIds& ids() const { return ids_; }
     bool has(const std::string& name) const { return find(name) != nullptr; }
-    /// Where a value stands: its attribute, or the plugin's element if the property is not given.
+    /// The place of a value: that of its attribute, or of the plugin's element if the property is not given.
     SourceLocation where(const std::string& name) const;
-    /// Where its element stands; the property must be given.
+    /// The place of a property's element; the property must be given.
     const SourceLocation& element_where(const std::string& name) const { return find(name)->where; }
 
-    /// `name` is a parameter that the plugin takes, though perhaps not beside those that are given.
+    /// Declares that the plugin takes the parameter `name`, though perhaps not together with those that are given.
     void declare(const std::string& name);
-    // Reading a property declares that the plugin takes it. All of them throw InputError for a value of another kind.
+    // Reading a property declares that the plugin takes it. All readers throw InputError for a value of another kind.
     std::optional<double> number(const std::string& name);
     double number(const std::string& name, double fallback) { return number(name).value_or(fallback); }
     /// Throws InputError at a value that is not above 0.
@@ -58,22 +59,22 @@ public:
                        std::initializer_list<std::string_view> choices);
     std::optional<Vec3d> point(const std::string& name);
     Mat4d transform(const std::string& name);
-    /// The element of a property that is given as a <spectrum>, which it may be; null if it is not. color_property()
-    /// reads its value.
+    /// Declares that the property may be a <spectrum>. Returns its element if it is one, else null; color_property()
+    /// reads the value.
     const XmlElement* spectrum(const std::string& name);
-    /// An <rgb>, or a <float> for a grey. Linear, sRGB's primaries.
+    /// An <rgb>, or a <float> for a grey; linear, with sRGB's primaries.
     Color rgb(const std::string& name, float fallback, ColorRange range);
-    /// Whether the property is given as a <string>, which it may be.
+    /// Declares that the property may be a <string>. Returns whether it is one.
     bool is_string(const std::string& name);
 
     /// The nested objects of a kind ("bsdf"), in the file's order.
     std::vector<NestedObject> objects(const std::string& tag);
     /// The object `name` if it is of that kind; nothing if it is of another kind, a value or not given.
     std::optional<NestedObject> named_object(const std::string& name, const std::string& tag);
-    /// Throws InputError at the second one.
+    /// The nested object of a kind, if there is one. Throws InputError at a second one.
     std::optional<NestedObject> object(const std::string& tag);
 
-    /// Throws InputError for the first property or object that was not asked for, and lists what was.
+    /// Throws InputError for the first property or object that was not asked for, and lists those that were.
     void finish() const;
 
 private:
@@ -94,9 +95,9 @@ private:
     const XmlElement& element_;
     const XmlIds& ids_;
     std::vector<Property> properties_;
-    std::unordered_map<std::string, int> line_of_name_;  ///< a scene may hold 1e5 named shapes
+    std::unordered_map<std::string, int> line_of_name_;  ///< hashed: a scene may hold 1e5 named shapes
     std::vector<std::string> known_;
-    /// A parameter's name and a kind that was asked for before the one that read() is to find, for its message.
+    /// Pairs of a parameter's name and another kind of element that it may be, which read() lists in its message.
     std::vector<std::pair<std::string, std::string>> other_kinds_;
 };
 

@@ -59,7 +59,7 @@ Vec3d three_numbers(const XmlAttribute& attribute) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
-/// Without overflow or underflow on the way.
+/// The length of a vector, without overflow or underflow on the way.
 double length_of(const Vec3d& v) { return std::hypot(v.x(), v.y(), v.z()); }
 
 Mat4d with_linear_part(const Eigen::Matrix3d& linear) {
@@ -89,7 +89,7 @@ Mat4d parse_rotate(const XmlElement& element) {
     return with_linear_part(Eigen::AngleAxisd(angle, axis / length).toRotationMatrix());
 }
 
-/// Mitsuba's camera space: x left, y up, z forward. Without `up`, any direction across the view.
+/// A camera in Mitsuba's convention: x left, y up, z forward. Without `up`, any direction across the view is taken.
 Mat4d parse_lookat(const XmlElement& element) {
     element.check_attributes({"origin", "target", "up"});
     const Vec3d origin = three_numbers(element.required("origin"));
@@ -138,7 +138,8 @@ Mat4d parse_operation(const XmlElement& element) {
                                                 element.tag));
 }
 
-/// Whether the columns span less than space. Relative to their lengths: a small uniform scale is not singular.
+/// Whether the columns span less than three dimensions. The test is relative to their lengths, because a small
+/// uniform scale is not singular.
 bool singular(const Mat4d& m) {
     if (!std::all_of(m.data(), m.data() + m.size(), [](double x) { return std::isfinite(x); })) return true;
     Eigen::Matrix3d linear = m.topLeftCorner<3, 3>();
@@ -186,7 +187,7 @@ Vec3d parse_vector(const XmlElement& element) { return vector_from(element, std:
 Vec3d parse_vector(const XmlElement& element, double fallback) { return vector_from(element, fallback); }
 
 Mat4d parse_transform(const XmlElement& element) {
-    const FloatTrapsPaused paused;  // what leaves double's range is refused below, or once the whole scene is known
+    const FloatTrapsPaused paused;  // overflows are refused below, or once the whole scene is known
     Mat4d transform = Mat4d::Identity();
     for (const auto& operation : element.children)
         transform = parse_operation(operation) * transform;

@@ -1,6 +1,5 @@
 #pragma once
-// Values written in XML attributes: numbers, vectors, colours and transforms. Numbers are read the same in every
-// locale.
+// Parses values written in XML attributes: numbers, vectors and transforms, alike in every locale.
 
 #include "common/core/math.h"
 #include "common/xml/xml_document.h"
@@ -17,13 +16,13 @@ std::int64_t parse_integer(const XmlAttribute& attribute);
 /// `true` or `false` in any case.
 bool parse_boolean(const XmlAttribute& attribute);
 
-/// The attributes x, y, z or `value` (three numbers, or one for all) of a <point>, <vector> or transform operation.
-/// A missing x, y or z is an error for the first two and `fallback` for operations.
+/// A <point>, <vector> or transform operation: its attributes x, y, z, or `value` (three numbers, or one for all). A
+/// missing x, y or z is an error for points and vectors and is `fallback` for operations.
 Vec3d parse_vector(const XmlElement& element);
 Vec3d parse_vector(const XmlElement& element, double fallback);
 
-/// The product of a <transform>'s operations, the first one applied first. Throws InputError at the transform if it is
-/// singular, and at an operation that is not defined.
+/// The product of a <transform>'s operations, the first one applied first. Throws InputError at the transform if it
+/// is singular, and at an operation that is not defined.
 Mat4d parse_transform(const XmlElement& element);
 
 }  // namespace gib

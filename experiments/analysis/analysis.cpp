@@ -18,11 +18,12 @@ namespace {
 /// The replicates of one method on one scene.
 struct Replicates {
     std::vector<const Cell*> cells;
-    std::vector<std::string> folders;  ///< names
+    std::vector<std::string> folders;  ///< names of the cells' folders
     std::vector<ComponentImages> images;
 };
 
-/// The reference's own variance is subtracted; an error of 0 is below what it resolves. NaN stays NaN.
+/// The curve of error against time of each replicate, with the reference's own variance subtracted; an error is 0 if
+/// that variance exceeds it. NaN stays NaN.
 std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
     std::vector<std::vector<CurvePoint>> curves;
     for (const Cell* cell : replicates.cells) {
@@ -35,7 +36,7 @@ std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, con
     return curves;
 }
 
-/// What a row says without any comparison.
+/// The part of a row that needs no reference.
 TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const std::string& component) {
     const Cell& first = *replicates.cells.front();
     TableRow row;
@@ -72,7 +73,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     return row;
 }
 
-/// Empty if one of them has none.
+/// The mean FLIP of the replicates; empty if one of them has no FLIP value.
 std::optional<double> mean_flip(const Replicates& replicates, const std::vector<Image>& totals, const Image& r_total,
                                 const ResultFolder& folder) {
     double sum = 0;
@@ -109,13 +110,12 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
 
 ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
                             double epsilon) {
-    ReferenceQuality quality{scene.name,
-                             scene.reference_method,
-                             relative_standard_error(judgement.total(), epsilon),
-                             scene.target,
-                             0,
-                             scene.notes,
-                             {}};
+    ReferenceQuality quality{.scene = scene.name,
+                             .method = scene.reference_method,
+                             .relative_error = relative_standard_error(judgement.total(), epsilon),
+                             .target = scene.target,
+                             .notes = scene.notes,
+                             .noise_floors = {}};
     const auto passes = reference.metadata.find("passes");
     if (passes != reference.metadata.end()) {
         const std::string& text = passes->second;
@@ -130,7 +130,8 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     return quality;
 }
 
-/// Empty if the scene has none yet, or if its file is missing or damaged: `damage` then says so.
+/// The reference of a scene. Empty if the scene has none yet, or if its file is missing or damaged; then `damage`
+/// gets a message.
 std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolder& folder,
                                       std::vector<std::string>& damage) {
     if (scene.reference.empty()) return std::nullopt;
@@ -147,7 +148,7 @@ std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolde
     }
 }
 
-/// The complete cells of a scene are appended to the analysis; returns their folders' names.
+/// Appends the complete cells of a scene to the analysis and returns the names of their folders.
 std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& analysis) {
     const ResultIndex& index = analysis.index;
     std::vector<std::string> names;

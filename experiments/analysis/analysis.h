@@ -1,12 +1,12 @@
 #pragma once
-// From stored cells to the numbers of tables and report.
+// Computes the numbers of the tables and the report from the stored cells of a result folder.
 
 #include "experiments/analysis/table_row.h"
 
 namespace gib {
 
-/// Measures FLIP where a cell has none yet, and keeps it in the folder. Throws InputError if the folder holds no
-/// results.
+/// Reads a result folder and computes its rows. If a cell has no FLIP value yet, it is measured and stored in the
+/// folder. Throws InputError if the folder holds no results.
 Analysis analyse(const ResultFolder& folder);
 
 }  // namespace gib

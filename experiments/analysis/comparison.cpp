@@ -19,7 +19,7 @@ namespace {
 
 std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
                                            const std::string& component, double seconds, double noise_floor) {
-    EqualTimeRow row{scene, component, seconds, {}};
+    EqualTimeRow row{.scene = scene, .component = component, .seconds = seconds, .entries = {}};
     for (const auto& [method, cells] : methods)
         if (const auto error = relative_rmse_after(cells, component, seconds, noise_floor))
             row.entries.push_back({method, *error});
@@ -29,7 +29,7 @@ std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const s
     return row;
 }
 
-/// Of one method, its checkpoints that all seeds have.
+/// Appends the checkpoints of one method that all seeds have.
 void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
                 double noise_floor, std::vector<FrontierPoint>& points) {
     const std::size_t count = common_checkpoints(cells);
@@ -44,7 +44,11 @@ void add_points(const std::string& scene, const std::string& method, const std::
             error += total->second.rel_mse_corrected;
         }
         const auto n = static_cast<double>(cells.size());
-        points.push_back({scene, method, passes, seconds / n, error / n > noise_floor ? std::sqrt(error / n) : 0.0});
+        points.push_back({.scene = scene,
+                          .method = method,
+                          .passes = passes,
+                          .seconds = seconds / n,
+                          .relative_rmse = error / n > noise_floor ? std::sqrt(error / n) : 0.0});
     }
 }
 
@@ -59,8 +63,8 @@ struct BiasPoint {
     double x, bias2, deviation;  ///< deviation: standard error of log bias2
 };
 
-/// Log bias^2 against log x, weighted by the points' deviations; where the points scatter more than these say, the
-/// interval widens.
+/// Fits a line to log bias^2 over log x, in which each point has the weight 1 / deviation^2. The interval widens if
+/// the points scatter more than their deviations predict.
 Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const auto& p : points) {
@@ -83,7 +87,8 @@ Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
     return {-slope, Interval{-slope - half, -slope + half}};
 }
 
-/// The rows whose labels differ in one parameter's value only: (label without it, name) -> (value, row).
+/// Groups of rows whose labels differ only in the value of one parameter: (label without the parameter, its name) ->
+/// (value, row).
 std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> sweeps(const Analysis& analysis,
                                                                                         const std::string& scene,
                                                                                         const std::string& component) {
@@ -149,7 +154,13 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
         for (const auto& component : components_of(analysis, scene))
             for (const auto& [key, rows] : sweeps(analysis, scene, component)) {
                 if (rows.size() < 3) continue;
-                BiasLaw law{scene, component, key.first, key.second, {}, {0, {}}, 0};
+                BiasLaw law{.scene = scene,
+                            .component = component,
+                            .method = key.first,
+                            .parameter = key.second,
+                            .values = {},
+                            .exponent = {0, {}},
+                            .resolved_count = 0};
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     law.values.push_back(x);

@@ -1,6 +1,6 @@
 #pragma once
-// Methods against each other: which is closest to the reference after the same time, which are worth their time, and
-// how bias falls along a sweep.
+// Compares methods with each other: which is closest to the reference after the same time, which checkpoints lie on
+// the Pareto frontier of time and error, and how bias falls with a parameter.
 
 #include "experiments/analysis/analysis.h"
 
@@ -9,47 +9,47 @@
 
 namespace gib {
 
-/// One component of one scene after the same charged time.
+/// The errors of the methods in one component of one scene after the same charged time.
 struct EqualTimeRow {
     struct Entry {
         std::string method;
-        double relative_rmse;  ///< sqrt of the seeds' mean rel_mse, the reference's own variance subtracted
+        double relative_rmse;  ///< sqrt of the seeds' mean rel_mse, less the reference's own variance
     };
     std::string scene, component;
-    double seconds;  ///< the shortest of the methods' whole times
-    std::vector<Entry>
-        entries;  ///< best first; methods that have an image by then and an error above what the reference resolves
+    double seconds;  ///< the shortest of the methods' mean total times
+    /// The methods that have an image by then and an error above the noise floor, best first.
+    std::vector<Entry> entries;
 };
-/// Of every scene with two methods or more. Errors between two checkpoints follow a power law of time.
+/// The rows of every scene with two methods or more. Between two checkpoints, errors follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
-/// A checkpoint that no other one of any method beats: none is as close to the reference in less time, nor closer in
-/// the same.
+/// A checkpoint that no other checkpoint of any method beats: none is as close to the reference in less time, or
+/// closer in the same time.
 struct FrontierPoint {
     std::string scene, method;
     std::uint32_t passes;
     double seconds;        ///< mean over the seeds
-    double relative_rmse;  ///< of the whole image, as in EqualTimeRow; 0: below what the reference resolves
+    double relative_rmse;  ///< of the total image, as in EqualTimeRow; 0: not above the noise floor
 };
-/// Pareto's frontier over the checkpoints of all methods, of every scene with two methods or more; by scene, then by
-/// time.
+/// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more. Points are
+/// ordered by scene, then by time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
 
-/// bias^2 = c x^-exponent over the values x of a parameter, all else equal.
+/// The fitted law bias^2 = c x^-exponent over the values x of a parameter, with all other parameters equal.
 struct BiasLaw {
     std::string scene, component;
     std::string method;     ///< the label without the parameter
-    std::string parameter;  ///< its name
+    std::string parameter;  ///< name of the parameter
     std::vector<double> values;
-    Estimate exponent;  ///< weighted least squares of the logarithms
-    std::size_t
-        resolved_count;  ///< of the values: where bias^2 is above 0 with its whole interval; only these are fitted
+    Estimate exponent;  ///< by weighted least squares in the logarithms
+    /// The number of values at which bias^2 is above 0 with its whole interval; only these are fitted.
+    std::size_t resolved_count;
 };
-/// For every numeric parameter of which three values or more stand among labels that are otherwise equal; at least
-/// three resolved.
+/// One law for every numeric parameter that takes three values or more in labels that are otherwise equal, if at
+/// least three of these values are resolved.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
 
-/// All as sections of table.md; empty where there is nothing to say.
+/// The three comparisons as sections of table.md; a section without rows is left out.
 std::string comparison_text(const Analysis& analysis);
 
 }  // namespace gib

@@ -10,27 +10,29 @@
 
 namespace gib {
 
-/// Names, in the order of the cells.
+/// The names of the scenes, in the order of the cells.
 std::vector<std::string> scenes_of(const Analysis& analysis);
-/// Names of components that a scene's rows have and that are judged, in their order; `total` is one.
+/// The names of a scene's components that are judged, in the order of its rows; `total` is one of them.
 std::vector<std::string> components_of(const Analysis& analysis, const std::string& scene);
 
 using CellsByMethod = std::map<std::string, std::vector<const Cell*>>;
-/// Those of a scene that have an image, by label.
+/// The cells of a scene that have an image, by method label.
 CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene);
 
-/// Relative squared error of one run `seconds` after its start, the reference's own variance subtracted. Between two
-/// checkpoints it follows a power law of time. Empty before the first image; after the last one the error stays.
+/// The relative squared error of one run after `seconds` of charged time, with the reference's own variance
+/// subtracted. Between two checkpoints it follows a power law of time; after the last one it stays constant. Empty
+/// before the first image.
 std::optional<double> error2_after(const Cell& cell, const std::string& component, double seconds);
-/// The mean over runs; unclipped. Empty unless all have an image by then.
+/// The mean of error2_after() over runs, unclipped. Empty unless all runs have an image by then.
 std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, const std::string& component,
                                         double seconds);
-/// Its root; empty where it is not above `noise_floor`: below what the reference resolves.
+/// The square root of mean_error2_after(). Empty where this mean is not above `noise_floor`, the relative squared
+/// error that is lost in the reference's own noise.
 std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
                                           double seconds, double noise_floor);
 
-/// How many checkpoints, from the first on, all runs have after the same passes: a budget of time ends runs after
-/// different ones.
+/// The number of checkpoints, from the first on, that all runs have after the same passes. Runs may differ in their
+/// later ones, because a time budget ends them after different numbers of passes.
 std::size_t common_checkpoints(const std::vector<const Cell*>& cells);
 
 }  // namespace gib

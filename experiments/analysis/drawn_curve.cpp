@@ -10,19 +10,19 @@ namespace gib {
 
 namespace {
 
-/// What the seeds have at one pass.
+/// The checkpoints of the seeds after the same number of passes.
 struct Pass {
-    double seconds = 0;
+    double seconds = 0;                      // summed over the seeds
     std::vector<double> relative, absolute;  // squared errors
 };
 
 Estimate root_of_mean(const std::vector<double>& squares) {
     const SampleMean mean = sample_mean(squares);
-    // What is left of an error below what the reference resolves may be negative.
+    // Below the noise floor, an error less the reference's own variance may be negative.
     if (!(mean.value >= 0)) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
     Estimate root{std::sqrt(mean.value), std::nullopt};
     if (squares.size() < 2 || mean.value == 0) return root;
-    // In the logarithm, a root is half of its square, and so is its interval.
+    // The logarithm of a root is half of that of its square, and so is the width of its interval.
     const double half = half_width({mean.variance}, 0.05) / mean.value / 2;
     root.interval = Interval{root.value * std::exp(-half), root.value * std::exp(half)};
     return root;
@@ -50,8 +50,10 @@ std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& s
     std::vector<MeanPoint> curve;
     for (const auto& [number, pass] : passes) {
         if (pass.relative.size() != seeds) continue;
-        const MeanPoint point{number, pass.seconds / static_cast<double>(seeds), root_of_mean(pass.relative),
-                              root_of_mean(pass.absolute)};
+        const MeanPoint point{.passes = number,
+                              .seconds = pass.seconds / static_cast<double>(seeds),
+                              .relative_rmse = root_of_mean(pass.relative),
+                              .rmse = root_of_mean(pass.absolute)};
         const auto drawn = [](double v) { return std::isfinite(v) && v > 0; };
         if (drawn(point.seconds) && drawn(point.relative_rmse.value) && point.relative_rmse.value > noise_floor &&
             drawn(point.rmse.value))

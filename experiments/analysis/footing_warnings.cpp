@@ -14,7 +14,7 @@ namespace gib {
 
 namespace {
 
-/// "`caustic` -0.40 % (-3.10 to +2.30)".
+/// A component with its excess of mean energy, as in "`caustic` -0.40 % (-3.10 to +2.30)".
 std::string component_text(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
     if (!std::isfinite(excess.value)) return fmt::format("`{}` is not finite", row.component);
@@ -24,7 +24,8 @@ std::string component_text(const TableRow& row) {
                            : "");
 }
 
-/// Of the rows of one component that the reference cannot judge, the two that differ most surely from each other.
+/// The two rows that differ most surely from each other, among
+/// the rows of one component that the reference cannot judge.
 struct Disagreement {
     const TableRow *more = nullptr, *less = nullptr;
     Estimate difference;  ///< with an interval
@@ -37,10 +38,11 @@ void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>&
     if (pair.excess.value < 0) return consider(b, a, surest);
     const double half = pair.excess.interval->hi - pair.excess.value;
     const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
-    if (!surest || sureness > surest->sureness) surest = Disagreement{&a, &b, pair.excess, sureness};
+    if (!surest || sureness > surest->sureness)
+        surest = Disagreement{.more = &a, .less = &b, .difference = pair.excess, .sureness = sureness};
 }
 
-/// By scene and component.
+/// The rows that the reference cannot judge, by scene and component.
 using UnresolvedRows = std::map<std::pair<std::string, std::string>, std::vector<const TableRow*>>;
 
 std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
@@ -52,11 +54,15 @@ std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
                 consider(*rows[i], *rows[j], surest);
         if (!surest) continue;
         const auto [lo, hi] = *surest->difference.interval;
-        warnings.push_back({key.first, surest->more->method, key.second, true,
-                            fmt::format("{}: `{}` differs between methods where the reference cannot judge: {} has "
-                                        "{:+.2f} % ({:+.2f} to {:+.2f}) of mean energy over {}",
-                                        key.first, key.second, surest->more->method, 100 * surest->difference.value,
-                                        100 * lo, 100 * hi, surest->less->method)});
+        warnings.push_back(
+            {.scene = key.first,
+             .method = surest->more->method,
+             .component = key.second,
+             .differs = true,
+             .text = fmt::format("{}: `{}` differs between methods where the reference cannot judge: {} has "
+                                 "{:+.2f} % ({:+.2f} to {:+.2f}) of mean energy over {}",
+                                 key.first, key.second, surest->more->method, 100 * surest->difference.value, 100 * lo,
+                                 100 * hi, surest->less->method)});
     }
     return warnings;
 }
@@ -77,8 +83,12 @@ std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
         const bool differs = has(row, FootingVerdict::differs);
         const std::string missing =
             differs && !row.effects_missing.empty() ? ", which leaves out " + row.effects_missing + "," : "";
-        warnings.push_back({row.scene, row.method, row.component, differs,
-                            fmt::format("{}: {}{} {}: {}", row.scene, row.method, missing, what, component_text(row))});
+        warnings.push_back(
+            {.scene = row.scene,
+             .method = row.method,
+             .component = row.component,
+             .differs = differs,
+             .text = fmt::format("{}: {}{} {}: {}", row.scene, row.method, missing, what, component_text(row))});
     };
     for (const TableRow& row : analysis.rows) {
         if (has(row, FootingVerdict::differs)) add(differing, row, "differs from the reference in mean energy");

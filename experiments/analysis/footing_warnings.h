@@ -1,5 +1,6 @@
 #pragma once
-// Warnings where a scene's methods are not on an equal footing, for the tables and the report.
+// Warnings, for the tables and the report, where the methods
+// of a scene are not on an equal footing (equal_footing.h).
 
 #include "experiments/analysis/analysis.h"
 
@@ -8,19 +9,20 @@
 
 namespace gib {
 
-/// The components of a method whose mean energy is not the reference's, or of which that is not known.
+/// A warning about a method in one scene: in some components its mean energy differs from the reference's, or this is
+/// not known.
 struct FootingWarning {
     std::string scene, method;
-    std::string component;  ///< names, separated by `;`
-    bool differs;           ///< else it is not resolved
-    std::string text;       ///< a sentence that names all three
+    std::string component;  ///< names of the components, separated by `;`
+    bool differs;           ///< true: the energy differs; false: this is not known
+    std::string text;       ///< a sentence that names scene, method and components
 };
-/// First one for each method with components that differ from the reference; then, where the reference cannot judge a
-/// component of several methods, one for the two that differ most surely from each other; then one for each method with
-/// components that are not resolved.
+/// The warnings come in three parts: one for each method with components that differ from the reference; where the
+/// reference cannot judge a component of several methods, one for the two methods that differ most surely from each
+/// other; one for each method with components that are not resolved.
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis);
 
-/// The section of table.md that stands before every number.
+/// The section of table.md on equal footing, which stands before every number. Empty if no component was checked.
 std::string footing_text(const Analysis& analysis);
 
 }  // namespace gib

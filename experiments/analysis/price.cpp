@@ -13,7 +13,7 @@ namespace {
 
 using Runs = std::vector<const Cell*>;
 
-/// The smallest lead, as a ratio of errors, that makes a change of places count.
+/// A change of the best method counts only if the new error is below this fraction of the old one.
 constexpr double least_lead = 0.95;
 
 std::vector<std::vector<ErrorPoint>> points_of(const Runs& cells, const std::string& component) {
@@ -37,7 +37,7 @@ Runs without(const Runs& cells, std::size_t left_out) {
     return rest;
 }
 
-/// log(time of the last point / time at which the error was twice as large), of the runs' mean.
+/// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
 std::optional<double> log_last_halving(const Runs& cells, const std::string& component, double noise_floor) {
     const auto runs = points_of(cells, component);
     if (runs.empty() || runs.front().empty()) return std::nullopt;
@@ -58,7 +58,8 @@ std::optional<double> log_last_halving(const Runs& cells, const std::string& com
     return std::nullopt;
 }
 
-/// The mean squared error of some runs as a curve: infinite before all have an image, 0 below what is resolved.
+/// The mean squared error of some runs as a function of time: infinite before all of them have an image, 0 unless it
+/// is above the noise floor.
 struct MeanCurve {
     Runs cells;
     double noise_floor;
@@ -70,7 +71,8 @@ struct MeanCurve {
     MeanCurve without(std::size_t seed) const { return {gib::without(cells, seed), noise_floor}; }
 };
 
-/// When `challenger` passes `best`, between a time at which it is behind and one at which it is ahead.
+/// The time at which `challenger` passes `best`, by bisection between a time at which it is behind and one at which
+/// it is ahead.
 double passing_time(const MeanCurve& best, const MeanCurve& challenger, double behind, double ahead) {
     for (int step = 0; step < 60; ++step) {
         const double middle = std::sqrt(behind * ahead);
@@ -79,7 +81,8 @@ double passing_time(const MeanCurve& best, const MeanCurve& challenger, double b
     return ahead;
 }
 
-/// Among the times between which the challenger passes, that nearest to `near`.
+/// The time at which `challenger` passes `best`; if it does so between several pairs of successive `times`, the one
+/// nearest to `near`.
 std::optional<double> passing_near(const MeanCurve& best, const MeanCurve& challenger, const std::vector<double>& times,
                                    double near) {
     std::optional<double> nearest;
@@ -124,18 +127,27 @@ std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::st
         const double error2 = curve(times[i]);
         if (!std::isfinite(error2)) continue;
         if (!best) {
-            changes.push_back({scene, method, "", times[i], std::nullopt, std::sqrt(error2)});
+            changes.push_back({.scene = scene,
+                               .method = method,
+                               .before = "",
+                               .seconds = times[i],
+                               .interval = std::nullopt,
+                               .relative_rmse = std::sqrt(error2)});
             best = &curve;
             continue;
         }
         if (!(std::sqrt(error2) < least_lead * std::sqrt((*best)(times[i])))) continue;
-        // It may have been ahead by less for a while.
+        // The new method may have been ahead for a while, but by less than a change needs.
         std::size_t behind = i - 1;
         while (times[behind] > changes.back().seconds && curve(times[behind]) < (*best)(times[behind]))
             --behind;
         const double seconds = passing_time(*best, curve, times[behind], times[i]);
-        changes.push_back({scene, method, changes.back().method, seconds,
-                           passing_interval(*best, curve, times, seconds), std::sqrt(curve(seconds))});
+        changes.push_back({.scene = scene,
+                           .method = method,
+                           .before = changes.back().method,
+                           .seconds = seconds,
+                           .interval = passing_interval(*best, curve, times, seconds),
+                           .relative_rmse = std::sqrt(curve(seconds))});
         best = &curve;
     }
     return changes;

@@ -1,5 +1,6 @@
 #pragma once
-// The numbers of tables and report, as plain data: one row for each scene, method and component, and what they come from.
+// The numbers of the tables and the report as plain data: one row for each scene, method and component, and the cells
+// and references that they come from.
 
 #include "experiments/metrics/equal_footing.h"
 #include "experiments/metrics/price_law.h"
@@ -15,7 +16,7 @@
 
 namespace gib {
 
-/// Relative RMSE [%] whose price is asked for, as it stands in column names.
+/// The relative RMSEs for which the tables give the time: in [%] as part of column names, and as fractions.
 inline constexpr std::array<const char*, 5> target_names = {"10", "5", "2", "1", "0.5"};
 inline constexpr std::array<double, 5> target_errors = {0.10, 0.05, 0.02, 0.01, 0.005};
 
@@ -23,41 +24,42 @@ struct TableRow {
     std::string scene, method, component;
     int seeds = 0;
     double seconds = 0;                             ///< mean charged seconds of the final images
-    double prepare_seconds = 0;                     ///< mean
-    std::optional<ReplicateStatistics> statistics;  ///< empty: left out of judgement
+    double prepare_seconds = 0;                     ///< mean seconds of preparation
+    std::optional<ReplicateStatistics> statistics;  ///< empty: the component is not judged
     std::optional<RobustError> robust;
     std::optional<NoiseSpectrum> noise;
     std::vector<SpectrumPoint> bias;
-    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to target_errors [s]
+    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to each of target_errors [s]
     std::optional<Footing> footing;                                   ///< mean energy against the reference's
     std::optional<PriceLaw> law;                                      ///< of error against time
     std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
-    std::uint64_t nonfinite = 0;           ///< of all seeds
+    std::uint64_t nonfinite = 0;           ///< samples that were not finite, of all seeds
     double peak_rss_mib = 0;               ///< the largest of all seeds
-    std::string effects_missing;
+    std::string effects_missing;           ///< names of effects that the method leaves out, separated by `;`
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
 };
 
-/// What is known of a scene's reference.
+/// The accuracy of a scene's reference, and how it was made.
 struct ReferenceQuality {
     std::string scene, method;
     double relative_error = 0;  ///< standard error of the judged total, relative, with the experiment's epsilon
     std::optional<double> target;
-    std::uint64_t samples = 0;  ///< a pixel; 0: unknown
+    std::uint64_t samples = 0;  ///< samples a pixel; 0: unknown
     std::vector<std::string> notes;
-    std::map<std::string, double>
-        noise_floors;  ///< by component, `total` included: relative squared error, noise_floor_of
+    /// noise_floor_of() [relative squared error] by component, `total` included.
+    std::map<std::string, double> noise_floors;
 };
 
 struct Analysis {
     ResultIndex index;
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
-    std::vector<TableRow> rows;  ///< scenes, methods, then `total` and the components
+    std::vector<TableRow> rows;  ///< in the order of scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
-    std::vector<std::string> damage;  ///< what cannot be believed, and what is left out for it: a cell or a scene
-    std::size_t missing_cells = 0;    ///< of the experiment, not complete
+    std::vector<std::string> damage;  ///< messages: what is damaged, and the cell or scene that is left out
+    std::size_t missing_cells = 0;    ///< cells of the experiment that are not complete
 
-    /// The relative squared error below which a scene's reference resolves nothing; 0 if that is not known.
+    /// The noise floor of a scene's reference, the relative
+    /// squared error that is lost in its own noise; 0 if unknown.
     double noise_floor(const std::string& scene, const std::string& component) const;
 };
 

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Adds what a seed's image says.
+/// Adds the statistics of one seed's image.
 void add_image(HardCaseImages& images, const Image& image, const NonFinite& dropped) {
     images.not_finite += dropped.count;
     double sum = 0;
@@ -43,13 +43,13 @@ HardCaseVerdict failed(HardCaseVerdict verdict, std::string why) {
     return verdict;
 }
 
-/// The mean of the seeds, and the half width of its interval.
+/// A verdict that holds, with the mean of the seeds and the half width of its interval.
 HardCaseVerdict mean_of_seeds(const std::vector<double>& means, double tail) {
     const SampleMean mean = sample_mean(means);
-    return {Verdict::holds, mean.value, half_width({mean.variance}, tail), ""};
+    return {.verdict = Verdict::holds, .got = mean.value, .half_width = half_width({mean.variance}, tail), .why = ""};
 }
 
-/// Whether the mean and, where it is asked for, every pixel agree with the number expected.
+/// Judges whether the mean and, with `every_pixel`, every pixel agree with the expected number.
 HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images, const HardCaseVerdict& found,
                              double resolve) {
     const double rounding = hard.accuracy * hard.expected, mean = *found.got;
@@ -78,7 +78,7 @@ HardCaseVerdict judge_number(const HardCase& hard, const HardCaseImages& images,
 HardCaseVerdict judge_omission(Effects missing, Effects may_leave_out) {
     const Effects more = missing - may_leave_out;
     if (!more.empty()) return failed({}, fmt::format("leaves out {}, which `leaves_out` does not allow", more.names()));
-    return {Verdict::left_out, std::nullopt, 0, "leaves out " + missing.names()};
+    return {.verdict = Verdict::left_out, .got = std::nullopt, .why = "leaves out " + missing.names()};
 }
 
 Effects effects_from_json(const json& names) {
@@ -178,7 +178,7 @@ HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double
     if (hard.relation == Relation::refused) {
         if (images.refusal.empty()) return failed({}, "not refused");
         if (images.refusal.find(hard.refusal) == std::string::npos) return failed({}, "refused: " + images.refusal);
-        return {Verdict::holds, std::nullopt, 0, images.refusal};
+        return {.verdict = Verdict::holds, .got = std::nullopt, .why = images.refusal};
     }
     if (!images.refusal.empty()) return failed({}, "refused: " + images.refusal);
     if (!images.missing.empty()) return judge_omission(images.missing, may_leave_out);

@@ -1,5 +1,5 @@
 #pragma once
-// One hard case by one method: its images, and whether they are the answer.
+// Renders one hard case by one method and judges whether its images have the radiance that theory gives.
 
 #include "experiments/hard_cases/hard_case_file.h"
 
@@ -12,19 +12,20 @@
 
 namespace gib {
 
-/// What came of a case, seed by seed.
+/// The result of rendering one case by one method with several seeds.
 struct HardCaseImages {
-    std::string refusal;        ///< the message if the scene or the method was refused; then there is nothing else
-    Effects missing;            ///< that the scene calls for and the method leaves out; then there is nothing else
-    std::vector<double> means;  ///< [W/(sr m^2)] of each seed's image, over pixels and channels
-    double smallest = 0;        ///< of all pixels' means over the channels
-    double largest = 0;
-    std::uint64_t not_finite = 0;  ///< values of images, and samples that were dropped
-    std::uint64_t negative = 0;    ///< values of images
+    std::string refusal;           ///< message of the error if scene or method was refused; the rest is then unused
+    Effects missing;               ///< effects of the scene that the method leaves out; if any, nothing is rendered
+    std::vector<double> means;     ///< of each seed's image, over pixels and channels [W/(sr m^2)]
+    double smallest = 0;           ///< smallest mean over the channels of any pixel [W/(sr m^2)]
+    double largest = 0;            ///< largest one
+    std::uint64_t not_finite = 0;  ///< number of such image values and of dropped samples
+    std::uint64_t negative = 0;    ///< number of such image values
     double seconds = 0;
 };
 
-/// Renders the case with seeds 1 to `seeds`.
+/// Renders the case with seeds 1 to `seeds` on `threads` threads. An InputError is not thrown on; its message is
+/// returned as `refusal`.
 HardCaseImages render_hard_case(const HardCase& hard, const MethodLabel& method, int seeds, int threads);
 
 nlohmann::json to_json(const HardCaseImages& images);
@@ -34,26 +35,27 @@ enum class Verdict {
     holds,
     fails,
     unresolved,  ///< the noise hides whether it holds
-    left_out,    ///< the method does not simulate what the scene calls for
-    not_judged,  ///< the file says why
+    left_out,    ///< the method does not simulate an effect that the scene calls for
+    not_judged,  ///< the file excludes the method and says why
 };
 std::string_view name_of(Verdict verdict);
 
 struct HardCaseVerdict {
     Verdict verdict = Verdict::holds;
-    std::optional<double> got;  ///< mean of the seeds' means
-    double half_width = 0;      ///< of the interval around it that misses the true mean with probability `tail`
-    std::string why;            ///< where it does not hold: what is wrong
+    std::optional<double> got;  ///< mean of the seeds' means [W/(sr m^2)]
+    double half_width = 0;      ///< of the interval around `got`, which misses the true mean with probability `tail`
+    std::string why;            ///< what is wrong, left out or refused; empty if a number holds
 };
 
-/// Why the file excludes the method from this case, if it does.
+/// The reason for which the file excludes the method from this case; empty if it does not.
 std::optional<std::string> exclusion(const HardCase& hard, const MethodLabel& method);
 
-/// The seeds' means scatter around the method's true mean with Student's t distribution, whatever is correlated within
-/// one image. What is tested: that the interval (leaving out `tail`, both sides together) holds the answer within its
-/// accuracy, and that its half width is at most `resolve` of the answer (for `at_most` and `at_least`, that it ends at
-/// most that far outside of them); that no pixel is negative or not finite; for `black`, that every pixel is 0. Nothing
-/// is tested where the method leaves out effects, and fails if these are not all among `may_leave_out`.
+/// Judges a case. The means of the seeds' images scatter around the method's true mean with Student's t distribution,
+/// however the pixels of one image are correlated. The interval of their mean misses the true mean with probability
+/// `tail`, both sides together. The case holds if the interval contains the answer within its accuracy and has a half
+/// width of at most `resolve` times the answer. With `at_most` and `at_least`, the interval has to end within
+/// `resolve` of the bounds instead. No pixel may be negative or not finite, and with `black` every pixel has to be 0.
+/// A method that leaves out effects is not tested; it fails unless `may_leave_out` has all of them.
 HardCaseVerdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve,
                       Effects may_leave_out = {});
 

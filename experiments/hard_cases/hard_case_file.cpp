@@ -13,7 +13,8 @@ namespace gib {
 
 namespace {
 
-/// A path's throughput is a product of some hundred numbers in single precision, each rounded by at most 2^-24.
+/// Default of `accuracy`: a path's throughput is a product of some hundred numbers in single precision, each rounded
+/// by at most 2^-24.
 constexpr double rounding = 1e-5;
 
 constexpr std::array<std::pair<Relation, std::string_view>, 4> relations = {{{Relation::equal, "expected"},
@@ -56,7 +57,8 @@ void read_answer(const TomlReader& reader, const toml::table& table, const Sourc
     }
 }
 
-/// The combinations of a table of parameters and lists of them, each with its part of the case's name.
+/// All combinations of the values in a table of parameters, whose entries are values or lists of values. Each
+/// combination comes with the suffix that it gives to the case's name.
 std::vector<std::pair<std::string, std::map<std::string, std::string>>> parameter_grid(const TomlReader& reader,
                                                                                        const toml::node* node) {
     std::vector<std::pair<std::string, std::map<std::string, std::string>>> grid = {{"", {}}};

@@ -1,28 +1,28 @@
 #pragma once
-// Files of hard cases: scenes whose answer theory gives, and the methods that must find it.
+// Reads files of hard cases: scenes whose mean radiance is known from theory, and the methods that must find it.
 //
 //     title = "Hard cases"
-//     seeds = 8                    # replicates, from whose scatter the interval of each mean comes
-//     alpha = 0.01                 # the chance that any verdict of the file is wrong where all answers are right
-//     resolve = "5%"               # an answer whose interval is wider than this, to either side, is unresolved; a
-//                                  # bound, if the interval ends further above it
+//     seeds = 8                    # replicates; the interval of each mean follows from their scatter
+//     alpha = 0.01                 # probability that at least one verdict is wrong although all methods are right
+//     resolve = "5%"               # largest half width of an interval, relative to the answer; beyond it, a case is
+//                                  # unresolved. With a bound: how far outside of it the interval may end
 //     [[method]]                   # as in every experiment
 //     name = "radiosity"
-//     [leaves_out]                 # effects that methods whose label contains the key may leave out of a scene's; a
-//     radiosity = ["refraction"]   # method that leaves out more fails
+//     [leaves_out]                 # effects that a method may leave out if its label contains the key; a method that
+//     radiosity = ["refraction"]   # leaves out others fails
 //     [[case]]
 //     scene = "../scenes/hard/glass.xml"
-//     name = "glass"               # else the scene's
-//     set = { eta = [1, 3] }       # the scene's parameters; a list makes a case of each value
-//     expected = 1.0               # the mean over pixels and channels; or at_most = 1.0, black = true,
-//                                  # refused = "what the message has to say"
-//     at_least = 0.9               # beside at_most
-//     accuracy = 1e-5              # of the number expected, relative
+//     name = "glass"               # default: the name of the scene's file
+//     set = { eta = [1, 3] }       # $parameters of the scene; a list makes one case of each value
+//     expected = 1.0               # mean radiance over pixels and channels; instead: at_most = 1.0, black = true or
+//                                  # refused = "text that the error message has to contain"
+//     at_least = 0.9               # only together with at_most
+//     accuracy = 1e-5              # relative, of the expected number
 //     reason = "why that is the answer"
-//     passes = 16
+//     passes = 16                  # samples a pixel
 //     seeds = 32                   # instead of the file's
-//     every_pixel = true           # the answer holds for each pixel, without noise
-//     without = { radiosity = "why it cannot be judged" }
+//     every_pixel = true           # each pixel has the answer, without noise
+//     without = { radiosity = "why it cannot be judged" }  # for methods whose label contains the key
 
 #include "common/scene/effects.h"
 #include "experiments/plan/experiment_file.h"
@@ -33,24 +33,24 @@
 
 namespace gib {
 
-/// How the mean radiance of an image stands to what is expected; `refused`: there must be no image.
+/// How the mean radiance of an image has to relate to the expected one. `refused`: the scene must give an error.
 enum class Relation { equal, at_most, black, refused };
 std::string_view name_of(Relation relation);
 
 struct HardCase {
-    std::string name;   ///< with the parameters that are swept: `glass eta=3`
-    std::string scene;  ///< path, as the program opens it
+    std::string name;   ///< with the swept parameters: `glass eta=3`
+    std::string scene;  ///< path of its file, as the program opens it
     std::map<std::string, std::string> parameters;
     Relation relation = Relation::equal;
     double expected = 0;   ///< [W/(sr m^2)] mean over pixels and channels
-    double at_least = 0;   ///< the same, beside `at_most`; 0: no bound
-    double accuracy = 0;   ///< of `expected`, relative: its formula's, and the rounding of the renderer's floats
-    std::string refusal;   ///< what the message of a refusal contains
+    double at_least = 0;   ///< lower bound beside `at_most` [W/(sr m^2)]; 0: none
+    double accuracy = 0;   ///< relative, of `expected`: error of its formula and of the renderer's rounding
+    std::string refusal;   ///< text that the message of a refusal has to contain
     std::string reason;    ///< why that is the answer
     std::uint32_t passes;  ///< samples a pixel
-    int seeds;             ///< images: 1 to this
+    int seeds;             ///< seeds 1 to this are rendered
     bool every_pixel;      ///< whether the answer holds for each pixel
-    std::map<std::string, std::string> without;  ///< part of a label: why it is not judged
+    std::map<std::string, std::string> without;  ///< part of a label -> why such methods are not judged
 };
 
 struct HardCases {
@@ -59,17 +59,18 @@ struct HardCases {
     double alpha = 0.01;
     double resolve = 0.05;
     std::vector<MethodLabel> methods;
-    std::map<std::string, Effects> leaves_out;  ///< part of a label: what methods may leave out
+    std::map<std::string, Effects> leaves_out;  ///< part of a label -> what such methods may leave out
     std::vector<HardCase> cases;
 
     /// The effects that this method may leave out.
     Effects may_leave_out(const MethodLabel& method) const;
 
-    /// What each verdict may be wrong with, so that all of them together are with `alpha` (Bonferroni).
+    /// The probability with which each verdict may be wrong, so that at least one of all verdicts is wrong with
+    /// probability at most `alpha` (Bonferroni).
     double tail() const { return alpha / static_cast<double>(cases.size() * methods.size()); }
 };
 
-/// Whether an experiment file is one of hard cases: it has [[case]] tables.
+/// Whether an experiment file holds hard cases, that is, has [[case]] tables.
 bool holds_hard_cases(const std::string& path);
 
 /// Throws InputError (`file:line:column: message`) as load_experiment() does.

@@ -57,7 +57,7 @@ public:
         remove_leftovers_in(folder_.path());
     }
 
-    /// Pairs side by side, each by one thread: their images are too small to be shared.
+    /// Judges the pairs in parallel, each on one thread, because their images are too small for several.
     void judge_all() {
         std::atomic<std::size_t> next = 0;
         std::vector<std::exception_ptr> errors(std::min(static_cast<std::size_t>(threads_), rows_.size()));
@@ -81,16 +81,20 @@ public:
                 throw RunError(fmt::format("cannot start {} threads: {}", errors.size(), error.what()));
             }
         }
-        // Ctrl-C reaches the children too, and may do so first: how they ended is then no verdict.
+        // Ctrl-C also reaches the children, possibly before this process. The way in which they ended
+        // is no verdict then.
         InterruptGuard::check();
         for (const auto& error : errors)
             if (error) std::rethrow_exception(error);
     }
 
-    /// Returns what is in table.md and whether all hold.
+    /// Writes the results, table.md also to `out` and the pairs that do not hold to stderr. Returns whether all hold.
     bool write_results(std::ostream& out) {
         write_file(folder_.file("hard_cases.csv"), hard_case_csv(rows_).text());
-        write_file(folder_.file("manifest.json"), manifest_text(index(), {options_.command_line, file_.path, {}, {}}));
+        write_file(folder_.file("manifest.json"), manifest_text(index(), {.command_line = options_.command_line,
+                                                                          .experiment_file = file_.path,
+                                                                          .resolution = {},
+                                                                          .cells = {}}));
         const std::string report = rebuild_hard_case_report(folder_.path());
         out << read_file(folder_.file("table.md")) << "\nReport: " << report << "\n";
         bool all_hold = true;
@@ -108,7 +112,7 @@ private:
     void add(const HardCase& hard, const std::string& method) {
         const bool selected =
             hard.name.find(options_.only) != std::string::npos || method.find(options_.only) != std::string::npos;
-        if (selected) rows_.push_back({hard, method, {}, {}});
+        if (selected) rows_.push_back({.hard = hard, .method = method, .images = {}, .verdict = {}});
     }
 
     void judge_row(std::size_t number) {
@@ -116,7 +120,7 @@ private:
         HardCaseRow& row = rows_[number];
         if (!row.method.empty())
             if (const auto why = exclusion(row.hard, MethodLabel::parse(row.method))) {
-                row.verdict = {Verdict::not_judged, std::nullopt, 0, *why};
+                row.verdict = {.verdict = Verdict::not_judged, .got = std::nullopt, .why = *why};
                 finished();
                 return;
             }
@@ -133,7 +137,7 @@ private:
         } catch (const ChildNotStarted&) {
             throw;
         } catch (const std::exception& error) {
-            row.verdict = {Verdict::fails, std::nullopt, 0, error.what()};
+            row.verdict = {.verdict = Verdict::fails, .got = std::nullopt, .why = error.what()};
         }
         finished();
     }

@@ -27,7 +27,7 @@ std::string set_text(const std::map<std::string, std::string>& parameters) {
     return text;
 }
 
-/// The lines of one case.
+/// All lines of one case.
 struct CaseLines {
     std::string name;
     std::vector<const HardCaseLine*> lines;
@@ -62,7 +62,7 @@ double number(const std::string& text) {
     return value;
 }
 
-/// "0.9983 ± 0.0021"; nothing where there is no image.
+/// Mean and half width as text, "0.9983 ± 0.0021"; empty if there is no image.
 std::string got_text(const HardCaseLine& line) {
     if (line.got.empty()) return "";
     const double half = (number(line.hi) - number(line.lo)) / 2;
@@ -147,7 +147,18 @@ HardCaseTable hard_case_table(const std::string& text, const std::string& file, 
         throw InputError({file}, "not a table of hard cases");
     HardCaseTable table{title, {}};
     for (const auto& r : csv.rows)
-        table.lines.push_back({r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11]});
+        table.lines.push_back({.name = r[0],
+                               .method = r[1],
+                               .expected = r[2],
+                               .got = r[3],
+                               .verdict = r[4],
+                               .lo = r[5],
+                               .hi = r[6],
+                               .relation = r[7],
+                               .reason = r[8],
+                               .why = r[9],
+                               .scene = r[10],
+                               .set = r[11]});
     return table;
 }
 
@@ -185,9 +196,9 @@ std::string hard_case_html(const HardCaseTable& table) {
         "Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width="
         "device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n"
         "<style>\n{1}</style>\n</head>\n<body>\n<header>\n<h1>{0}</h1>\n<p class=\"muted\">{2}.</p>\n</header>\n"
-        "<main>\n{3}<p class=\"muted\">A number is the mean radiance over pixels, channels and seeds; the half width "
-        "behind it is that of the interval which all verdicts together rest on. A verdict's reason stands in its "
-        "tooltip.</p>\n<div class=\"scroll\"><table>\n<thead><tr><th>case</th><th>expected</th>",
+        "<main>\n{3}<p class=\"muted\">A number is the mean radiance over pixels, channels and seeds, ± the half width "
+        "of the interval on which its verdict rests. The tooltip of a verdict gives the reason.</p>\n<div "
+        "class=\"scroll\"><table>\n<thead><tr><th>case</th><th>expected</th>",
         html_escape(table.title), report_style(), counts_text(table), bad_html(table));
     for (const auto& method : methods)
         html += fmt::format("<th>{}</th>", html_escape(method));

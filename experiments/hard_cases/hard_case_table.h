@@ -1,5 +1,5 @@
 #pragma once
-// What became of every hard case by every method: hard_cases.csv, table.md and report.html.
+// Makes hard_cases.csv, table.md and report.html from the verdicts on all pairs of hard case and method.
 
 #include "experiments/hard_cases/hard_case.h"
 #include "experiments/text/csv.h"
@@ -17,7 +17,7 @@ struct HardCaseRow {
     HardCaseVerdict verdict;
 };
 
-/// What the reports need of a row, as it stands in hard_cases.csv.
+/// The fields of a row of hard_cases.csv that the reports show, as text.
 struct HardCaseLine {
     std::string name, method, expected, got, verdict, lo, hi, relation, reason, why, scene, set;
 };
@@ -27,18 +27,21 @@ struct HardCaseTable {
     std::vector<HardCaseLine> lines;  ///< in the order of the file, methods innermost
 
     std::size_t count(Verdict verdict) const;
-    /// Whether there is nothing but cases that hold, and those that are not for a method.
+    /// Whether no case fails or is unresolved. Cases that are left out or not judged do not count.
     bool all_hold() const { return count(Verdict::fails) == 0 && count(Verdict::unresolved) == 0; }
 };
 
-/// Columns: case, method, expected, got, verdict, lo, hi, relation, reason, why, scene, set, passes, seeds, smallest,
-/// largest, not_finite, negative, seconds. `got` is the mean radiance, `lo` and `hi` its interval.
+/// The content of hard_cases.csv. Columns: case, method, expected, got, verdict, lo, hi, relation, reason, why,
+/// scene, set, passes, seeds, smallest, largest, not_finite, negative, seconds. `got` is the mean radiance [W/(sr
+/// m^2)], `lo` and `hi` are the ends of its interval.
 CsvTable hard_case_csv(const std::vector<HardCaseRow>& rows);
-/// From that file's text. Throws InputError at `file` where it is none.
+/// Reads the text of hard_cases.csv. Throws InputError at `file` if it is another table.
 HardCaseTable hard_case_table(const std::string& text, const std::string& file, const std::string& title);
 
-/// What does not hold first, then one line for each case: case, expected, reason, a column for each method.
+/// table.md: first the pairs that do not hold, then a row for each case with its expected answer, a column for each
+/// method and the reason for the answer.
 std::string hard_case_markdown(const HardCaseTable& table);
+/// report.html, with the same content.
 std::string hard_case_html(const HardCaseTable& table);
 
 }  // namespace gib

@@ -58,7 +58,11 @@ void measure_request(const CellRequest& request) {
     const MethodDescription& description = find_method(label.name);
     const ParameterValues values(all_parameters(description), label);
     const auto method = description.create(values, {loaded.max_edges});
-    const CellWork work{*loaded.scene, *method, request.seed, last_pass(values, loaded.sample_count), request.budget};
+    const CellWork work{.scene = *loaded.scene,
+                        .method = *method,
+                        .seed = request.seed,
+                        .spp = last_pass(values, loaded.sample_count),
+                        .budget = request.budget};
 
     auto said = clock::now();
     const auto sink = [&](const Checkpoint& checkpoint, const ComponentImages& image) {

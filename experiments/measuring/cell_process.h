@@ -1,10 +1,10 @@
 #pragma once
-// A timed cell in its own process, so that its peak memory is its own and its death ends nothing else.
+// Measures a cell in a process of its own, so that its peak memory is its own and a crash does not end the run.
 //
 // The parent writes request.json into the cell's work folder and starts the program with the internal subcommand
-// `measure-cell request.json`. The child loads the scene, measures, and leaves there `checkpoint-PASSES.exr` for each
-// checkpoint and, at the end, timing.json (whole or not at all). On its standard output it says `PASSES SECONDS` now
-// and then.
+// `measure-cell request.json`. The child loads the scene and measures the cell. Into the work folder it writes
+// `checkpoint-PASSES.exr` for each checkpoint and, at the end, timing.json, which is written whole or not at all. To
+// its standard output it prints its progress, `PASSES SECONDS`, at most five times a second.
 
 #include "experiments/measuring/measure.h"
 
@@ -20,7 +20,7 @@ namespace gib {
 struct CellRequest {
     std::string scene_path;
     std::optional<std::pair<int, int>> resolution;
-    std::string scene_hash;  ///< the scene must still be the one that the parent checked
+    std::string scene_hash;  ///< of the scene that the parent checked; the child accepts no other
     std::string method;      ///< label
     std::uint64_t seed = 1;
     Budget budget;
@@ -33,14 +33,16 @@ struct CellTiming {
     Measurement measurement;
 };
 
-/// The child's side: reads a request, measures, writes the results.
+/// Runs in the child: reads the request, measures the cell and writes the results. Throws InputError if the file is
+/// not a request, RunError if the scene has changed since the parent checked it.
 void measure_cell(const std::string& request_file);
 
-/// The parent's side: runs `program` and waits. Throws RunError with the child's message if it fails, Interrupted (and
-/// stops the child) on Ctrl-C.
+/// Runs in the parent: starts `program`, waits for it and reads its results. `observer` receives the
+/// child's progress. If the child fails, it throws RunError with the child's message; on Ctrl-C it stops
+/// the child and throws Interrupted.
 CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer = {});
 
-/// The image of a checkpoint, left by the child.
+/// The path of the image that the child writes for a checkpoint.
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes);
 
 }  // namespace gib

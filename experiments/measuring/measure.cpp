@@ -45,7 +45,11 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
     if (work_observer)
         stages.listen([&](std::string_view stage, double fraction) {
             const double prepared = result.prepare_seconds;
-            work_observer({preparing, passes, stage, fraction, start_watch.seconds() - prepared});
+            work_observer({.preparing = preparing,
+                           .passes = passes,
+                           .stage = stage,
+                           .fraction = fraction,
+                           .seconds = start_watch.seconds() - prepared});
         });
     const auto run = work.method.start(work.scene, work.seed, stages);
     double charged = start_watch.seconds();
@@ -63,10 +67,11 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         const bool ends =
             result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
         if (ends || is_checkpoint(passes)) {
-            // The peak is read before the image is taken, and starts again after it is stored: copies for the driver
-            // are not the method's memory.
+            // The peak is read before the image is taken and reset after the image is stored, because copies for the
+            // driver are not the method's memory.
             peak = std::max(peak, peak_rss_mib());
-            result.checkpoints.push_back({passes, charged, run->counts(), peak});
+            result.checkpoints.push_back(
+                {.passes = passes, .seconds = charged, .counts = run->counts(), .peak_rss_mib = peak});
             sink(result.checkpoints.back(), run->image());
             reset_peak_rss();
         }
@@ -84,12 +89,12 @@ std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample
 }
 
 void reset_peak_rss() {
-    // Where the kernel does not offer this, the peak goes on to include what storing the checkpoints took.
+    // If the kernel has no such file, the write fails and the peak includes what storing the checkpoints took.
     std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 double peak_rss_mib() {
-    // Not getrusage: after exec its ru_maxrss still holds the size of the process that forked.
+    // getrusage would not do: after exec, its ru_maxrss still holds the size of the process that forked.
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
         if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024.0;

@@ -1,6 +1,6 @@
 #pragma once
-// The driver's only rendering loop: one cell (a scene, a method, a seed), charged with the wall-clock time of `start`
-// and `advance` and of nothing else.
+// The only timed rendering loop: it measures one cell (a scene, a method, a seed) and charges it with the wall-clock
+// time of `start` and `advance` and with nothing else.
 
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"
@@ -16,57 +16,60 @@ namespace gib {
 
 /// A cell's state after some passes.
 struct Checkpoint {
-    std::uint32_t passes = 0;  ///< done so far; samples a pixel
-    double seconds = 0;        ///< charged so far, the preparation included
+    std::uint32_t passes = 0;  ///< done so far, which is the number of samples a pixel
+    double seconds = 0;        ///< [s] charged so far, including the preparation
     RunCounts counts;
-    double peak_rss_mib = 0;  ///< of this process so far [MiB]
+    double peak_rss_mib = 0;  ///< largest resident set of this process so far [MiB]
 };
 
 struct CellWork {
     const Scene& scene;
     const Method& method;
     std::uint64_t seed;
-    std::uint32_t spp;  ///< the last pass
+    std::uint32_t spp;  ///< passes to make at most
     Budget budget;
 };
 
 struct Measurement {
-    double prepare_seconds = 0;  ///< of `start`
+    double prepare_seconds = 0;  ///< wall-clock time of `start` [s]
     std::vector<Checkpoint> checkpoints;
-    std::vector<StageTimes::Stage> stages;  ///< the last is `other`: charged and not staged
+    std::vector<StageTimes::Stage> stages;  ///< the last one, `other`, is the charged time outside all stages
     bool converged = false;
-    std::vector<std::pair<std::string, std::string>> facts;  ///< what the run says of itself at the end
+    std::vector<std::pair<std::string, std::string>> facts;  ///< (name, value), see Run::facts()
 };
 
-/// Sees each checkpoint with its image; not charged.
+/// Receives each checkpoint with its image; its time is not charged.
 using CheckpointSink = std::function<void(const Checkpoint&, const ComponentImages&)>;
-/// Called after each pass; not charged. May throw to stop.
+/// Is called after each pass; its time is not charged. It may throw to stop the measurement.
 using PassObserver = std::function<void(std::uint32_t passes, double seconds)>;
 
-/// Work that goes on, in the preparation or in a pass.
+/// How far the preparation or the current pass has come.
 struct OngoingWork {
     bool preparing;
-    std::uint32_t passes;  ///< done before
+    std::uint32_t passes;  ///< completed so far
     std::string_view stage;
-    double fraction;  ///< of the stage
-    double seconds;   ///< since the preparation, or the first pass, began
+    double fraction;  ///< share of the stage that is done
+    double seconds;   ///< [s] since the preparation began; once it is done, since the first pass began
 };
-/// Told a few times a second, from any thread but never from two at once; charged, so it should be quick.
+/// Is called a few times a second, from any thread but never from two at once. It has to be quick:
+/// its time is charged.
 using WorkObserver = std::function<void(const OngoingWork&)>;
 
-/// 1, 2, 3, 4, 6, 8, 12, 16, 24, ...: two to the octave, the same in every replicate.
+/// Whether there is a checkpoint after this number of passes: 1, 2, 3, 4, 6, 8, 12, 16, 24, ..., that is, two in each
+/// octave and the same ones in every replicate.
 bool is_checkpoint(std::uint32_t passes);
 
-/// Runs until spp, the budget or convergence. At least one pass completes, and the last pass is a checkpoint.
+/// Runs passes until `spp`, the budget or convergence ends the cell. At least one pass completes, and the last pass
+/// is a checkpoint.
 Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
                     const WorkObserver& work_observer = {});
 
-/// The label's spp, else the scene's sample count, else 16.
+/// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
 
 /// The largest resident set of this process so far [MiB]; 0 if the system does not say.
 double peak_rss_mib();
-/// Starts the measurement of peak_rss_mib again from the memory in use now.
+/// Makes peak_rss_mib() start again from the memory in use now.
 void reset_peak_rss();
 
 }  // namespace gib

@@ -25,7 +25,7 @@ std::int64_t large_count_from_json(const json& j, const char* key, const std::st
                                    std::int64_t greatest) {
     const json& value = j.at(key);
     if (value.is_number_integer()) {
-        const auto number = value.get<double>();  // what no int64_t holds is compared, too
+        const auto number = value.get<double>();  // a double, because the number may exceed an int64_t
         if (number >= static_cast<double>(least) && number <= static_cast<double>(greatest)) return value;
     }
     throw InputError({path},

@@ -1,5 +1,5 @@
 #pragma once
-// Measurements as JSON, as a cell's process hands them over and as they are stored.
+// Converts measurements to JSON and back: a cell's process hands them over as JSON, and they are stored as JSON.
 
 #include "experiments/measuring/measure.h"
 
@@ -11,13 +11,13 @@
 
 namespace gib {
 
-/// JSON has no NaN: null stands for it, both ways.
+/// JSON has neither NaN nor infinity: values that are not finite are written as null, and null is read as NaN.
 nlohmann::json number_to_json(double value);
 double number_from_json(const nlohmann::json& j);
 
-/// The whole number j[key] of the file at `path`; throws InputError where it is not from least to greatest.
+/// The whole number j[key] of the file at `path`. Throws InputError unless it lies in [least, greatest].
 int count_from_json(const nlohmann::json& j, const char* key, const std::string& path, int least, int greatest);
-/// The same where the number is more than an int holds.
+/// Does the same as count_from_json() for numbers that an int cannot hold.
 std::int64_t large_count_from_json(const nlohmann::json& j, const char* key, const std::string& path,
                                    std::int64_t least, std::int64_t greatest);
 

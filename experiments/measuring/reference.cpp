@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/core/memory_limit.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/scene.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
@@ -19,20 +20,20 @@ namespace gib {
 
 namespace {
 
-/// A round longer than this would lose too much work to Ctrl-C and overshoot targets and time limits by too much [s].
+/// Longest round [s]: a longer one would overshoot targets and time limits, and Ctrl-C would lose too much work.
 constexpr double longest_round = 10;
-/// Rounds shorter than this are not worth a file each [s].
+/// Least time between two writes of the file [s]: short rounds are not worth a write each.
 constexpr double save_interval = 15;
-/// Above this share of the scatter in one group, the standard error is not to be trusted; Gaussian noise gives about
-/// 0.27.
+/// If one group carries more than this share of the scatter, the standard error is unreliable; Gaussian noise gives
+/// about 0.27 (dominance_of_one_group()).
 constexpr double heavy_tail_share = 0.5;
-/// No target is believed before each group has this many passes: rare bright paths that nobody has met yet make an
-/// error look small, and stopping at the first small value would choose exactly those moments.
+/// No target counts as met before each group has this many passes. While rare bright paths are still missing, the
+/// estimated error is too small; stopping at its first small value would favour exactly those moments.
 constexpr std::uint64_t fewest_passes = 8;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// One reference being made.
+/// Makes one reference.
 class Maker {
 public:
     Maker(const ReferenceWork& work, ProgressLine& progress)
@@ -63,9 +64,10 @@ public:
     }
 
 private:
-    /// In images of all components and the total, while the file is written: the groups, the reference with groups of
-    /// its own, the same as layers, and its bytes twice, since noise hardly compresses. A round takes less: a batch of
-    /// each group and two references.
+    /// Throws InputError unless memory can hold what is alive while the file is written. It is counted in images,
+    /// for each component and the total: the groups, the reference with its own copy of the groups, the same as
+    /// layers, and the file's bytes twice, because noise hardly compresses. A round takes less, a batch of each
+    /// group and two references.
     void require_memory_for_groups() const {
         const auto& sensor = work_.scene.scene->sensor();
         const double whole = reference_groups + 2;
@@ -85,7 +87,7 @@ private:
                     fmt::format("{}: written before references had digests, so damage to it would not be seen; "
                                 "remove it to have it made again",
                                 work_.path));
-        } catch (const std::exception& error) {  // of whatever kind: a damaged file can say anything
+        } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
             groups_ = ReferenceGroups();
@@ -115,7 +117,8 @@ private:
         return true;
     }
 
-    /// Passes that the target still needs, if it is one: the error falls with the root of the samples.
+    /// The number of passes that the target still needs; goal.target must be set. The error falls with the square
+    /// root of the number of passes.
     double passes_needed() const {
         const double ratio = result_.relative_error / *work_.goal.target;
         const auto done = static_cast<double>(groups_.passes);
@@ -124,7 +127,7 @@ private:
 
     std::uint32_t next_passes() const {
         if (groups_.passes == 0) return 1;
-        const double a_pass = groups_.seconds / static_cast<double>(groups_.passes);  // of all groups
+        const double a_pass = groups_.seconds / static_cast<double>(groups_.passes);  // seconds of all groups
         double passes = std::min(static_cast<double>(groups_.passes), longest_round / a_pass);
         if (work_.goal.target) passes = std::min(passes, 1.05 * passes_needed());
         if (work_.goal.seconds) passes = std::min(passes, (*work_.goal.seconds - groups_.seconds) / a_pass);
@@ -135,7 +138,7 @@ private:
         const double start = now();
         const std::uint32_t passes = next_passes();
         std::vector<ComponentImages> batches;
-        DroppedSamples dropped = groups_.dropped;  // of rounds that come to their end
+        DroppedSamples dropped = groups_.dropped;  // a copy: an interrupted round does not count
         for (int g = 0; g < reference_groups; ++g) {
             show(static_cast<double>(g) / reference_groups * passes);
             const std::uint32_t batch =
@@ -256,7 +259,7 @@ std::string reference_key(const std::string& content_hash, const MethodLabel& la
     hash.add("reference 1");
     hash.add(content_hash);
     hash.add(label.text());
-    hash.add(fmt::format("{}", glossy_roughness));  // decides which component a path belongs to
+    hash.add(fmt::format("{}", glossy_roughness));  // it decides which component a path belongs to
     return hash.hex();
 }
 

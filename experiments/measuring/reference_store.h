@@ -1,5 +1,5 @@
 #pragma once
-// The groups of a reference in memory and in its file: what is added up round by round.
+// Holds the groups of a reference, to which each round adds, and reads them from its file.
 
 #include "experiments/metrics/reference_image.h"
 
@@ -9,13 +9,13 @@
 
 namespace gib {
 
-/// Samples that were not finite.
+/// Samples that were dropped because they were not finite.
 struct DroppedSamples {
     std::uint64_t count = 0;
-    std::string first;  ///< its seed, pass and pixel
+    std::string first;  ///< seed, pass and pixel of the first one
 };
 
-/// The means of all groups so far, and how they came about.
+/// The mean image of each group so far, and the work that went into it.
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
@@ -24,13 +24,14 @@ public:
     DroppedSamples dropped;
     bool verified = true;  ///< false: read from a file without a digest
 
-    /// Adds a round: for each group the image of a batch of `batch_passes`. Throws RunError if the batches' components
-    /// differ.
+    /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if
+    /// the components of the batches differ.
     void add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes);
-    /// Mean and standard error of everything; without metadata.
+    /// The reference so far: mean, standard error and groups of the total and of every component, without metadata.
     Reference reference() const;
 
-    /// From a file that reference_metadata() describes. Throws InputError that says what is wrong with the file.
+    /// Reads the groups from a reference's file. Throws InputError, with the reason, if it is not the reference of
+    /// `key`, has another size, lacks layers or metadata, or holds values that are not finite.
     static ReferenceGroups read(const std::string& path, const std::string& key, int width, int height);
 
 private:

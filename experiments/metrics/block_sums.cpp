@@ -13,7 +13,8 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Replicates that the standard error comes from; that of a file without its groups is taken as one of gibench.
+/// The number of replicates that the standard error comes from. A file without groups is assumed to come from
+/// gibench, which uses `reference_groups` of them.
 double replicates_of(const ReferenceLayer& layer) {
     return layer.groups.size() > 1 ? static_cast<double>(layer.groups.size()) : reference_groups;
 }
@@ -21,8 +22,8 @@ double replicates_of(const ReferenceLayer& layer) {
 void add_pixel(BlockSide& side, const ReferenceLayer& layer, std::size_t i) {
     side.sum += static_cast<double>(layer.mean.rgb[i]);
     if (layer.standard_error) {
-        // The square of a variance that comes from m values is on average (m + 1) / (m - 1) times that of the true one,
-        // which the degrees of freedom need: v^2 / (m - 1) becomes v^2 / (m + 1).
+        // The spread needs the square of the true variance. The square of a variance that is estimated from m normal
+        // values is on average (m + 1) / (m - 1) times as large; so v^2 / (m - 1) becomes v^2 / (m + 1).
         const double v = sqr(static_cast<double>(layer.standard_error->rgb[i]));
         side.variance.add({v, sqr(v) / (replicates_of(layer) + 1)});
     }
@@ -31,14 +32,15 @@ void add_pixel(BlockSide& side, const ReferenceLayer& layer, std::size_t i) {
         side.groups[g] += static_cast<double>(layer.groups[g].rgb[i]);
 }
 
-/// Of the sum of these differences. The degrees of freedom of larger sums follow the fourth moment, as a few pixels may
-/// hold most of the variance; for normal noise they are n - 1.
+/// The variance of the sum of these differences, from their scatter. The degrees of freedom of sums over several
+/// blocks come from the fourth moment, because a few pixels may hold most of the variance; for normal noise they are
+/// n - 1.
 Variance scatter_of(const std::vector<double>& differences) {
     const auto n = static_cast<double>(differences.size());
     double mean = 0, second = 0, fourth = 0;
     for (const double d : differences)
         mean += d / n;
-    // One pixel does not scatter: nothing is known of its noise.
+    // One pixel has no scatter, so nothing is known of its noise.
     if (n < 2) return {mean == 0 ? 0 : infinite, 0};
     for (const double d : differences) {
         second += sqr(d - mean);
@@ -66,7 +68,8 @@ BlockSums sums_in_block(const ReferenceLayer& x, const ReferenceLayer& r, std::s
     if (x.standard_error && r.standard_error) {
         sums.difference = sums.x.variance;
         sums.difference.add(sums.r.variance);
-        // Estimates of it scatter when replicates are few; they are at most what equal variances have.
+        // Degrees of freedom that are estimated from few replicates are noisy. They are bounded by those that equal
+        // variances in all pixels would have.
         const double fewest = std::min(replicates_of(x), replicates_of(r)) - 1;
         sums.degrees = std::min(sums.difference.degrees(), fewest * sums.pixels);
     } else {

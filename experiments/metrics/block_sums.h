@@ -1,5 +1,6 @@
 #pragma once
-// One channel of two images, added up over blocks of pixels: radiance, and what is known of its noise.
+// Sums over blocks of pixels of one channel of two images x and r: the radiance, and the variance of its noise. The z
+// test (z_statistic.h) compares these sums.
 
 #include "experiments/metrics/reference_image.h"
 
@@ -8,46 +9,50 @@
 
 namespace gib {
 
-/// The variance of a sum, and how well it is known.
+/// The variance of a sum, and the uncertainty of that variance.
 struct Variance {
     double value = 0;
-    double spread = 0;  ///< value^2 / degrees of freedom, which adds up over independent sums; 0: known exactly
+    double spread = 0;  ///< value^2 / (degrees of freedom), additive over independent sums; 0: exactly known
 
-    double degrees() const;
+    double degrees() const;  ///< of freedom, by Welch and Satterthwaite; infinite if exactly known
     void add(const Variance& other);
-    /// Keeps the degrees of freedom; 1 if there was no variance.
+    /// Raises `value` to `least` if it is smaller. The degrees of freedom stay as they are, or become 1 if there was
+    /// no variance.
     void raise_to(double least);
 };
 
-/// One of the two images in a block.
+/// The sums of one of the two images over a block.
 struct BlockSide {
     double sum = 0;              ///< of the radiance [W/(sr m^2)]
-    Variance variance;           ///< of `sum` by the standard error, if pixels are independent
-    std::vector<double> groups;  ///< sums of the replicates
+    Variance variance;           ///< of `sum`, from the standard errors of the pixels, taken as independent
+    std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
 
     void add(const BlockSide& other);
-    /// The variance of the mean of `groups`, pixels independent or not; from 2 groups on.
+    /// The variance of the mean of `groups`, which also holds if pixels share noise. NaN with fewer than 2 groups.
     double scatter() const;
 };
 
+/// The sums of both images over a block.
 struct BlockSums {
     double pixels = 0;
     BlockSide x, r;
-    Variance difference;  ///< of x.sum - r.sum if pixels are independent
+    Variance difference;  ///< of x.sum - r.sum, with pixels taken as independent
     double degrees = 0;   ///< of freedom of `difference`
-    bool equal = true;    ///< in every pixel: images of independent noise never are
+    bool equal = true;    ///< x = r in every pixel, which images of independent noise never are
 
     void add(const BlockSums& other);
 };
 
-/// Cuts 0 ... size - 1 into parts as even as can be.
+/// Divides the indices 0 to size - 1 into `count` parts whose sizes differ by at most 1.
 struct Cuts {
     int size = 1, count = 1;
+    /// Parts of about `edge` indices: round(size / edge) of them, at least 1.
     static Cuts with_edge(int size, int edge);
     int begin(int part) const { return static_cast<int>(static_cast<long long>(part) * size / count); }
 };
 
-/// Blocks of pixels, or of smaller blocks; row by row, row 0 on top.
+/// Divides an image into blocks of pixels, or a grid of blocks into larger blocks. Blocks are counted row by row from
+/// the top.
 struct Grid {
     Cuts columns, rows;
 
@@ -59,7 +64,7 @@ struct Grid {
         return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count) +
                static_cast<std::size_t>(column);
     }
-    /// visit(x, y) for every cell of block i.
+    /// Calls visit(x, y) for every pixel, or every smaller block, in block i.
     template <typename Visit>
     void for_each_in(std::size_t i, const Visit& visit) const {
         for (int y = rows.begin(row(i)); y < rows.begin(row(i) + 1); ++y)
@@ -68,11 +73,12 @@ struct Grid {
     }
 };
 
-/// Without a standard error of both, the difference's variance is found from its scatter within the block.
+/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
+/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
 std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
                                       const Grid& grid);
 
-/// Sums over blocks of blocks.
+/// Adds up the blocks of `grid` within each block of `larger`.
 std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger);
 
 }  // namespace gib

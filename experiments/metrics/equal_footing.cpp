@@ -10,8 +10,8 @@ namespace gib {
 
 namespace {
 
-constexpr double tail = 0.01;
-constexpr double least_share = 0.01;  // of the total: components below it are measured against it
+constexpr double tail = 0.01;         // of both sides together: 99 % intervals
+constexpr double least_share = 0.01;  // of the total's energy: darker components are measured against this
 
 double mean_energy(const Image& image) {
     double sum = 0;
@@ -27,7 +27,8 @@ SampleMean mean_energies(const std::vector<Image>& images) {
     return sample_mean(energies);
 }
 
-/// Without groups, pixels and channels are taken as independent; without a standard error the reference is exact.
+/// The mean energy of the reference, with its variance from the scatter of the groups. Without groups, the errors of
+/// pixels and channels are taken as independent; without a standard error the reference counts as exact.
 SampleMean reference_energy(const ReferenceLayer& reference) {
     if (reference.groups.size() > 1) return mean_energies(reference.groups);
     SampleMean mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
@@ -39,9 +40,9 @@ SampleMean reference_energy(const ReferenceLayer& reference) {
 }
 
 FootingVerdict verdict_of(const Estimate& excess, double truth) {
-    // NaN: something in the image is not finite.
+    // The excess is NaN if the image has a value that is not finite.
     if (!std::isfinite(excess.value)) return FootingVerdict::differs;
-    // Both black, exactly: most often a component that the scene does not call for.
+    // Both are exactly black. Most often this is a component that the scene does not have.
     if (excess.value == 0 && truth == 0) return FootingVerdict::agrees;
     if (!excess.interval) return FootingVerdict::unresolved;
     const auto [lo, hi] = *excess.interval;

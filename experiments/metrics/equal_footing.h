@@ -1,6 +1,6 @@
 #pragma once
-// Do two methods stand on an equal footing: is there as much light in their images? A method that lacks or doubles a
-// class of light paths, or scales one, has another mean energy; noise and blur have not.
+// The test for equal footing: whether the images of a method hold as much light as the reference. A method that
+// lacks, doubles or scales a class of light paths changes the mean energy of its image; noise and blur do not.
 
 #include "experiments/metrics/statistics.h"
 #include "experiments/metrics/student_t.h"
@@ -13,33 +13,36 @@ namespace gib {
 
 enum class FootingVerdict {
     agrees,      ///< the whole interval lies within footing_tolerance
-    differs,     ///< the interval leaves out zero, and the difference is at least footing_least
+    differs,     ///< the interval excludes zero, and the difference is at least footing_least
     unresolved,  ///< too noisy, or too few seeds, to tell
 };
 
 std::string name_of(FootingVerdict verdict);
 
 inline constexpr double footing_tolerance = 0.01;  ///< of the mean energy
-/// Differences that are certain but smaller are not worth a warning: half the tolerance.
+/// Share of the mean energy, half the tolerance. A smaller difference is not worth a warning, even if it is certain.
 inline constexpr double footing_least = 0.005;
 
 /// The mean energy of one component of one method against the reference's.
 struct Footing {
-    SampleMean energy;  ///< the method's, over pixels and channels [radiance]; its variance is unknown from one image
-    double unit = 0;    ///< what differences are relative to
-    /// (mean of the method - mean of the reference) over pixels and channels, relative to the reference's mean of this
-    /// component, or of a hundredth of the total where that is more; with its 99 % interval (Welch's, over seeds and
-    /// the reference's groups), if there are two seeds or more.
+    /// Mean over the pixels and channels of the method's images [W/(sr m^2)]. One image gives no variance.
+    SampleMean energy;
+    double unit = 0;  ///< energy that differences are divided by [W/(sr m^2)]
+    /// (mean of the method - mean of the reference) / unit, over pixels and channels. The unit is the reference's
+    /// mean of this component, or a hundredth of its mean of the total image if that is more. With two seeds or more
+    /// there is a 99 % interval (Welch's, over the seeds and the reference's groups).
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::unresolved;
 
-    /// The same of two methods of one scene, where the reference cannot tell: (this - other) / unit.
+    /// Compares two methods of one scene with each other, where the reference is too noisy to judge them. The excess
+    /// is (energy - other.energy) / unit.
     Footing against(const Footing& other) const;
 };
 
-/// `replicates`: images of one component by independent seeds; `reference`: of the same component; `total`: the
-/// reference's total image. With 99 % intervals one in a hundred noisy cells is unlucky; a method that is wrong by the
-/// tolerance or more is passed as agreeing with a probability below 0.5 %. Empty if the reference is black.
+/// Compares `replicates`, images of one component from independent seeds, with the same component `reference`;
+/// `total` is the reference's total image. A 99 % interval misses the truth in one of a hundred comparisons. A method
+/// whose energy is wrong by the tolerance or more passes as agreeing with a probability below 0.5 %. Empty if the
+/// reference is black.
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total);
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t pixels_per_task = 4096;
 
-/// From linear RGB to XYZ over that of white (sRGB's primaries, D65): white is (1, 1, 1), as every row sums to 1.
+/// The matrix from linear RGB (sRGB primaries, D65) to XYZ relative to white. Every row sums to 1, so that white is
+/// (1, 1, 1).
 Eigen::Matrix3d xyz_of_rgb() {
     Eigen::Matrix3d m;
     m << 0.412386563, 0.357591491, 0.180450490,  //
@@ -26,8 +27,8 @@ Eigen::Matrix3d xyz_of_rgb() {
     return (m.array().colwise() / m.array().rowwise().sum()).matrix();
 }
 
-/// From XYZ over that of white to Y, X - Y, Y - Z: YCxCz without its factors and its offset, which linear filters whose
-/// weights sum to 1 leave alone.
+/// The matrix from XYZ relative to white to (Y, X - Y, Y - Z). These are YCxCz without its factors and its offset,
+/// which commute with linear filters whose weights sum to 1.
 Eigen::Matrix3d opponent_of_xyz() {
     Eigen::Matrix3d m;
     m << 0, 1, 0,  //
@@ -53,25 +54,28 @@ OpponentImage opponent_image(const Image& image) {
     return result;
 }
 
-/// The curve of CIELab's lightness; its straight part ends at (6 / 29)^3.
+/// The nonlinear curve of CIELab, which is linear below t = (6 / 29)^3.
 float lightness_curve(float t) {
     constexpr float delta = 6.f / 29.f;
     return t > delta * delta * delta ? std::cbrt(t) : t / (3 * sqr(delta)) + 4.f / 29.f;
 }
 
-/// CIELab of XYZ over that of white, its colour weaker where it is dark, as Hunt found.
+/// CIELab from XYZ relative to white. a* and b* are scaled by L* / 100, because colours look less saturated in the
+/// dark (the Hunt effect).
 Vec3 hunt_lab(const Vec3& xyz) {
     const float x = lightness_curve(xyz[0]), y = lightness_curve(xyz[1]), z = lightness_curve(xyz[2]);
     const float lightness = 116 * y - 16;
     return {lightness, 0.01f * lightness * 500 * (x - y), 0.01f * lightness * 200 * (y - z)};
 }
 
-/// Distance of large colour differences: lightness and chroma apart.
+/// The HyAB distance, which suits large colour differences: it
+/// adds the distance in lightness and the distance in chroma.
 float hyab(const Vec3& a, const Vec3& b) {
     return std::abs(a[0] - b[0]) + std::sqrt(sqr(a[1] - b[1]) + sqr(a[2] - b[2]));
 }
 
-/// What the eye sees of an image's colours, in Hunt's version of CIELab.
+/// The colours that the eye resolves: the image filtered with the contrast sensitivity of each channel, in CIELab
+/// with the Hunt effect.
 std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degree) {
     const Plane y = contrast_filtered(image.achromatic, OpponentChannel::achromatic, pixels_per_degree);
     const Plane xy = contrast_filtered(image.red_green, OpponentChannel::red_green, pixels_per_degree);
@@ -82,7 +86,7 @@ std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degr
     std::vector<Vec3> colors(y.values.size());
     parallel_blocks(colors.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {
-            // Filtering may leave what a screen can show.
+            // Filtered colours may lie outside of the range of a screen.
             const Vec3 rgb = to_rgb * Vec3(y.values[i], xy.values[i], yz.values[i]);
             colors[i] = hunt_lab(from_rgb * rgb.cwiseMax(0.f).cwiseMin(1.f));
         }
@@ -90,7 +94,8 @@ std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degr
     return colors;
 }
 
-/// Compresses large colour differences: q_c, p_c and p_t of the paper.
+/// Maps a compressed colour difference to [0, 1]. `exponent`, `share` and `knee_error` are q_c, p_c and p_t of
+/// Andersson et al. 2020.
 class ColorError {
 public:
     float operator()(float distance) const {
@@ -102,7 +107,7 @@ public:
 
 private:
     static constexpr float exponent = 0.7f, share = 0.4f, knee_error = 0.95f;
-    /// That of green and blue, the largest of a screen.
+    /// The compressed difference of green and blue, the largest that a screen can show.
     float largest_ = std::pow(hyab(hunt_lab(xyz_of_rgb().col(1).cast<float>()),  //
                                    hunt_lab(xyz_of_rgb().col(2).cast<float>())),
                               exponent);
@@ -120,7 +125,7 @@ void require_comparable(const Image& test, const Image& reference, double pixels
             if (!std::isfinite(v)) throw InputError("FLIP is undefined for images with values that are not finite");
 }
 
-/// What is left to do for images that are known to be comparable.
+/// LDR-FLIP of images that passed require_comparable().
 FlipMap flip_of(const Image& test, const Image& reference, double pixels_per_degree) {
     const OpponentImage a = opponent_image(test), b = opponent_image(reference);
     const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
@@ -141,7 +146,8 @@ FlipMap flip_of(const Image& test, const Image& reference, double pixels_per_deg
     return map;
 }
 
-/// filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5): Narkowicz's fit to ACES, its exposure of 0.6 multiplied in.
+/// Coefficients of filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5), Narkowicz's fit to ACES; its exposure of 0.6
+/// is multiplied into them.
 constexpr double k0 = 0.6 * 0.6 * 2.51, k1 = 0.6 * 0.03, k3 = 0.6 * 0.6 * 2.43, k4 = 0.6 * 0.59, k5 = 0.14;
 
 /// The x >= 0 with filmic(x) = y, for y in [0, 1].
@@ -160,7 +166,8 @@ Image displayed(const Image& image, double exposure) {
     return result;
 }
 
-/// Mean of the two in the middle where their number is even. Reorders the values, at least one.
+/// The median; for an even number of values, the mean of the two
+/// in the middle. Reorders the values, which may not be empty.
 double median_of(std::vector<float>& values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());

@@ -26,13 +26,13 @@ void for_rows(int height, const std::function<void(int)>& body) {
 
 int radius_of(const Kernel& kernel) { return static_cast<int>(kernel.size() / 2); }
 
-/// sum += weight * values, over a row.
+/// Adds weight * values to a row of sums.
 void add_row(float* sum, const float* values, float weight, int width) {
     for (int x = 0; x < width; ++x)
         sum[x] += weight * values[x];
 }
 
-/// One term a sqrt(pi / b) exp(-(pi x)^2 / b) of a contrast sensitivity, x in degrees.
+/// One term a sqrt(pi / b) exp(-(pi x)^2 / b) of a contrast sensitivity filter, with x in degrees.
 struct SensitivityTerm {
     double a, b;
 };
@@ -63,7 +63,7 @@ double sum_of(const std::vector<double>& values, const std::function<bool(double
 bool is_positive(double v) { return v > 0; }
 bool is_negative(double v) { return v < 0; }
 
-/// Positive weights sum to 1, negative ones to -1.
+/// Scales the weights so that the positive ones sum to 1 and the negative ones to -1.
 Kernel normalised(const std::vector<double>& weights) {
     const double positive = sum_of(weights, is_positive), negative = -sum_of(weights, is_negative);
     Kernel kernel;
@@ -72,7 +72,7 @@ Kernel normalised(const std::vector<double>& weights) {
     return kernel;
 }
 
-/// Without outer weights that are too small to change a float sum.
+/// Removes outer weights that are too small to change a sum of floats.
 Kernel trimmed(Kernel kernel) {
     constexpr float negligible = 1e-9f;
     while (kernel.size() > 1 && kernel.front() < negligible && kernel.back() < negligible) {
@@ -117,7 +117,7 @@ Plane filtered_along_columns(const Plane& plane, const Kernel& kernel) {
 }
 
 std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels_per_degree) {
-    // Three standard deviations of the widest Gaussian, for all of them.
+    // The radius of all terms is three standard deviations of the widest Gaussian.
     const int radius =
         static_cast<int>(std::ceil(3 * std::sqrt(largest_b / (2 * sqr(std::numbers::pi))) * pixels_per_degree));
     std::vector<GaussianTerm> terms;
@@ -126,7 +126,7 @@ std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels
         if (a == 0) continue;
         const auto weights = samples_of(
             radius, [&, b = b](double x) { return std::exp(-sqr(std::numbers::pi * x / pixels_per_degree) / b); });
-        // Over the square of pixels a Gaussian sums to the square of its sum over a line.
+        // The sum of a two-dimensional Gaussian over the square of pixels is the square of its sum over a line.
         const double sum = a * std::sqrt(std::numbers::pi / b) * sqr(sum_of(weights, is_positive));
         terms.push_back({static_cast<float>(sum), trimmed(normalised(weights))});
         all += sum;
@@ -151,7 +151,7 @@ Features detected_features(const Plane& luminance, double pixels_per_degree) {
     const double deviation = 0.5 * feature_width * pixels_per_degree;
     const int radius = static_cast<int>(std::ceil(3 * deviation));
     const auto gaussian = [&](double x) { return std::exp(-sqr(x / deviation) / 2); };
-    // Each derivative is one along one axis and the Gaussian along the other.
+    // Each filter is a derivative along one axis and the Gaussian along the other.
     const Kernel smooth = normalised(samples_of(radius, gaussian));
     const Kernel first = normalised(samples_of(radius, [&](double x) { return -x * gaussian(x); }));
     const Kernel second =

@@ -1,5 +1,6 @@
 #pragma once
-// The filters of FLIP: what the eye resolves of each colour channel, and where it sees edges and points.
+// The filters of FLIP: the contrast sensitivity of the eye in
+// each colour channel, and the detection of edges and points.
 // Source: Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images", sections 4.1.1 and 4.2.
 
 #include <vector>
@@ -16,10 +17,10 @@ struct Plane {
     float* row(int y) { return values.data() + static_cast<std::ptrdiff_t>(y) * width; }
 };
 
-/// Weights at the offsets -radius to radius, 2 radius + 1 of them.
+/// The 2 radius + 1 weights at the offsets -radius to radius [pixels].
 using Kernel = std::vector<float>;
 
-/// Both repeat the image's outermost pixels beyond its borders.
+/// Both functions repeat the outermost pixels of the image beyond its borders.
 Plane filtered_along_rows(const Plane& plane, const Kernel& kernel);
 Plane filtered_along_columns(const Plane& plane, const Kernel& kernel);
 
@@ -32,18 +33,18 @@ struct GaussianTerm {
     Kernel kernel;
 };
 
-/// The contrast sensitivity of a channel as a filter: a sum of Gaussians, shares sum to 1. `pixels_per_degree`: of
-/// visual angle, >= 1.
+/// The contrast sensitivity of a channel as a filter: a sum of Gaussians whose shares sum to 1. `pixels_per_degree`
+/// counts the pixels per degree of visual angle and is at least 1.
 std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels_per_degree);
 Plane contrast_filtered(const Plane& plane, OpponentChannel channel, double pixels_per_degree);
 
-/// How strong edges and points are, >= 0: the lengths of the first and of the second derivatives along both axes.
+/// The strength of edges and points, >= 0: the magnitudes of the first and of the second derivatives along both axes.
 struct Features {
     Plane edges, points;
 };
 
-/// The derivatives of a Gaussian whose standard deviation is half of 0.082 degrees, positive and negative weights
-/// summing to 1 and to -1. `luminance` is relative to white.
+/// Filters with the derivatives of a Gaussian whose standard deviation is half of 0.082 degrees. Their positive
+/// weights sum to 1, their negative weights to -1. `luminance` is relative to white.
 Features detected_features(const Plane& luminance, double pixels_per_degree);
 
 }  // namespace gib

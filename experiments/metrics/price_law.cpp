@@ -9,18 +9,19 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t least_points = 4;  // three unknowns, and one to see whether they fit
+constexpr std::size_t least_points = 4;  // three unknowns, and one more point to test the fit
 constexpr double least_slope = 0.1, largest_slope = 4;
-constexpr double end_span = 4;  // in time: half the error, if it falls as noise does
-/// Of the last squared error. Rounding leaves 2^-53 of it, times the condition of the fit, where there is no floor:
-/// four points over a fourfold time have a condition of 376 at the least slope, points over which the law falls by no
-/// more than `least_fall` one near 1e5. That is 1e-11; and a floor of 1e-6 is 0.1 % of the last error.
+constexpr double end_span = 4;  // factor of time, over which noise falls to half its error
+/// A fitted floor below this share of the last squared error counts as none. Where there is no floor, rounding leaves
+/// one of 2^-53 times the condition of the fit. This condition is 376 for four points over a fourfold time at the
+/// least slope, and near 1e5 for points over which the law falls by no more than `least_fall`, so that rounding
+/// leaves a share of 1e-11 at most. A floor of 1e-6 of the squared error is 0.1 % of the error.
 constexpr double least_floor = 1e-6;
-constexpr double least_fall = 0.01;  // of the squared error over the measured span
+constexpr double least_fall = 0.01;  // share by which the squared error has to fall over the measured span
 
 using Curve = std::vector<ErrorPoint>;
 
-/// The mean of the runs, without the run `left_out`, up to where it is no longer above what the reference resolves.
+/// The mean of the runs without the run `left_out`. It ends before the first point that is not above the noise floor.
 Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double noise_floor) {
     std::size_t count = runs.front().size();
     for (const Curve& run : runs)
@@ -45,8 +46,9 @@ struct Fit {
     double residual = 0;  ///< sum over the points of (law / error2 - 1)^2
 };
 
-/// Floor and factor for a given slope: min sum (1 - F a_i - c b_i)^2 with a_i = 1 / e_i, b_i = u_i / e_i, F >= 0, c >=
-/// 0. `unit`: times are divided by it, for the condition of the problem.
+/// The floor F and the factor c for a given slope. They minimise sum_i (1 - F a_i - c b_i)^2 with F >= 0 and c >= 0,
+/// where a_i = 1 / e_i and b_i = u_i / e_i for the squared error e_i at the time t_i, and where u_i is (t_i -
+/// start)^-slope. Times are divided by `unit` [s] so that the problem is well conditioned.
 Fit fit_linear_part(const Curve& curve, double start, double slope, double unit, bool with_floor) {
     double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
     for (const auto& p : curve) {
@@ -58,13 +60,14 @@ Fit fit_linear_part(const Curve& curve, double start, double slope, double unit,
     double factor = determinant > 0 ? (b * aa - a * ab) / determinant : 0;
     if (!with_floor || !(floor > least_floor * curve.back().error2)) floor = 0, factor = b / bb;
     if (with_floor && !(factor > 0)) floor = a / aa, factor = 0;
-    Fit fit{{floor, factor * std::pow(unit, slope), slope, start}, 0};
+    Fit fit{{.floor = floor, .factor = factor * std::pow(unit, slope), .slope = slope, .start = start}, 0};
     for (const auto& p : curve)
         fit.residual += sqr(fit.law.error2(p.seconds) / p.error2 - 1);
     return fit;
 }
 
-/// The smallest residual over the slopes: a grid, then a golden section around its best.
+/// The fit whose slope has the smallest residual, by a search over a grid of slopes and then a golden-section search
+/// around the best of them.
 std::optional<Fit> fit_law(const Curve& curve, double start, bool with_floor = true) {
     if (curve.size() < least_points || !(curve.front().seconds > start)) return std::nullopt;
     const double unit = std::sqrt((curve.front().seconds - start) * (curve.back().seconds - start));
@@ -83,19 +86,19 @@ std::optional<Fit> fit_law(const Curve& curve, double start, bool with_floor = t
         (at(left).residual < at(right).residual ? hi : lo) = at(left).residual < at(right).residual ? right : left;
     }
     const Fit fit = at((lo + hi) / 2);
-    // A law that hardly falls over what was measured has a slope of nothing.
+    // If the law hardly falls over the measured span, its slope is not determined.
     const bool falls = fit.law.error2(curve.back().seconds) < (1 - least_fall) * fit.law.error2(curve.front().seconds);
     return falls ? std::optional(fit) : std::nullopt;
 }
 
-/// By which factor the time after `seconds` grows for half the error. The charged time, preparation included.
+/// The factor by which the charged time, preparation included, grows from `seconds` on for half the error.
 std::optional<double> halving_factor(const ErrorLaw& law, double seconds) {
     const auto half = law.seconds_to(law.error2(seconds) / 4);
     return half ? std::optional(*half / seconds) : std::nullopt;
 }
 
-/// The slope of log(error2) against log(t - start) over the last `end_span` of a curve: between its last point and the
-/// last one that is at least so much earlier, or the first.
+/// The slope at which log(error2) falls with log(t - start) at the end of a curve: between its last point and the
+/// latest point whose t - start is smaller by the factor `end_span` or more, or the first point if there is none.
 double end_slope(const Curve& curve, double start) {
     const ErrorPoint& end = curve.back();
     std::size_t i = curve.size() - 1;
@@ -104,8 +107,8 @@ double end_slope(const Curve& curve, double start) {
     return std::log(curve[i].error2 / end.error2) / std::log((end.seconds - start) / (curve[i].seconds - start));
 }
 
-/// Floors, slopes and the logarithms of halving factors of the fits without each run in turn. A list is empty where one
-/// of the fits has no such value.
+/// The floors, slopes and logarithms of halving factors of the fits that leave out one run in turn. A list is empty
+/// if one of the fits lacks its value.
 struct WithoutOne {
     std::vector<double> floors, slopes, end_slopes, log_halvings;
 };
@@ -127,7 +130,7 @@ WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double
     return result;
 }
 
-/// Without its next halving where only a lower bound of that is known.
+/// Removes the next halving if only a lower bound of it is known.
 PriceLaw with_known_halving(PriceLaw price) {
     const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
     if (!time || time->at_least) price.next_halving.reset();

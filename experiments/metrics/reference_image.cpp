@@ -11,14 +11,15 @@ namespace gib {
 namespace {
 
 constexpr const char* digest_key = "digest";
-/// What a top-up adds up of a file, its pixels and these. The last is there only if it is not 0.
+/// The digest of what is needed to add samples to the reference later: the pixels and these metadata. `not_finite`
+/// exists only if it is not 0.
 std::string digest_of(const LayeredImage& file) {
     std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
     if (file.metadata.count("not_finite") > 0) keys.emplace_back("not_finite");
     return image_digest(file, keys);
 }
 
-constexpr const char* unresolved_key = "unresolved";  // names of components, separated by ';'
+constexpr const char* unresolved_key = "unresolved";  // its value lists names of components, separated by ';'
 
 std::string joined(const std::string& name, const std::string& what) { return name.empty() ? what : name + "_" + what; }
 

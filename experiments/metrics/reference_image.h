@@ -1,5 +1,5 @@
 #pragma once
-// A reference: an image whose own error is known.
+// A reference is an image whose own error is known.
 
 #include "common/images/image.h"
 #include "common/images/image_file.h"
@@ -11,10 +11,10 @@
 
 namespace gib {
 
-/// The number of groups of independently seeded batches that a reference's standard error comes from.
+/// The standard error of a reference comes from this many groups of independently seeded batches.
 inline constexpr int reference_groups = 16;
 
-/// One quantity of a reference, the total or a component. Units of radiance.
+/// One image of a reference, the total or a component [W/(sr m^2)].
 struct ReferenceLayer {
     Image mean;
     std::optional<Image> standard_error;  ///< of the mean, per pixel and channel
@@ -24,7 +24,7 @@ struct ReferenceLayer {
 struct Reference {
     ReferenceLayer total;
     std::array<std::optional<ReferenceLayer>, component_count> components;
-    std::vector<Component> unresolved;  ///< with paths that the reference's method cannot sample
+    std::vector<Component> unresolved;  ///< those with paths that the reference's method cannot sample
     std::map<std::string, std::string> metadata;
 
     const std::optional<ReferenceLayer>& operator[](Component c) const {
@@ -32,20 +32,25 @@ struct Reference {
     }
 };
 
-/// From a file with or without standard errors (any renderer's image will do). Layers: R,G,B; NAME; stderr;
-/// NAME_stderr; group00, NAME_group00 and so on. Throws InputError.
+/// Reads a file with or without standard errors; an image of any renderer is accepted. The layers are R,G,B; NAME;
+/// stderr; NAME_stderr; group00, NAME_group00 and so on. Throws InputError, also if the file has a digest and its
+/// content does not match it.
 Reference read_reference(const std::string& path);
-/// With its groups, metadata and a digest of what matters of them, which read_reference() checks: a file that was
-/// damaged or edited since is refused there. Throws RunError.
+/// Writes an EXR file with the groups, the metadata, and a digest of the pixels and of the metadata that are needed
+/// to add samples later. read_reference() checks the digest, so that it refuses a file that was damaged or edited.
+/// Throws RunError.
 void write_reference(const std::string& path, const Reference& reference);
-/// Whether it was read from a file with a digest; those of earlier versions have none.
+/// Whether the reference was read from a file with a digest. A file without one is accepted unchecked.
 bool is_verified(const Reference& reference);
-/// The same of a file that is read already, unchecked.
+/// Takes the reference from a file that is already in memory, without a check of its digest. Errors name `path`.
+/// Throws InputError if there are no channels R,G,B.
 Reference reference_in(const LayeredImage& file, const std::string& path);
-/// `with_groups` keeps the groups too, which the interval of a bias needs.
+/// The layers of the file that write_reference() writes. `with_groups` includes the groups, which the interval of a
+/// bias needs.
 LayeredImage layers_of(const Reference& reference, bool with_groups);
 
-/// From the groups' means (all of the same number of samples): their mean, and their scatter / sqrt(groups).
+/// Makes a layer from the means of groups, which all have the same number of samples: their mean, and as its standard
+/// error their standard deviation / sqrt(groups). Throws std::invalid_argument without groups.
 ReferenceLayer layer_of_groups(std::vector<Image> groups);
 
 /// sqrt(mean over pixels and channels of stderr^2 / (r^2 + epsilon)); 0 without a standard error.

@@ -27,7 +27,7 @@ bool all_finite(const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-/// Reorders the values.
+/// The median; for an even number of values, the mean of the two in the middle. Reorders the values.
 double median_of(std::vector<double>& values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -52,7 +52,7 @@ RobustError robust_error(const std::vector<Image>& replicates, const Image& refe
         result.median += median_of(errors);
         const auto first_worst = errors.begin() + static_cast<std::ptrdiff_t>(kept);
         std::nth_element(errors.begin(), first_worst, errors.end());
-        // Not their sum less that of the worst, which would cancel.
+        // The errors that are kept are added up directly, because the total less the worst would cancel.
         const double left = std::accumulate(errors.begin(), first_worst, 0.0);
         const double outliers = std::accumulate(first_worst, errors.end(), 0.0);
         result.trimmed += kept > 0 ? left / static_cast<double>(kept) : nan;

@@ -1,6 +1,6 @@
 #pragma once
-// Relative squared errors that a few pixels cannot decide, beside the plain mean: one firefly of 1e8 in a million
-// pixels makes rel_mse 1e10 and says nothing of the others.
+// Relative squared errors that do not depend on a few very wrong pixels, for use beside the plain mean rel_mse. One
+// firefly of 1e8 in a million pixels makes rel_mse 1e10, which says nothing about the other pixels.
 
 #include "experiments/metrics/reference_image.h"
 
@@ -10,25 +10,27 @@
 
 namespace gib {
 
-/// The pixels that are left out: the worst one in so many, at least one. Of normal noise they hold about a hundredth of
-/// the error: E[z^2; z^2 > 10.83] = 0.013, or less where the channels' noise is independent.
+/// The trimmed mean leaves out one pixel in this many, the worst, and at least
+/// one. With normal noise these pixels hold about a hundredth of the error, E[z^2;
+/// z^2 > 10.83] = 0.013, or less if the noise of the channels is independent.
 inline constexpr std::size_t pixels_per_outlier = 1000;
-/// From this share on, the mean says more about them than about the image.
+/// If the worst pixels hold this share of rel_mse or more, rel_mse says more about them than about the image.
 inline constexpr double outlier_share_to_flag = 0.5;
 
-/// Of each pixel's error, the mean over the channels of (x - r)^2 / (r_total^2 + epsilon). Not a number if an image has
-/// a value that is not finite.
+/// Statistics of the errors of pixels. The error of a pixel is the mean of (x - r)^2 / (r_total^2 + epsilon) over its
+/// channels. All three are NaN if an image has a value that is not finite.
 struct RobustError {
-    double median;   ///< over the pixels (of two in the middle their mean), mean over the replicates
-    double trimmed;  ///< mean over the pixels but the worst, ceil(pixels / 1000) of each replicate; NaN of one pixel
-    double share;    ///< of those worst pixels in rel_mse, all replicates together, in [0, 1]; NaN where rel_mse is 0
+    double median;   ///< median over the pixels, mean over the replicates
+    double trimmed;  ///< mean without the worst ceil(pixels / 1000) pixels of each replicate; NaN for one pixel
+    double share;    ///< part of all replicates' rel_mse that those worst pixels hold, in [0, 1]; NaN if rel_mse is 0
 };
 
-/// All of the size of `reference`; at least one replicate with a pixel or more. Throws std::invalid_argument.
+/// All images have the size of `reference`, with one pixel or more, and there is at least one replicate. Throws
+/// std::invalid_argument otherwise.
 RobustError robust_error(const std::vector<Image>& replicates, const Image& reference, const Image& r_total,
                          double epsilon);
 
-/// Whether few pixels hold most of the error, and there are others.
+/// Whether the worst pixels hold `outlier_share_to_flag` of the error or more, and there are other pixels.
 inline bool is_decided_by_outliers(const RobustError& error) {
     return !std::isnan(error.trimmed) && !std::isnan(error.share) && error.share >= outlier_share_to_flag;
 }

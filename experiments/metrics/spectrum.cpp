@@ -17,8 +17,8 @@ namespace {
 
 using Field = std::vector<double>;  // one value a pixel, row 0 on top
 
-constexpr double pooling_sigma = 8;     // [pixels] of the Gaussian that the variance is pooled with
-constexpr double edge_contrast = 0.25;  // [-] relative change over an edge from which a pixel is masked
+constexpr double pooling_sigma = 8;     // [pixels], of the Gaussian over which the variance is pooled
+constexpr double edge_contrast = 0.25;  // [-] pixels with a larger relative change of brightness are masked
 constexpr double low_frequency = 0.1;   // [cycles per pixel]
 
 struct Size {
@@ -39,12 +39,12 @@ Field channel_mean(const Image& image) {
     return mean;
 }
 
-/// The half of a spectrum that FFTW computes of a real field: height x (width / 2 + 1).
+/// The half of the spectrum of a real field that FFTW computes: height x (width / 2 + 1) values.
 using Spectrum = std::vector<std::complex<double>>;
 
 std::size_t spectrum_points(Size size) { return size.height * (size.width / 2 + 1); }
 
-/// Planning is the one part of FFTW that threads may not share.
+/// Guards the planner of FFTW, which is its only part that is not thread-safe.
 std::mutex& planning() {
     static std::mutex mutex;
     return mutex;
@@ -81,7 +81,8 @@ Field inverse(Spectrum spectrum, Size size) {
     return field;
 }
 
-/// The periodic Hann window, 1/2 - 1/2 cos(2 pi (x + 1/2) / n): shifted so that both sides of an image count the same.
+/// The periodic Hann window, 1/2 - 1/2 cos(2 pi (x + 1/2) / n). It is shifted by half a pixel so that both sides of
+/// an image have equal weights.
 std::vector<double> hann(std::size_t n) {
     std::vector<double> window(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -98,7 +99,7 @@ Field hann_window(Size size) {
     return window;
 }
 
-/// sum_x w(x) w(x + lag) / sum_x w(x)^2 for lags 0 to n - 1.
+/// The correlation of the Hann window w with itself, sum_x w(x) w(x + lag) / sum_x w(x)^2, for the lags 0 to n - 1.
 std::vector<double> hann_correlation(std::size_t n) {
     const std::vector<double> window = hann(n);
     std::vector<double> correlation(n);
@@ -118,8 +119,8 @@ double sum_of_squares(const Field& field) {
     return sum;
 }
 
-/// sum_p f(p) f(p + lag), summed over fields, for all lags of an image: 2 width x 2 height, negative lags wrapped
-/// around.
+/// The autocorrelation sum_p f(p) f(p + lag), summed over fields, for all lags of an image. The result has 2 width x
+/// 2 height values, in which negative lags are wrapped around.
 Field autocorrelation(const std::vector<Field>& fields, Size size) {
     const Size padded{2 * size.width, 2 * size.height};  // so that no lag wraps onto another
     Spectrum power(spectrum_points(padded));
@@ -134,7 +135,8 @@ Field autocorrelation(const std::vector<Field>& fields, Size size) {
     return inverse(std::move(power), padded);
 }
 
-/// Blurs the rows of a field with the Gaussian of the pooling, zero outside, and transposes it.
+/// Blurs the rows of a field, which counts as zero outside of the image, with the pooling Gaussian, and transposes
+/// the result.
 Field blurred_transposed(const Field& field, Size size) {
     constexpr auto reach = static_cast<std::ptrdiff_t>(4 * pooling_sigma);
     std::vector<double> kernel;
@@ -159,8 +161,9 @@ Field blurred(const Field& field, Size size) {
     return blurred_transposed(blurred_transposed(field, size), {size.height, size.width});
 }
 
-/// 0 where the brightness changes by more than `edge_contrast` from one side of a pixel to the other (Sobel's operator,
-/// which averages three pixels along the edge, so that a reference's own noise does not pass for edges), else 1.
+/// A mask that is 0 where the brightness changes by more than the share `edge_contrast` from one side of a pixel to
+/// the other, and 1 elsewhere. Sobel's operator averages three pixels along the edge, so that the reference's own
+/// noise is not taken for an edge.
 Field away_from_edges(const Image& reference) {
     const Size size = size_of(reference);
     Field brightness(size.pixels()), mask(size.pixels());
@@ -187,13 +190,13 @@ Field away_from_edges(const Image& reference) {
     return mask;
 }
 
-/// The replicates' noise, of variance 1 in every pixel that the mask keeps and 0 elsewhere.
+/// The noise of the replicates, scaled to variance 1 in every pixel that the mask keeps; it is 0 elsewhere.
 struct WhitenedNoise {
     std::vector<Field> replicates;
     Field mask;
 };
 
-/// The channels are averaged first: then every pixel has variance 1 whatever the correlation of its channels.
+/// The channels are averaged first, so that every pixel has variance 1 however its channels are correlated.
 WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& reference) {
     const Size size = size_of(reference);
     const auto n = static_cast<double>(images.size());
@@ -206,15 +209,16 @@ WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& refe
         for (const Field& x : noise.replicates)
             mean += x[p] / n;
         for (Field& x : noise.replicates) {
-            // Deviations from the mean of n have (n - 1) / n of the noise's variance.
+            // The factor makes the variance unbiased: deviations from the mean of n values have only (n - 1) / n of
+            // the variance.
             x[p] = (x[p] - mean) * std::sqrt(n / (n - 1));
             variance[p] += sqr(x[p]) / n;
         }
-        // What rounding of the files' floats makes is no scatter.
+        // So small a variance comes from rounding to the floats of the files, not from noise.
         if (!(variance[p] > sqr(mean * 0x1p-22))) noise.mask[p] = 0;
         variance[p] *= noise.mask[p];
     }
-    // The blurred mask normalises: a pixel beside a masked region pools fewer pixels, not zeros.
+    // Division by the blurred mask normalises: a pixel beside a masked area pools fewer pixels instead of zeros.
     const Field pooled = blurred(variance, size), weight = blurred(noise.mask, size);
     for (Field& x : noise.replicates)
         for (std::size_t p = 0; p < size.pixels(); ++p)
@@ -222,7 +226,8 @@ WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& refe
     return noise;
 }
 
-/// Calls visit(frequency [cycles per pixel], index, multiplicity) for each stored point of a half spectrum.
+/// Calls visit(frequency [cycles per pixel], index, multiplicity) for each stored point of a half spectrum. The
+/// multiplicity is 2 where the mirrored point is not stored.
 template <class Visit>
 void for_each_frequency(Size size, const Visit& visit) {
     const std::size_t columns = size.width / 2 + 1;
@@ -235,14 +240,14 @@ void for_each_frequency(Size size, const Visit& visit) {
         }
 }
 
-/// Means over rings one frequency step wide; DC is a ring of its own.
+/// The means over rings that are one frequency step wide; DC is a ring of its own.
 std::vector<SpectrumPoint> radial(const Field& power, Size size) {
     const auto steps = static_cast<double>(std::min(size.width, size.height));
     std::vector<SpectrumPoint> rings(static_cast<std::size_t>(std::sqrt(0.5) * steps) + 2, SpectrumPoint{0, 0});
     std::vector<double> counts(rings.size(), 0);
     for_each_frequency(size, [&](double frequency, std::size_t i, double multiplicity) {
         auto ring = static_cast<std::size_t>(std::lround(frequency * steps));
-        if (ring == 0 && frequency > 0) ring = 1;  // of an image that is not square
+        if (ring == 0 && frequency > 0) ring = 1;  // occurs only if the image is not square
         rings[ring].frequency += multiplicity * frequency;
         rings[ring].power += multiplicity * power[i];
         counts[ring] += multiplicity;
@@ -264,7 +269,7 @@ Image mean_of(const std::vector<Image>& images, std::size_t begin, std::size_t e
     return mean;
 }
 
-/// Channel mean of (mean of replicates - mean of groups) over one half of each.
+/// The bias, mean of replicates - mean of groups, from one half of each and averaged over the channels.
 Field half_bias(const std::vector<Image>& replicates, const std::vector<Image>& groups, bool second) {
     const auto part = [second](const std::vector<Image>& images) {
         const std::size_t half = images.size() / 2;
@@ -277,25 +282,28 @@ Field half_bias(const std::vector<Image>& replicates, const std::vector<Image>& 
     return bias;
 }
 
-/// The power spectrum of stationary noise that is seen through a mask, white noise = 1, at the frequencies of an image.
+/// The power spectrum of stationary noise that is known only in the pixels of a mask, at the frequencies of an image.
+/// White noise has power 1.
 ///
-/// Masked pixels and a window on the image would broaden the spectrum of smooth noise (its centroid by 15 % where a
-/// disc of a fifth of the width is masked) and the window would waste most pixels. Both are avoided by going through
-/// the correlation function: sum z(p) z(p + lag) over the pairs of pixels kept, divided by their number, is unbiased
-/// whatever the mask. Times the correlation of the Hann window with itself, its transform has the same expectation as
-/// the periodogram of an unmasked image under that window. The same idea as MASTER (Hivon et al. 2002, ApJ 567) for
-/// maps of the sky. The mean of an image is not taken off: noise has mean zero by construction, and power would be lost
+/// A transform of the masked and windowed image would broaden the spectrum of smooth noise (its centroid by 15 %
+/// where a disc of a fifth of the width is masked), and the window would waste most pixels. The correlation function
+/// avoids both. The sum of z(p) z(p + lag) over the pairs of pixels kept, divided by the number of pairs, is unbiased
+/// for any mask. Times the correlation of the Hann window with itself, its transform has the same expectation as the
+/// periodogram of an unmasked image under that window. MASTER (Hivon et al. 2002, ApJ 567) does the same for maps of
+/// the sky. The mean of an image is not subtracted: the noise has mean zero by construction, and power would be lost
 /// around DC.
 Field power_through_mask(const std::vector<Field>& noise, const Field& mask, Size size) {
-    // Lags of which the mask leaves less than this part of what the window weights them with are damped: few pairs.
+    // A lag is damped if it has few pairs: fewer than this share
+    // of its weight by the window, times the pairs of lag 0.
     constexpr double least_share = 0.1;
     const Field products = autocorrelation(noise, size), pairs = autocorrelation({mask}, size);
     const std::vector<double> across = hann_correlation(size.width), down = hann_correlation(size.height);
-    const double variance = products[0] / pairs[0];  // the sum over the replicates, as all of products is
-    Field folded(size.pixels());  // a lag and that lag less the width have the same phase at the image's frequencies
+    const double variance = products[0] / pairs[0];  // summed over the replicates, like `products`
+    // Lags that differ by the width or the height have the same phase at the frequencies of the image.
+    Field folded(size.pixels());
     for (std::size_t y = 0; y < 2 * size.height; ++y)
         for (std::size_t x = 0; x < 2 * size.width; ++x) {
-            if (x == size.width || y == size.height) continue;  // lag of the whole width: no pair
+            if (x == size.width || y == size.height) continue;  // no pair has this lag
             const std::size_t lag_x = std::min(x, 2 * size.width - x), lag_y = std::min(y, 2 * size.height - y);
             const std::size_t i = y * 2 * size.width + x;
             const double weight = across[lag_x] * down[lag_y];
@@ -352,7 +360,8 @@ std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, c
     };
     const Spectrum first = windowed(false), second = windowed(true);
     Field power(first.size());
-    // The halves share no noise, so that only the bias is left in the mean of the product; it may be negative.
+    // The halves share no noise, so that the expectation of the product is the power of the bias alone. An estimate
+    // may be negative.
     for (std::size_t i = 0; i < power.size(); ++i)
         power[i] = std::real(first[i] * std::conj(second[i])) / white;
     return radial(power, size);

@@ -1,5 +1,5 @@
 #pragma once
-// At which spatial frequencies the error of a method lies.
+// The spatial frequencies at which the error of a method lies: radial power spectra of its noise and of its bias.
 
 #include "experiments/metrics/statistics.h"
 
@@ -9,22 +9,25 @@
 namespace gib {
 
 struct SpectrumPoint {
-    double frequency;  ///< [cycles per pixel], the ring's mean
-    double power;      ///< white noise of unit variance = 1 (noise); [radiance^2] with the same scaling (bias)
+    double frequency;  ///< [cycles per pixel], mean over the ring
+    double power;      ///< of noise: 1 for white noise of variance 1; of bias: [radiance^2] with the same scaling
 };
 
 struct NoiseSpectrum {
-    std::vector<SpectrumPoint> curve;  ///< radial, 0 to sqrt(1/2)
-    double centroid;   ///< [cycles per pixel], over the two-dimensional spectrum without DC; white: 0.3826
-    double low_ratio;  ///< share of the power below 0.1 cycles per pixel as a multiple of white noise's
+    std::vector<SpectrumPoint> curve;  ///< radial means, from frequency 0 to sqrt(1/2)
+    /// Mean frequency of the two-dimensional spectrum without DC [cycles per pixel]; white noise has 0.3826.
+    double centroid;
+    /// Share of the power that lies below 0.1 cycles per pixel, over the share that white noise has there.
+    double low_ratio;
 };
 
-/// Of the replicates' scatter around their mean, channels averaged, scaled to variance 1. Empty with fewer than 3
-/// replicates, or where nothing scatters.
+/// The spectrum of the replicates' deviations from their mean, which are averaged over the channels and scaled to
+/// variance 1 in every pixel. Empty with fewer than 3 replicates or without noise. Throws InputError if sizes differ.
 std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates, const Image& reference);
 
-/// Real part of the cross-spectrum of two independent halves of (mean of replicates - reference). Empty without two
-/// replicates and two groups of the reference.
+/// The real part of the cross-spectrum of two independent estimates of the bias, (mean of replicates - reference),
+/// each from half of the replicates and half of the groups. Empty without two replicates and two groups of the
+/// reference. Throws InputError if sizes differ.
 std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, const ReferenceLayer& reference);
 
 }  // namespace gib

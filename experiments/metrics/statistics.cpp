@@ -1,15 +1,20 @@
-// Notation: n replicates x_i, a reference R = r + h whose m groups are G_g, D = pixels x 3, <a, b> = sum(a b) / D.
-// Everything below needs only the inner products of the x_i - R and the G_g - R, one pass over the images.
+// Bias and variance of a method from its replicates, and their intervals.
 //
-// bias2 is the two-sample U-statistic mean_{i != j} <x_i - R, x_j - R> - mean(stderr^2): leaving out i = j is what
-// subtracting the sampling variance s^2 / n amounts to. Its variance, by Hoeffding's decomposition, is the sum of
+// Notation: n replicates x_i; a reference R = r + h with noise h, whose m groups are G_g; D = pixels x 3;
+// <a, b> = sum(a b) / D. Everything below needs only the inner products of the x_i - R and the G_g - R, which take
+// one pass over the images.
+//
+// bias2 is the two-sample U-statistic mean_{i != j} <x_i - R, x_j - R> - mean(stderr^2). Leaving out i = j is
+// equivalent to subtracting the sampling variance s^2 / n. The variance of bias2, by Hoeffding's decomposition, is
+// the sum of
 //     4/n Var<b, e_i>  +  2/(n(n-1)) Var<e_i, e_j>      b the bias, e_i the noise of a replicate
 //   + 4/m Var<b, h_g>  +  2/(m(m-1)) Var<h_g, h_h>      h_g the noise of a group of the reference
 //   + 4/(nm) Var<e_i, h_g>
-// The delete-one jackknife counts the terms of second order twice or more (Efron and Stein 1981), and these are all
-// there is when the bias is near zero. So both orders are estimated, without assuming a law for the noise: the inner
-// products of different images are a diallel table (Griffing 1956, method 4), whose main effects give the first order
-// and whose residuals give the second. Seeds and groups add up with the degrees of freedom of Welch and Satterthwaite.
+// The delete-one jackknife counts the terms of second order twice or more (Efron and Stein 1981), and these are the
+// only terms when the bias is near zero. So both orders are estimated, without assuming a distribution of the noise.
+// The inner products of different images form a diallel table (Griffing 1956, method 4): its main effects give the
+// first order, its residuals the second. The variances from the seeds and from the groups are added, with the degrees
+// of freedom of Welch and Satterthwaite.
 #include "experiments/metrics/statistics.h"
 
 #include "common/core/error.h"
@@ -33,8 +38,8 @@ Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
     return {value, Interval{value - half, value + half}};
 }
 
-/// For positive statistics: symmetric in the logarithm, so that the interval stays positive and the skewness of a
-/// variance from few replicates is followed.
+/// The estimate of a positive statistic. The interval is symmetric in the logarithm, so that it stays positive and
+/// follows the skewness of a variance from few replicates.
 Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms) {
     if (value == 0) return {0, Interval{0, 0}};
     const double half = half_width(terms, interval_tail) / value;
@@ -47,10 +52,11 @@ Estimate square_root(const Estimate& e) {
     return {std::sqrt(e.value), Interval{std::sqrt(e.interval->lo), std::sqrt(e.interval->hi)}};
 }
 
-/// Small symmetric tables of inner products.
+/// A small table of inner products.
 using Table = Eigen::ArrayXXd;
 
-/// Of a table, a row or a column. (Eigen's own reductions make GCC 12 warn about its AVX-512 headers.)
+/// The mean of a table, a row or a column. Eigen's own reductions are not used, because they make GCC 12 warn about
+/// its AVX-512 headers.
 double mean_of(const Eigen::Ref<const Table, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>& values) {
     double sum = 0;
     for (Eigen::Index j = 0; j < values.cols(); ++j)
@@ -63,7 +69,7 @@ double mean_of(const Eigen::Ref<const Table, 0, Eigen::Stride<Eigen::Dynamic, Ei
 /// 4/n s1^2 + 2/(n(n-1)) s2^2, with s1^2 the variance of the table's main effects and s2^2 that of its residuals.
 struct PairMean {
     double value = 0;
-    std::vector<double> effects;  ///< Griffing's method 4, unbiased
+    std::vector<double> effects;  ///< main effects, unbiased, by Griffing's method 4
     double effects_square = 0;    ///< mean square, expectation (n-2) s1^2 + s2^2, n - 1 degrees of freedom
     double residual_square = 0;   ///< mean square, expectation s2^2, n(n-3)/2 degrees of freedom; from 4 images on
 };
@@ -92,14 +98,15 @@ PairMean pair_mean(const Table& k) {
     return result;
 }
 
-/// The delete-one jackknife: 4/n s1^2 + 4/(n(n-2)) s2^2, with the term of second order at least twice what it is.
+/// The variance by the delete-one jackknife. Its expectation is 4/n s1^2 + 4/(n(n-2)) s2^2, in which the term of
+/// second order is more than twice the true one.
 VarianceTerm pair_jackknife(const PairMean& pairs, double n) {
     return {4 / (n * (n - 2)) * pairs.effects_square, n - 1};
 }
 
-/// Two or three images leave no residuals; then the table's diagonal helps. The variance of the linearised statistic,
-/// 4/(n(n-1)) sum_i (mean_j k_ij - mean)^2, is exact for two and has 1.33 times the term of second order for three,
-/// where the noise's sums are normal (many pixels).
+/// The variance of a pair mean of two or three images. Their table has no residuals, so its diagonal is used too. The
+/// variance of the linearised statistic, 4/(n(n-1)) sum_i (mean_j k_ij - mean)^2, is exact for two images if the sums
+/// of their noise are normal (many pixels); for three it has 1.33 times the term of second order.
 VarianceTerm linearised(const Table& k) {
     const auto n = static_cast<double>(k.rows());
     double sum = 0;
@@ -108,10 +115,11 @@ VarianceTerm linearised(const Table& k) {
     return {4 / (n * (n - 1)) * sum, n - 1};
 }
 
-/// The variance of a pair mean whose first order may vanish. Unbiased would be to subtract 2/((n-1)(n-2))
-/// residual_square from the jackknife; the difference of two noisy squares then covers 91 % where both orders matter.
-/// Half of that, and never less than what all squares together say if there is no first order, covers 93 to 98 % at
-/// every ratio of the two, for n >= 4.
+/// The variance of a pair mean whose first order may vanish. Subtracting 2/((n-1)(n-2))
+/// residual_square from the jackknife would make it unbiased, but 95 % intervals from this
+/// difference of two noisy squares cover only 91 % where both orders matter. So half of that is
+/// subtracted, and the result is at least the variance that all squares together give if there is
+/// no first order. For n >= 4, intervals then cover 93 to 98 % at every ratio of the two orders.
 VarianceTerm pair_variance(const Table& k) {
     if (k.rows() < 4) return linearised(k);
     const auto n = static_cast<double>(k.rows());
@@ -125,7 +133,7 @@ VarianceTerm pair_variance(const Table& k) {
     return {least, n - 1 + residual_degrees};
 }
 
-/// Weights of the relative error, 1 / (r_total^2 + epsilon), or 1.
+/// The weights of errors: 1 / (r_total^2 + epsilon) for relative errors, 1 without `r_total`.
 struct Weights {
     const Image* r_total = nullptr;
     double epsilon = 0;
@@ -134,8 +142,9 @@ struct Weights {
     }
 };
 
-/// The weighted inner products <a_i - R, a_j - R>, a running over the replicates, then over the reference's groups. The
-/// sums are taken in blocks of fixed size in a fixed order, so that the number of threads changes nothing.
+/// The weighted inner products <a_i - R, a_j - R>, where the a_i are the replicates and, after them, the groups of
+/// the reference. The sums are taken in blocks of fixed size in a fixed order, so that the result does not depend on
+/// the number of threads.
 Table inner_products(const std::vector<const Image*>& images, const Image& origin, const Weights& weights) {
     constexpr std::size_t block = 65536;
     const auto count = static_cast<Eigen::Index>(images.size());
@@ -149,7 +158,8 @@ Table inner_products(const std::vector<const Image*>& images, const Image& origi
             const double w = weights(i), zero = static_cast<double>(origin.rgb[i]);
             for (Eigen::Index k = 0; k < count; ++k)
                 differences[k] = static_cast<double>(images[static_cast<std::size_t>(k)]->rgb[i]) - zero;
-            // The lower triangle, column by column: element-wise, so that it vectorises without reordering a sum.
+            // The lower triangle is added column by column. These operations are element-wise, so that they vectorise
+            // without reordering a sum.
             for (Eigen::Index k = 0; k < count; ++k)
                 sum.col(k).tail(count - k) += (w * differences[k]) * differences.tail(count - k);
         }
@@ -163,8 +173,8 @@ Table inner_products(const std::vector<const Image*>& images, const Image& origi
     return total;
 }
 
-/// The part of the variance that comes from a reference with a standard error but no groups: the pixels' errors are
-/// taken as independent, which they are for a path tracer with a box filter.
+/// The part of the variance that comes from a reference with a standard error but no groups. The errors of its pixels
+/// are taken as independent, which holds for a path tracer with a box filter.
 struct PlainReference {
     double variance = 0;        ///< weighted mean of stderr^2
     double bias2_variance = 0;  ///< (4 <d^2, stderr^2> + 2 <stderr^2, stderr^2>) / D with d = mean of x - R
@@ -187,7 +197,7 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
     return result;
 }
 
-/// What the estimates are made of: the inner products of one weighting, split by kind.
+/// The inner products for one choice of weights, from which all estimates are made.
 struct Moments {
     Table seeds;                 ///< n x n, <x_i - R, x_j - R>
     Table groups;                ///< m x m, <mean x - G_g, mean x - G_h>; empty without groups
@@ -195,7 +205,8 @@ struct Moments {
     PlainReference reference;
 };
 
-/// The mean square of what is left of an n x m table without its rows' and columns' means.
+/// The mean square of the interactions in an n x m table, which
+/// remain after the means of its rows and columns are subtracted.
 double interaction_square(const Table& table) {
     Eigen::ArrayXd rows(table.rows()), columns(table.cols());
     for (Eigen::Index i = 0; i < table.rows(); ++i)
@@ -238,9 +249,10 @@ Moments moments(const std::vector<Image>& replicates, const ReferenceLayer& refe
     return result;
 }
 
-/// What the reference adds to the variance of bias2 and of mse, beyond what the scatter of the seeds holds already.
+/// The variance that the reference adds to bias2 and to mse,
+/// without the part that the scatter of the seeds already contains.
 VarianceTerm reference_term(const Moments& of) {
-    // Without groups there is no scatter that degrees of freedom could come from.
+    // Without groups there is no scatter from which degrees of freedom could come; they count as infinite.
     if (of.groups.rows() == 0) return {of.reference.bias2_variance, std::numeric_limits<double>::infinity()};
     VarianceTerm term = pair_variance(of.groups);
     term.variance = std::max(0.0, term.variance - of.shared_variance);
@@ -251,19 +263,20 @@ Estimate bias2_of(const Moments& of) {
     return estimate(pair_mean(of.seeds).value - of.reference.variance, {pair_variance(of.seeds), reference_term(of)});
 }
 
-/// The variance of one replicate is the mean of |x_i - x_j|^2 / 2 over pairs. Its first order never vanishes, so that
-/// the plain jackknife will do.
+/// The variance of one replicate, which is the mean of |x_i - x_j|^2 / 2 over pairs. Its term of first order never
+/// vanishes, so that the plain jackknife is accurate enough.
 Estimate variance_of(const Table& seeds) {
     Table halves = -seeds;
     halves.colwise() += 0.5 * seeds.matrix().diagonal().array();
     halves.rowwise() += 0.5 * seeds.matrix().diagonal().array().transpose();
     const PairMean pairs = pair_mean(halves);
-    // Two replicates have one pair: no scatter to make an interval from.
+    // Two replicates form one pair, which has no scatter for an interval.
     if (seeds.rows() < 3) return {pairs.value, std::nullopt};
     return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))});
 }
 
-/// The interval is that of the plain formula, whose expectation contains the reference's variance.
+/// The mean squared error over the replicates. The interval belongs to the plain formula, whose expectation contains
+/// the reference's variance.
 Estimate mse_of(const Moments& of) {
     const auto n = static_cast<double>(of.seeds.rows());
     const Eigen::ArrayXd each = of.seeds.matrix().diagonal();
@@ -317,8 +330,11 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const Im
         rel_variance += w * error2_of_r;
     }
     const auto size = static_cast<double>(x.rgb.size());
-    return {mse / size, std::sqrt(mse / size), rel_mse / size, (mse - variance) / size,
-            (rel_mse - rel_variance) / size};
+    return {.mse = mse / size,
+            .rmse = std::sqrt(mse / size),
+            .rel_mse = rel_mse / size,
+            .mse_corrected = (mse - variance) / size,
+            .rel_mse_corrected = (rel_mse - rel_variance) / size};
 }
 
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
@@ -330,7 +346,7 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
         require_same_size(group, reference.mean);
     require_same_size(r_total, reference.mean);
 
-    // Statistics of images that are not finite are not finite either.
+    // Images with values that are not finite may give statistics that are not finite; this is not an error.
     const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
     const Moments plain = moments(replicates, reference, {});
     const Moments relative = moments(replicates, reference, {&r_total, epsilon});
@@ -339,7 +355,7 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     result.mse = mse_of(plain);
     result.rmse = square_root(result.mse);
     result.rel_mse = mse_of(relative);
-    // Where the error is below what the reference resolves there is no number to give.
+    // The difference is negative where the reference's own variance exceeds the error; then there is no root.
     const double corrected = result.mse.value - plain.reference.variance;
     result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
     result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance;
@@ -353,7 +369,8 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
 
 double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
     const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
-    // The term of second order alone: there is no bias whose product with the reference's noise could scatter.
+    // Only the term of second order counts: an exact image has no bias whose product with the noise of the reference
+    // could scatter.
     const auto m = static_cast<double>(noise.groups.rows());
     const double variance =
         m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
@@ -362,12 +379,12 @@ double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, dou
 
 namespace {
 
-/// The log of the time at which a curve first is at or below the target; NaN if it never is.
+/// The logarithm of the time [s] at which a curve is first at or below the target; NaN if it never is.
 double log_crossing(const std::vector<CurvePoint>& curve, double target) {
     for (std::size_t i = 0; i < curve.size(); ++i) {
         const CurvePoint& b = curve[i];
         if (std::isnan(b.error) || b.error > target) continue;
-        // Where there is nothing to interpolate from, the checkpoint itself is the first time known to be enough.
+        // Without an earlier point to interpolate from, this checkpoint is the first time that is known to be enough.
         if (i == 0 || !std::isfinite(curve[i - 1].error) || curve[i - 1].error <= target || !(b.error > 0) ||
             !(curve[i - 1].seconds > 0))
             return std::log(b.seconds);

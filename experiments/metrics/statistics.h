@@ -1,5 +1,6 @@
 #pragma once
-// Errors of images against a reference, and of replicates: bias and variance apart, with intervals.
+// Errors of images against a reference. Several replicates of
+// a method give its bias and its variance, with intervals.
 
 #include "experiments/metrics/reference_image.h"
 
@@ -8,7 +9,7 @@
 
 namespace gib {
 
-/// The plain formulas: means over pixels and channels. x: the image, r: the reference.
+/// Errors by the plain formulas, each a mean over pixels and channels. x is the image and r the reference.
 struct ImageError {
     double mse;                               ///< (x - r)^2
     double rmse;                              ///< sqrt(mse)
@@ -16,8 +17,8 @@ struct ImageError {
     double mse_corrected, rel_mse_corrected;  ///< with the reference's own variance subtracted; may be negative
 };
 
-/// `r_total` is the reference's total image: the denominator, also of a component. Non-finite values of x spread to the
-/// result.
+/// `r_total` is the reference's total image, which is also the denominator for a component. A value of x that is not
+/// finite makes the result not finite. Throws InputError if sizes differ.
 ImageError image_error(const Image& x, const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
 struct Interval {
@@ -30,42 +31,46 @@ struct Estimate {
     std::optional<Interval> interval;
 };
 
-/// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), Student's t with n - 1
-/// degrees of freedom. `without`: its values without each of the n >= 2 runs in turn.
+/// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), by Student's t with n - 1
+/// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn.
 Estimate jackknife(double value, const std::vector<double>& without);
 
-/// What several independently seeded images of one method say about it.
+/// The errors of one method, from several independently seeded images.
 struct ReplicateStatistics {
     int seeds;
     Estimate mse, rmse, rel_mse;  ///< mse and rel_mse: means over the replicates; rmse = sqrt(mse)
-    /// With the reference's own variance subtracted. rmse_corrected is NaN where the error is below what the reference
-    /// resolves; rel_mse_corrected is unclipped.
+    /// With the reference's own variance subtracted. rmse_corrected is NaN where that variance exceeds the error;
+    /// rel_mse_corrected is unclipped.
     double rmse_corrected, rel_mse_corrected;
     std::optional<Estimate> bias2;     ///< from 2 seeds on: mean of (E x - r)^2, unbiased, unclipped
-    std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of ONE replicate
-    /// As bias2, of the relative error: rel_mse_corrected less this is the variance's part of it.
+    std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of a replicate
+    /// The same as bias2 for the relative error; rel_mse_corrected - rel_bias2 is the part of the variance.
     std::optional<Estimate> rel_bias2;
 };
 
-/// Without a reference's standard error, mse = bias2 + variance. Intervals come from the scatter of the seeds and of
-/// the reference's groups (statistics.cpp has the derivation); that of `variance` needs 3 seeds; those of mse, rmse and
-/// rel_mse are of the plain formulas, whose expectation contains the reference's variance. NaN in a replicate gives NaN
-/// and no interval.
+/// Without a standard error of the reference, mse = bias2 + variance. Intervals come from the scatter of the seeds
+/// and of the reference's groups (statistics.cpp has the derivation). The interval of `variance` needs 3 seeds. The
+/// intervals of mse, rmse and rel_mse belong to the plain formulas, whose expectation contains the reference's
+/// variance. A NaN in a replicate gives NaN and no interval. Throws InputError if sizes differ.
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Image& r_total, double epsilon);
 
-/// The relative squared error below which a reference resolves nothing: what an image without any error seems to have,
-/// its own variance subtracted, in one of forty references as noisy as this one (1.96 standard errors of the mean of
-/// the squared noise, from the scatter of its groups; noise that is correlated over many pixels exceeds it twice as
-/// often). Without groups, pixels and channels are taken as independent; 0 without a standard error.
+/// The noise floor of a reference: the relative squared error that is lost in the reference's own noise. For an exact
+/// image, one in forty references as noisy as this one shows a larger error after its own variance is subtracted. The
+/// floor is 1.96 standard errors of the mean of the squared noise, from the scatter of the groups; noise that is
+/// correlated over many pixels exceeds it twice as often. Without groups, the errors of pixels and channels are taken
+/// as independent. 0 without a standard error.
 double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
-/// Where each replicate's falling error-against-time curve crosses `target`, interpolated between its checkpoints in
-/// log(time) and log(error): the mean over replicates in log(time). Empty if fewer than all reach it. A curve whose
-/// first checkpoint is good enough counts with that checkpoint's time, an upper bound: nothing is extrapolated.
+/// A checkpoint of a curve of error against time.
 struct CurvePoint {
     double seconds, error;
 };
+
+/// The time [s] at which the error of a replicate first falls to `target`, as the mean over replicates in log(time).
+/// Between checkpoints, a curve is interpolated in log(time) and log(error). A curve whose first checkpoint is good
+/// enough counts with that checkpoint's time, an upper bound, because nothing is extrapolated. Empty unless all
+/// replicates reach the target.
 std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target);
 
 }  // namespace gib

@@ -9,8 +9,8 @@ namespace gib {
 
 namespace {
 
-// The continued fraction of the incomplete beta function, DLMF 8.17.22, evaluated with the modified Lentz method. It
-// converges quickly for x < (a + 1) / (a + b + 2).
+// The continued fraction of the incomplete beta function, DLMF 8.17.22, evaluated with the modified Lentz method. The
+// fraction converges quickly for x < (a + 1) / (a + b + 2).
 double beta_fraction(double a, double b, double x) {
     constexpr double tiny = 1e-300;
     const auto away_from_zero = [](double v) { return std::abs(v) < tiny ? tiny : v; };
@@ -41,9 +41,10 @@ double incomplete_beta(double a, double b, double x) {
 
 }  // namespace
 
-// Abramowitz and Stegun 26.7.1 with 26.5.27.
+// Source: Abramowitz and Stegun, 26.7.1 with 26.5.27.
 double student_t_tail(double t, double degrees) {
-    // Beyond this the difference from the normal law is below the promised error, and lgamma loses digits.
+    // Beyond 1e7 degrees of freedom the difference from the normal distribution is below the promised error, and
+    // lgamma loses digits.
     if (degrees > 1e7) return std::erfc(t / std::sqrt(2.0));
     return incomplete_beta(degrees / 2, 0.5, degrees / (degrees + t * t));
 }
@@ -74,7 +75,8 @@ double half_width(const std::vector<VarianceTerm>& terms, double tail) {
     for (const auto& term : terms)
         sum += term.variance;
     if (sum == 0 || !std::isfinite(sum)) return sum;
-    // Shares of the sum: squares of variances are the eighth power of a difference of images, and leave double's range.
+    // Variances are divided by the sum before they are squared. The square of a variance is the eighth power of a
+    // difference of images, which may leave the range of double.
     for (const auto& term : terms)
         spread += sqr(term.variance / sum) / term.degrees;
     const double degrees = spread > 0 ? 1 / spread : std::numeric_limits<double>::infinity();

@@ -1,24 +1,25 @@
-// Notation: d = x - r in the n pixels of a block, S = sum of d, V = Var S. The hypothesis is E S = 0; T = S / sqrt(V).
+// Notation: d = x - r in the n pixels of a block, S = sum of d, V = Var S. The hypothesis is E S = 0; the statistic
+// is T = S / sqrt(V).
 //
-// V where the test has replicates (or a standard error) and the reference a standard error: the sum of both variances
-// over the pixels, with the degrees of freedom of Welch and Satterthwaite. Otherwise d scatters around its block mean
-// with the noise of both, and V = n s^2 with n - 1 degrees of freedom: unbiased if the hypothesis holds and pixels are
-// independent. A real difference that varies within the block inflates s and weakens the test; replicates do not have
-// this weakness. S and V of larger blocks are sums over the small ones.
+// If the test has replicates (or a standard error) and the reference a standard error, V is the sum of both variances
+// over the pixels, with the degrees of freedom of Welch and Satterthwaite. Otherwise V = n s^2 with n - 1 degrees of
+// freedom, where s^2 is the variance of d around its mean in the block. This V is unbiased if the hypothesis holds
+// and pixels are independent. A real difference that varies within the block inflates s and weakens the test;
+// replicates do not have this weakness. S and V of larger blocks are sums over the small ones.
 //
-// Heavy tails: if d is symmetric, they make the test conservative (Efron 1969, "Student's t-test under symmetry
-// conditions"; Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But
-// the noise of path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small
-// an s. With s alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is
-// never below what the block should have: the V of the 7 x 7 blocks around in sum, shared out as the reference's
-// variances are (which have met the rare paths), or evenly if the reference has no standard error. Too dark blocks are
-// then judged with the variance that the hypothesis predicts, too bright ones with their own, whose growth with S
-// bounds T. The price: where noise changes from block to block otherwise than the reference's, the test is weaker than
-// it could be.
+// Heavy tails make the test conservative if d is symmetric (Efron 1969, "Student's t-test under symmetry conditions";
+// Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But the noise of
+// path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small an s. With s
+// alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below
+// the value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
+// reference's variances (in which the rare paths have been met), or evenly if the reference has no standard error.
+// Blocks that are too dark are then judged with the variance that the hypothesis predicts. Blocks that are too bright
+// are judged with their own, whose growth with S bounds T. The price is a weaker test where the noise of the image
+// varies from block to block in another way than that of the reference.
 //
-// Replicates tell whether pixels share noise (photon maps): the variance of their block means over the sum of their
-// pixels' variances. If this is above 1 beyond its own uncertainty, V is multiplied with it, and the variance of the
-// whole image is that of the replicates' means.
+// Replicates tell whether pixels share noise, as with photon maps, by the ratio of the variance of their block means
+// to the sum of the variances of their pixels. If this ratio is above 1 beyond its own uncertainty, V is multiplied
+// by it, and the variance of the whole image is that of the replicates' means.
 //
 // Means agree if the 95 % interval lies within the margin: two one-sided tests at 2.5 % (Schuirmann 1987). As every
 // channel has to pass, no correction for their number is needed.
@@ -38,14 +39,14 @@ namespace gib {
 namespace {
 
 constexpr double interval_tail = 0.05;  // of both sides together
-/// Means of float images differ by this without meaning anything, relative.
+/// Relative difference that rounding alone can cause between the means of float images.
 constexpr double rounding = 1e-5;
 constexpr int block_edge = 8, blocks_across = 8;
-constexpr int reach = 3;  // of a block's surroundings [blocks], to each side
+constexpr int reach = 3;  // [blocks] to each side, of the surroundings of a block
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// No block's variance stays below what those around it say that it should have: their variances in sum, shared out as
-/// the reference's are, or evenly if they are not known.
+/// Raises the variance of each block to at least its share of the summed variance of the blocks around it. The shares
+/// are in proportion to the reference's variances, or to the numbers of pixels if those are not known.
 void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool reference_known) {
     const auto weight = [&](const BlockSums& b) { return reference_known ? b.r.variance.value : b.pixels; };
     std::vector<double> least(blocks.size(), 0.0);
@@ -63,9 +64,9 @@ void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, boo
         if (!blocks[i].equal) blocks[i].difference.raise_to(least[i]);
 }
 
-/// The variance of the blocks' sums over what it is if pixels are independent, from the replicates of one side. Twice
-/// the scatter that so many blocks and replicates of normal noise have is added; 1 if it is not above 1 by four times
-/// that.
+/// The variance of the sums of blocks, from the replicates of one side, over the variance that independent pixels
+/// would have. Twice the relative scatter that this ratio has with normal noise is added. The result is 1 if the
+/// ratio does not exceed 1 by four times that scatter.
 double shared_noise(const std::vector<BlockSums>& blocks, BlockSide BlockSums::*side) {
     const std::size_t replicates = (blocks.front().*side).groups.size();
     if (replicates < 2) return 1;
@@ -81,33 +82,35 @@ double shared_noise(const std::vector<BlockSums>& blocks, BlockSide BlockSums::*
     return ratio > 1 + 4 * scatter ? ratio * (1 + 2 * scatter) : 1;
 }
 
-/// How much more the sums of each side vary than those of independent pixels.
+/// The factors by which the variances of the sums of each side exceed those of independent pixels.
 struct SharedNoise {
     double x = 1, r = 1;
 
-    /// What more replicates share at a larger scale.
+    /// The larger of these factors and of those that the replicates show in larger blocks; a factor of 1 stays.
     SharedNoise at_least_in(const std::vector<BlockSums>& blocks) const {
         return {x > 1 ? std::max(x, shared_noise(blocks, &BlockSums::x)) : 1,
                 r > 1 ? std::max(r, shared_noise(blocks, &BlockSums::r)) : 1};
     }
+    /// The factor for the difference in a block: the mean of both factors, weighted by the variances.
     double of(const BlockSums& block) const {
         const double vx = block.x.variance.value, vr = block.r.variance.value;
         return vx + vr > 0 ? (x * vx + r * vr) / (vx + vr) : 1;
     }
 };
 
-/// The variance of a block's difference, pixels independent or not.
+/// The variance of the difference in a block and its degrees of freedom, whether or not pixels share noise.
 struct NoiseOfBlock {
     double variance, degrees;
 
     NoiseOfBlock(const BlockSums& block, const SharedNoise& shared) {
         const double c = shared.of(block);
         variance = c * block.difference.value;
-        // Pixels that share noise tell less of its variance, too.
+        // Pixels that share noise also tell less about its variance.
         degrees = std::max(1.0, block.degrees / c);
     }
-    /// Of the whole image, where the replicates' means say it without any assumption. Their few degrees of freedom are
-    /// not raised by what is better known of the other side: that would raise them most when the scatter is too small.
+    /// The noise of the whole image. If pixels share noise, its variance is the scatter of the replicates' means,
+    /// which needs no assumption. The few degrees of freedom of this scatter are not raised by those of the other
+    /// side, which is better known: that would raise them most when the scatter happens to be too small.
     static NoiseOfBlock of_image(const BlockSums& image, const SharedNoise& shared) {
         NoiseOfBlock noise(image, {});
         for (const auto& [c, side] : {std::pair(shared.x, &image.x), std::pair(shared.r, &image.r)}) {
@@ -192,7 +195,8 @@ void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image&
     result.means[channel] = mean_deviation(image, noise, channel_sum(r_total, channel));
 }
 
-/// Holm 1979: hypotheses in the order of their p, each against what is left of them.
+/// The number of hypotheses that are rejected by the procedure of Holm (1979): in the order of their p, each is
+/// compared with alpha over the number of hypotheses that are left.
 std::size_t rejected_by_holm(std::vector<double> p, double alpha) {
     std::sort(p.begin(), p.end());
     std::size_t rejected = 0;
@@ -219,7 +223,7 @@ ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& l
         std::vector<double> p;
         for (const auto& [name, layer] : layers)
             for (const BlockTest& test : layer.tests[s]) {
-                // Of several whose p is 0, the one with the largest t.
+                // Among several tests whose p is 0, the one with the largest |t| is kept.
                 if (p.empty() || test.p < scale.largest.p ||
                     (test.p == scale.largest.p && std::abs(test.t) > std::abs(scale.largest.t))) {
                     scale.largest = test;

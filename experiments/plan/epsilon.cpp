@@ -7,7 +7,7 @@
 namespace gib {
 
 void require_epsilon(double epsilon, const SourceLocation& where) {
-    // A comparison with NaN would be an invalid operation, which some builds trap.
+    // isfinite() comes first, because a comparison with NaN is an invalid operation, which some builds trap.
     if (std::isfinite(epsilon) && epsilon >= smallest_epsilon && epsilon <= largest_epsilon) return;
     const std::string given = std::isnan(epsilon) ? "nan" : fmt::format("{}", epsilon);
     throw InputError(

@@ -14,7 +14,7 @@ namespace gib {
 
 namespace {
 
-/// A relative error that is taken for good enough where an experiment says nothing about its references.
+/// The relative standard error of references for which the experiment file gives neither a target nor a time.
 constexpr double default_target = 0.01;
 
 void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {

@@ -1,10 +1,10 @@
 #pragma once
-// Experiment files: which scenes are rendered with which methods, how often and for how long, and against what they are
-// measured.
+// An experiment file says which scenes are rendered with which methods, how often and for how long, and with what
+// references they are compared.
 
 #include "common/core/error.h"
 #include "experiments/plan/epsilon.h"
-#include "methods/method.h"
+#include "methods/parameters.h"
 
 #include <cstdint>
 #include <optional>
@@ -14,17 +14,19 @@
 
 namespace gib {
 
-/// When a cell ends, besides its `spp`; the first that is reached counts. Neither: `spp` alone.
+/// The limits at which a cell ends, besides its `spp`: the first one that is reached counts. If neither is given,
+/// `spp` alone counts.
 struct Budget {
     std::optional<double> seconds;  ///< charged wall-clock seconds
     std::optional<std::uint32_t> passes;
 };
 
-/// How good a reference has to be.
+/// The conditions under which a reference is good enough; the first one that is met counts.
 struct ReferenceGoal {
-    std::optional<double>
-        target;  ///< relative standard error of the total (a fraction); empty: `seconds` alone decides
-    std::optional<double> seconds;  ///< wall-clock seconds after which it is taken as it is
+    /// Relative standard error of the total, a fraction; empty: `seconds` alone decides.
+    std::optional<double> target;
+    /// Wall-clock seconds after which the reference is taken as it is.
+    std::optional<double> seconds;
 };
 
 struct ExperimentScene {
@@ -42,21 +44,22 @@ struct Experiment {
     std::string title;
     std::vector<ExperimentScene> scenes;
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
-    int seeds = 1;                                  ///< seeds 1 to this
+    int seeds = 1;                                  ///< number of seeds, which are 1 to this
     double epsilon = default_epsilon;               ///< of relative errors [radiance^2]
     Budget budget;
     MethodLabel reference_method;
     std::vector<MethodLabel> methods;  ///< sweeps expanded, in the order of the file
 };
 
-/// Throws InputError (`file:line:column: message`) for unknown keys, wrong types, unknown methods and parameters,
-/// values out of range and scene files that do not exist.
+/// Reads an experiment file. Throws InputError (`file:line:column: message`) for unknown keys, wrong types, unknown
+/// methods and parameters, values out of range and scene files that do not exist.
 Experiment load_experiment(const std::string& path);
 
-/// The same for text in memory; scenes are searched in the folder of `path`.
+/// Reads an experiment from the text of its file; scenes are searched in the folder of `path`. Throws the same errors
+/// as load_experiment().
 Experiment parse_experiment(const std::string& text, const std::string& path);
 
-/// "1%" or "0.01" as a fraction. Throws InputError at `where` unless it lies in (0, 1).
+/// The fraction that a text such as "1%" or "0.01" gives. Throws InputError at `where` unless it lies in (0, 1).
 double parse_target(const std::string& text, const SourceLocation& where = {});
 
 }  // namespace gib

@@ -49,7 +49,7 @@ std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::nod
     const auto declared =
         std::find_if(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == entry.key; });
     const bool known = declared != parameters_.end();
-    // An unknown key is the key's fault, everything else the value's.
+    // An unknown parameter is reported at its key, every other error at the value.
     ParameterValues(parameters_, MethodLabel{method_.name, {{entry.key, text}}},
                     known ? reader_.at(value) : entry.key_at);
     const bool is_word =

@@ -1,5 +1,6 @@
 #pragma once
-// [[method]] tables: labels from parameters, some of which are lists.
+// Makes method labels from the [[method]] tables of an experiment
+// file, in which a parameter may have a list of values.
 
 #include "experiments/plan/toml_reader.h"
 #include "methods/method.h"
@@ -9,18 +10,20 @@
 
 namespace gib {
 
-/// Lists of values multiply: a few lines could ask for more combinations than memory holds.
+/// The most labels of an experiment. Lists of values multiply, so that a few lines could ask for more labels than
+/// memory holds.
 inline constexpr std::size_t most_combinations = 10000;
 
-/// The checked label of a table of parameters; each list of values makes a sweep, several a grid (the last varies
-/// fastest).
+/// The checked labels of a table of parameters. One list of values makes a sweep, several make a grid, in which the
+/// last list varies fastest.
 class MethodSweep {
 public:
     MethodSweep(const TomlReader& reader, const MethodDescription& method);
 
-    /// A parameter with its value or its list of values. Throws InputError at its place.
+    /// Adds a parameter with its value or its list of values.
+    /// Throws InputError at the place of the key or of the value.
     void add(const TomlReader::Entry& entry);
-    /// Every label once through the method's own check, which sees the values together. Throws InputError at `where`.
+    /// All labels, each after the method's own check, which sees its values together. Throws InputError at `where`.
     std::vector<MethodLabel> labels(const SourceLocation& where) const;
 
 private:
@@ -33,7 +36,7 @@ private:
 };
 
 /// All labels of an experiment's [[method]] tables, in the order of the file. Throws InputError for a method that is
-/// unknown, estimates no radiance or is listed twice.
+/// unknown, estimates no radiance or is listed twice, and for more than `most_combinations` labels.
 std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node);
 
 }  // namespace gib

@@ -1,5 +1,5 @@
 #pragma once
-// How much a run may ask for: on the command line, in an experiment file, and in what a result folder says.
+// Upper limits for a run's settings, which come from the command line, an experiment file or a result folder.
 
 #include <cstdint>
 

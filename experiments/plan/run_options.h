@@ -1,5 +1,5 @@
 #pragma once
-// What the command line of `gibench run` asks for.
+// The options that the command line of `gibench run` gives.
 
 #include <optional>
 #include <string>
@@ -12,12 +12,12 @@ struct RunOptions {
     std::string experiment;                  ///< path of the file
     std::optional<std::string> out;          ///< folder of the results; else results/<experiment's name>
     int threads = 0;                         ///< 0: one per processor
-    std::optional<int> seeds;                ///< instead of the file's
-    std::string only;                        ///< keeps cells whose scene or label contains it
-    bool fresh = false;                      ///< complete cells are done again
-    std::string program = "/proc/self/exe";  ///< that measures a cell
+    std::optional<int> seeds;                ///< number of seeds, instead of the file's
+    std::string only;                        ///< keeps only cells whose scene or label contains this
+    bool fresh = false;                      ///< whether complete cells are done again
+    std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest
-    const RepeatPlan* repeat = nullptr;      ///< instead of an experiment file
+    const RepeatPlan* repeat = nullptr;      ///< if set, what to run instead of an experiment file
 };
 
 }  // namespace gib

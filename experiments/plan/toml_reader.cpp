@@ -11,18 +11,19 @@ namespace gib {
 
 namespace {
 
-constexpr int most_dots = 32;  // no key of ours has one
+constexpr int most_dots = 32;  // no key of an experiment file has a dot
 
-/// Columns count characters: the continuation bytes of UTF-8 are 10xxxxxx.
+/// Whether a byte begins a character of UTF-8, in which continuation bytes are 10xxxxxx. Columns count characters.
 bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xc0u) != 0x80u; }
 
-/// toml++ bounds how deep values are nested, but not the parts of a dotted key: a table each, freed one within another
-/// until the stack is full. So the dots are counted beforehand, outside of comments and of strings of all four kinds.
+/// Counts the dots of keys before the text is parsed. toml++ bounds how deeply values are nested, but not the number
+/// of parts of a dotted key. Each part is a table within the one before, and freeing them recursively could overflow
+/// the stack. Dots in comments and in the four kinds of strings do not count.
 class DotCounter {
 public:
     DotCounter(std::string_view text, const std::string& file) : text_(text), where_{file, 1, 1} {}
 
-    /// Throws InputError at the dot that is too many.
+    /// Throws InputError at the first dot beyond `most_dots` in one key.
     void require_short_keys() {
         for (int dots = 0; at_ < text_.size();) {
             const char c = text_[at_];
@@ -59,11 +60,11 @@ private:
         const std::string_view end = std::string_view(quotes).substr(0, multi_line ? 3 : 1);
         advance(end.size());
         while (at_ < text_.size() && !text_.substr(at_).starts_with(end)) {
-            if (text_[at_] == '\n' && !multi_line) return;  // an error, which the parser tells
+            if (text_[at_] == '\n' && !multi_line) return;  // an error that the parser reports
             advance(text_[at_] == '\\' && quote == '"' ? 2 : 1);
         }
         advance(end.size());
-        // Up to two more belong to a string of several lines: the last three of five end it.
+        // The string may end with two quotes of its own: of five quotes in a row, the last three end it.
         for (int i = 0; i < 2 && multi_line && at_ < text_.size() && text_[at_] == quote; ++i)
             advance(1);
     }
@@ -84,7 +85,7 @@ toml::table parse(std::string_view text, const std::string& file) {
     }
 }
 
-/// toml++ skips the byte order mark that some editors put before UTF-8: it has no column.
+/// Removes the byte order mark that some editors put before UTF-8. toml++ skips it, so that it has no column.
 std::string_view without_byte_order_mark(std::string_view text) {
     constexpr std::string_view mark = "\xef\xbb\xbf";
     if (text.starts_with(mark)) text.remove_prefix(mark.size());
@@ -131,7 +132,7 @@ void TomlReader::check_keys(const toml::table& table, std::string_view what,
 std::string TomlReader::typed_at(const toml::source_position& position) const {
     if (position.line < 1 || position.line > lines_.size()) return "";
     const std::string& line = lines_[position.line - 1];
-    // toml++ counts columns in code points too.
+    // The columns of toml++ count characters (code points) too.
     std::size_t begin = 0;
     for (std::size_t column = 1; begin < line.size() && column < position.column; ++column) {
         ++begin;

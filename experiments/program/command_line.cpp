@@ -26,7 +26,7 @@ namespace {
 
 constexpr int exit_failed = 1, exit_wrong_input = 2, exit_interrupted = 130;
 
-/// What the chosen subcommand does; set while parsing, run afterwards.
+/// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
 
 std::map<std::string, std::string> assignments(const std::vector<std::string>& texts) {
@@ -42,7 +42,7 @@ std::map<std::string, std::string> assignments(const std::vector<std::string>& t
 }
 
 void add_threads(CLI::App* command, int& threads) {
-    command->add_option("--threads", threads, "threads that compute; else one per processor")
+    command->add_option("--threads", threads, "number of threads that compute (default: one per processor)")
         ->check(CLI::Range(1, most_threads));
 }
 
@@ -58,31 +58,38 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     CLI::App* command = app.add_subcommand("run", "run an experiment file: references, cells, tables, report");
     auto repeated = std::make_shared<std::string>();
     CLI::Option* file = command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)");
-    command->add_option("--out", options->out,
-                        "folder of the results; else results/<experiment's name>, or RESULT_DIR-repeat");
+    command->add_option(
+        "--out", options->out,
+        "folder of the results (default: results/<experiment's name>; with --repeat, RESULT_DIR-repeat)");
     add_threads(command, options->threads);
-    command->add_option("--seeds", options->seeds, "seeds 1 to this, instead of the file's")
+    command->add_option("--seeds", options->seeds, "run seeds 1 to this number instead of the file's")
         ->check(CLI::Range(1, most_seeds));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
     command->add_flag("--fresh", options->fresh,
-                      "forget at once what is measured of the selected cells and measure them again (references are "
-                      "kept: they follow the scene's content)");
+                      "delete the measurements of the selected cells and measure them again (references are kept, "
+                      "unless the scene's content has changed)");
     CLI::Option* repeat = command->add_option(
         "--repeat", *repeated,
-        "RESULT_DIR: instead of an experiment file, render every complete cell of these results again, with the passes "
-        "that it made, and compare the images bit for bit; exit 0 if all are identical");
+        "RESULT_DIR: render every complete cell of these results again, with as many passes as it "
+        "made, and compare the images bit for bit; replaces the experiment file; exit code 0 if all "
+        "are identical");
     for (CLI::Option* other : command->get_options())
         if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
             if (!*repeat) return run_experiment(*options, std::cout);
-            return repeat_run({*repeated, options->out, options->program, options->command_line}, std::cout);
+            return repeat_run({.folder = *repeated,
+                               .out = options->out,
+                               .program = options->program,
+                               .command_line = options->command_line},
+                              std::cout);
         };
     });
 }
 
-/// Whole numbers below 2^63: the rest belong to references, and CLI11 would take -1 for the largest of them.
+/// Accepts whole numbers below 2^63. Larger ones are the seeds of references, and CLI11 alone would read -1 as the
+/// largest of them.
 CLI::Validator seed_text() {
     return CLI::Validator(
         [](std::string& text) {
@@ -100,7 +107,8 @@ void add_render(CLI::App& app, Action& action) {
     auto texts = std::make_shared<std::vector<std::string>>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
-    command->add_option("--method", options->method, "label, such as \"path spp=64\"")->required();
+    command->add_option("--method", options->method, "name and parameters of the method, such as \"path spp=64\"")
+        ->required();
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
     add_set(command, *texts);
@@ -117,15 +125,17 @@ void add_render(CLI::App& app, Action& action) {
 void add_reference(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReferenceOptions>();
     auto texts = std::make_shared<std::vector<std::string>>();
-    CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or top one up");
+    CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or add samples to one");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
-    command->add_option("--method", options->method, "label without spp (default \"path\")");
-    command->add_option("--target", options->target, "relative standard error, such as 0.5% (default 1%)");
-    command->add_option("--max-seconds", options->seconds, "take it as it is after this time");
-    command->add_option("--epsilon", options->epsilon, "of the relative error (default 0.01)");
+    command->add_option("--method", options->method,
+                        "name and parameters of the method, without spp (default \"path\")");
+    command->add_option("--target", options->target,
+                        "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
+    command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
+    command->add_option("--epsilon", options->epsilon, "epsilon of the relative error (default 0.01)");
     add_threads(command, options->threads);
     add_set(command, *texts);
-    command->add_option("-o,--out", options->out, "the reference (EXR); an earlier one is topped up")->required();
+    command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
     command->callback([options, texts, &action] {
         action = [options, texts] {
             options->parameters = assignments(*texts);
@@ -137,22 +147,24 @@ void add_reference(CLI::App& app, Action& action) {
 void add_compare(CLI::App& app, Action& action) {
     auto options = std::make_shared<CompareOptions>();
     auto files = std::make_shared<std::vector<std::string>>();
-    CLI::App* command = app.add_subcommand("compare", "the error of images against a reference");
+    CLI::App* command = app.add_subcommand("compare", "measure the error of images against a reference");
     command->add_option("IMAGES", *files, "TEST.exr [TEST.exr ...] REFERENCE.exr; several tests are replicates")
         ->required()
         ->expected(2, 1 << 20);
-    command->add_option("--epsilon", options->epsilon, "of relative errors (default 0.01)");
+    command->add_option("--epsilon", options->epsilon, "epsilon of relative errors (default 0.01)");
     command->add_flag("--json", options->json, "print JSON");
     CLI::Option* z_test = command->add_flag(
         "--z-test", options->z_test,
-        "decide whether the test is the reference but for noise: exit 0 accepted, 1 rejected. 8 x 8 and 64 x 64 blocks "
-        "and the image, every channel and component, at 1 % for all together with the noise of both sides; and "
-        "the 95 % interval of the mean's deviation within 0.2 %");
-    CLI::Option* variance = command->add_option(
-        "--variance", options->variance,
-        "the reference's variance of one sample: Mitsuba 3's own z-test instead, of every pixel in XYZ");
-    CLI::Option* spp = command->add_option("--spp", options->test_spp, "samples a pixel of the test, for --variance")
-                           ->check(CLI::Range(1, 1000000000));
+        "test whether the images differ from the reference by noise alone: exit code 0 accepted, 1 rejected. They are "
+        "accepted if no block of 8 x 8 or 64 x 64 pixels and no whole image differs in any channel or component (1 % "
+        "for all tests together, with the noise of both sides) and if the 95 % interval of the mean's deviation lies "
+        "within 0.2 %");
+    CLI::Option* variance = command->add_option("--variance", options->variance,
+                                                "image of the variance of one of the reference's samples: use Mitsuba "
+                                                "3's z-test of every pixel in XYZ instead");
+    CLI::Option* spp =
+        command->add_option("--spp", options->test_spp, "samples a pixel of the tested image, for --variance")
+            ->check(CLI::Range(1, 1000000000));
     variance->needs(z_test)->needs(spp);
     spp->needs(variance);
     command->callback([options, files, &action] {
@@ -170,10 +182,11 @@ void add_plan(CLI::App& app, Action& action) {
         std::vector<std::string> texts;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command =
-        app.add_subcommand("plan", "what light transport a scene calls for and what a method does about it");
+    CLI::App* command = app.add_subcommand(
+        "plan", "show which light transport a scene calls for, and what a method simulates and leaves out");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
-    command->add_option("--method", options->method, "name or label; else every method");
+    command->add_option("--method", options->method,
+                        "name of the method, with or without parameters (default: every method)");
     add_set(command, options->texts);
     command->callback([options, &action] {
         action = [options] {
@@ -183,11 +196,11 @@ void add_plan(CLI::App& app, Action& action) {
 }
 
 void add_list(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("list", "what there is, one a line, the name first");
+    CLI::App* command = app.add_subcommand("list", "list methods, scenes or effects, one a line, the name first");
     command->require_subcommand(1);
     auto parameters = std::make_shared<bool>(false);
     CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
-    methods->add_flag("--parameters", *parameters, "with every parameter: unit, range, default");
+    methods->add_flag("--parameters", *parameters, "show every parameter with its unit, range and default, too");
     methods->callback(
         [parameters, &action] { action = [parameters] { return list_methods(*parameters, std::cout); }; });
     command->add_subcommand("scenes", "scenes that come with the program")->callback([&action] {
@@ -200,12 +213,12 @@ void add_list(CLI::App& app, Action& action) {
 
 void add_report(CLI::App& app, Action& action) {
     auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("report", "tables and report.html from stored results alone");
+    CLI::App* command = app.add_subcommand("report", "make the tables and report.html again from stored results alone");
     command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
     command->callback([folder, &action] { action = [folder] { return rebuild_report(*folder, std::cout); }; });
 }
 
-/// Internal: `run` starts it for each cell. An empty group hides it from the help.
+/// Adds the internal subcommand that `run` starts for each cell. An empty group hides it from the help.
 void add_measure_cell(CLI::App& app, Action& action) {
     auto request = std::make_shared<std::string>();
     CLI::App* command =
@@ -229,7 +242,7 @@ void add_judge_case(CLI::App& app, Action& action) {
         app.add_subcommand("judge-case", "internal: renders a hard case, see hard_case_run.h")->group("");
     command->add_option("FILE", request->file, "the file of hard cases")->required();
     command->add_option("CASE", request->name, "the case's name")->required();
-    command->add_option("METHOD", request->label, "label; empty: only loads the scene")->required();
+    command->add_option("METHOD", request->label, "label; empty: path, for a scene that must be refused")->required();
     command->add_option("SEEDS", request->seeds, "seeds 1 to this")->required();
     command->callback([request, &action] {
         action = [request] {
@@ -282,7 +295,7 @@ int run_program(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        // CLI11 has a code of its own for each kind of mistake; here they are all "the command line is wrong".
+        // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
         return app.exit(error) == 0 ? 0 : exit_wrong_input;
     }
     return perform(action);

@@ -25,7 +25,7 @@ namespace gib {
 
 namespace {
 
-/// A checked label with its method.
+/// A label that was checked, with its method and its parameters' values.
 struct ChosenMethod {
     MethodLabel label;
     const MethodDescription& description;
@@ -61,8 +61,8 @@ void warn_of(const std::vector<std::string>& damage) {
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
-/// Tables without a row say nothing, and would replace those that do. A run that has made no reference yet has no
-/// others.
+/// Throws InputError if references were made but none can be read: the tables would have no rows and replace those
+/// that have. A run that has made no reference yet is accepted, because it has no tables to lose.
 void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
     const auto& scenes = analysis.index.scenes;
     const bool had_one =
@@ -92,11 +92,15 @@ int render(const RenderOptions& options, std::ostream& out) {
     check_writable(options.out);
     const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
     const auto method = chosen.create(loaded);
-    const CellWork work{*loaded.scene, *method, options.seed, last_pass(chosen.values, loaded.sample_count), {}};
+    const CellWork work{.scene = *loaded.scene,
+                        .method = *method,
+                        .seed = options.seed,
+                        .spp = last_pass(chosen.values, loaded.sample_count),
+                        .budget = {}};
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
-    // Which checkpoint is the last is not known before: a method may converge.
+    // Every checkpoint is kept until the next one, because a method may converge and end at any of them.
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
         const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
@@ -128,7 +132,7 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const ChosenMethod chosen(options.method);
     find_comparable_method(chosen.label.name);
     require_epsilon(options.epsilon);
-    // A comparison with NaN would be an invalid operation, which some builds trap.
+    // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
     if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
         throw InputError("--max-seconds needs a finite number above 0");
     if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
@@ -140,7 +144,12 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const InterruptGuard guard;
     ProgressLine progress;
     FinishedReference finished;
-    const ReferenceWork work{loaded, chosen.description, chosen.label, goal, options.epsilon, options.out};
+    const ReferenceWork work{.scene = loaded,
+                             .method = chosen.description,
+                             .label = chosen.label,
+                             .goal = goal,
+                             .epsilon = options.epsilon,
+                             .path = options.out};
     const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
         progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
     });
@@ -171,9 +180,9 @@ int print_plan(const std::string& scene, const std::string& method,
 
 int rebuild_report(const std::string& folder_path, std::ostream& out) {
     const bool of_hard_cases = holds_hard_case_results(folder_path);
-    // Before the lock: where there are no results, that is what has to be said.
+    // The index is read before the lock is taken, so that a folder without results gives that error.
     if (!of_hard_cases) static_cast<void>(ResultFolder(folder_path).read_index());
-    const FileLock lock = lock_result_folder(folder_path);  // a run beside it would write the same files
+    const FileLock lock = lock_result_folder(folder_path);  // a run at the same time would write the same files
     if (of_hard_cases) {
         out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
         return 0;

@@ -1,5 +1,5 @@
 #pragma once
-// The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError where input is wrong.
+// The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
 
 #include "experiments/plan/epsilon.h"
 
@@ -43,8 +43,8 @@ int list_effects(std::ostream& out);
 /// Name, default, unit, range and sentence of every parameter of every method.
 std::string parameter_help();
 
-/// Damage that it can leave out is a warning. Throws InputError, and writes nothing, if no scene is left or if another
-/// process works in the folder.
+/// Writes the tables and the report of a result folder again. Damage that can be left out gives a warning. Throws
+/// InputError, and writes nothing, if no scene is left or if another process works in the folder.
 int rebuild_report(const std::string& folder, std::ostream& out);
 
 /// Throws InputError unless `path` ends in .exr and can be created in a folder that exists.

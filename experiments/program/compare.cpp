@@ -19,10 +19,10 @@ namespace gib {
 
 namespace {
 
-// Keeps the keys in the order in which they are put in.
+// This type keeps keys in the order of their insertion.
 using Json = nlohmann::ordered_json;
 
-/// What is compared: one layer of all tests with that of the reference.
+/// One comparison: a layer of all tested images and the same layer of the reference.
 struct Subject {
     std::vector<Image> tests;
     const ReferenceLayer& reference;
@@ -43,7 +43,7 @@ std::size_t nonfinite_values(const Image& image) {
         std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
 }
 
-/// Per channel, over all pixels of all images.
+/// The mean of each channel over all pixels of all images.
 Json channel_means(const std::vector<Image>& images) {
     Json means = Json::array();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -58,7 +58,7 @@ Json channel_means(const std::vector<Image>& images) {
     return means;
 }
 
-/// HDR-FLIP, mean over pixels and images; of finite images.
+/// The mean of HDR-FLIP over pixels and images, all of which must be finite.
 double mean_flip(const Subject& subject) {
     double sum = 0;
     for (const Image& image : subject.tests)
@@ -66,7 +66,7 @@ double mean_flip(const Subject& subject) {
     return sum / static_cast<double>(subject.tests.size());
 }
 
-/// What viewers see is the whole image: components have no FLIP.
+/// Components have no FLIP, because viewers see the whole image only.
 enum class Flip { measured, left_out };
 
 Json metrics(const Subject& subject, double epsilon, Flip flip) {
@@ -74,7 +74,7 @@ Json metrics(const Subject& subject, double epsilon, Flip flip) {
     std::size_t nonfinite = 0;
     for (const Image& image : subject.tests)
         nonfinite += nonfinite_values(image);
-    // A spectrum of images with holes would be one of the holes.
+    // Values that are not finite would dominate the spectrum.
     const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.r_total) : std::nullopt;
     Json json;
     json["seeds"] = s.seeds;
@@ -106,7 +106,8 @@ const Image& layer_in(const LayeredImage& file, const std::string& name, const s
     return *image;
 }
 
-/// The image without the components that the reference does not resolve, where it has them apart.
+/// The image without the components that the reference does not resolve; an image without layers of
+/// components as it is.
 Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
                    const std::string& path) {
     const Image& total = layer_in(file, "", path);
@@ -143,7 +144,8 @@ void require_consistent(const CompareOptions& options) {
         throw InputError("with --variance the z-test takes one image, not several");
 }
 
-/// Equal noise would pass for no noise.
+/// Throws InputError if two files have the same seed, method and scene: replicates with equal noise would seem to
+/// have no noise.
 void require_different_seeds(const std::vector<LayeredImage>& files, const std::vector<std::string>& paths) {
     const auto same = [](const LayeredImage& a, const LayeredImage& b, const char* key) {
         const auto in_a = a.metadata.find(key), in_b = b.metadata.find(key);
@@ -157,7 +159,7 @@ void require_different_seeds(const std::vector<LayeredImage>& files, const std::
                     fmt::format("{} and {} have the same seed: they are no replicates", paths[j], paths[i]));
 }
 
-/// Several images of a layer are replicates; a single one may bring its own standard error.
+/// Several images of a layer are its replicates; a single image may have a standard error of its own.
 ReferenceLayer tested_layer(const std::vector<Image>& images, const ReferenceLayer* own) {
     if (images.size() > 1) return layer_of_groups(images);
     if (own) return {images.front(), own->standard_error, own->groups};
@@ -184,7 +186,7 @@ ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<
 
 std::string text_of(const Json& value) { return value.is_null() ? "-" : fmt::format("{:.6g}", value.get<double>()); }
 
-/// One line a number, with its 95 % interval and, where it depends on epsilon, that too.
+/// Prints a line for each number with its 95 % interval and, if the number depends on epsilon, with epsilon.
 void print_text(const std::string& title, const Json& json, std::ostream& out) {
     const std::string epsilon = fmt::format("epsilon {:g}", json["epsilon"].get<double>());
     out << fmt::format("{}: {} image{}, {}\n", title, json["seeds"].get<int>(), json["seeds"] == 1 ? "" : "s", epsilon);

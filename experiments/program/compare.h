@@ -1,5 +1,5 @@
 #pragma once
-// `gibench compare`: images of any renderer against a reference.
+// `gibench compare`: measures images of any renderer against a reference.
 
 #include "experiments/plan/epsilon.h"
 
@@ -15,13 +15,13 @@ struct CompareOptions {
     std::string reference;             ///< a file, with or without standard errors
     double epsilon = default_epsilon;  ///< of the relative error's denominator [radiance^2], > 0
     bool json = false;
-    bool z_test = false;         ///< decide whether the test is the reference but for noise
-    std::string variance = {};   ///< a file: Mitsuba's test instead of our own, of a single test
-    std::uint32_t test_spp = 0;  ///< samples a pixel of that test, > 0 with `variance`
+    bool z_test = false;         ///< test whether the images differ by noise alone
+    std::string variance = {};   ///< image of a sample's variance: use Mitsuba's test, with a single image
+    std::uint32_t test_spp = 0;  ///< samples a pixel of that image, > 0 with `variance`
 };
 
-/// Prints the metrics as text or as JSON with the column names of table.csv; null (or `-`) where a number is undefined.
-/// Returns 0, or 1 if the z-test rejects. Throws InputError for wrong options and files, and for sizes that differ.
+/// Prints the metrics as text or as JSON with the column names of table.csv; a number that is undefined is `-` or
+/// null. Returns 0, or 1 if the z-test rejects. Throws InputError for wrong options, wrong files and different sizes.
 int compare(const CompareOptions& options, std::ostream& out);
 
 }  // namespace gib

@@ -31,14 +31,14 @@ std::size_t nonfinite_values(const ReferenceLayer& layer) {
     std::size_t count = 0;
     for (const Image& group : layer.groups)
         count += nonfinite_values(group);
-    // The mean and the standard error come from the groups.
+    // The mean and the standard error are computed from the groups, so they are not counted again.
     if (count > 0) return count;
     return nonfinite_values(layer.mean) + (layer.standard_error ? nonfinite_values(*layer.standard_error) : 0);
 }
 
 std::string line(const std::string& name, const std::string& text) { return fmt::format("  {:<18} {}\n", name, text); }
 
-/// "3 to 5" of `count` pixels from 3 on.
+/// The text "3 to 5" for `count` = 3 pixels from `first` = 3 on.
 std::string range_text(int first, int count) { return fmt::format("{} to {}", first, first + count - 1); }
 
 std::string percent_text(double share) { return fmt::format("{:+.4g} %", 100 * share); }
@@ -48,7 +48,7 @@ std::string interval_text(const MeanDeviation& mean) {
     return fmt::format("[{}, {}]", percent_text(mean.interval->lo), percent_text(mean.interval->hi));
 }
 
-/// What the test's noise is known from.
+/// How the noise of the tested images is known.
 std::string noise_source(const ReferenceLayer& x, const ReferenceLayer& r) {
     if (!x.standard_error) return "scatter";
     return r.standard_error ? (x.groups.size() > 1 ? "replicates" : "standard_error") : "scatter";
@@ -104,7 +104,7 @@ std::string scale_text(const ZTestVerdict::Scale& scale) {
         range_text(test.x, test.width), range_text(test.y, test.height));
 }
 
-/// Why, in words; `kind` is what a program asks for.
+/// The reason for the verdict: `text` for people, `kind` for programs.
 struct Reason {
     std::string kind, text;
 };
@@ -135,7 +135,7 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
                     margin, noisy, 100 * largest_share)};
 }
 
-/// Infinite variance would accept every image.
+/// Throws InputError unless all variances are finite and at least 0; an infinite one would accept every image.
 void require_variances(const Image& image, const std::string& path) {
     const auto wrong =
         std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v) || v < 0; });

@@ -1,4 +1,4 @@
-// `gibench list`: methods, scenes and effects, generated from their declarations.
+// `gibench list`: prints methods, scenes and effects from their declarations.
 
 #include "common/scene/effects.h"
 #include "experiments/program/commands.h"
@@ -39,7 +39,7 @@ std::string parameter_lines(const std::vector<Parameter>& parameters) {
     return text;
 }
 
-/// Without the marks of Markdown tables, lists and code.
+/// Removes the marks of Markdown tables, lists and code from a line.
 std::string plain_text(std::string line) {
     line.erase(std::remove(line.begin(), line.end(), '`'), line.end());
     const std::size_t begin = line.find_first_not_of(" |*-:\t");
@@ -51,7 +51,7 @@ std::string plain_text(std::string line) {
     return line;
 }
 
-/// What the scenes' README says after the file's name, on the first line that has it.
+/// The text after the file's name on the first line of the scenes' README that contains the name; else empty.
 std::string sentence_about(const std::string& file_name, const std::string& readme) {
     std::ifstream stream(readme);
     for (std::string line; std::getline(stream, line);) {

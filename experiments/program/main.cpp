@@ -7,8 +7,9 @@
 
 namespace {
 
-/// The number of a standard stream that is closed (`2>&-`) would go to the next file that is opened, and messages into
-/// that file. Open for reading only, so that a standard output that is closed still cannot be written.
+/// Opens /dev/null in place of each standard stream that is closed (`2>&-`). Otherwise the next file that is opened
+/// would get the stream's number, and messages would go into that file. It is opened for reading only, so that
+/// writing to a closed standard output still fails.
 void occupy_standard_streams() {
     int file = 0;
     do
@@ -22,6 +23,6 @@ void occupy_standard_streams() {
 int main(int argc, char** argv) {
     occupy_standard_streams();
     gib::trap_floating_point_errors();
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error with a message, not the end
+    std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is then an error with a message
     return gib::run_program(argc, argv);
 }

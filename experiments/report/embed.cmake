@@ -1,7 +1,7 @@
-# Writes OUTPUT, C++ that defines the functions of report_assets.h. FOLDER: of page.html, page.css and the scripts SCRIPTS
-# (names separated by |, in their order); CHART: the file of Chart.js.
+# Writes OUTPUT, a C++ file that defines the functions of report_assets.h. FOLDER holds page.html, page.css and the
+# scripts; SCRIPTS are the names of these, separated by |, in their order; CHART is the file of Chart.js.
 
-# As arrays of bytes: a compiler need not take a literal as long as these texts.
+# The texts become arrays of bytes, because a compiler need not accept a string literal of their length.
 function(bytes_of path result)
   file(READ ${path} hex HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")

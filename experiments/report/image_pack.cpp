@@ -24,7 +24,7 @@ std::string deflated_text(const std::vector<std::uint8_t>& bytes) {
     return base64(packed);
 }
 
-/// Rows of `width` bytes become differences to the left neighbour.
+/// Appends rows of `width` bytes as differences to the left neighbour.
 void append_differences(std::span<const std::uint8_t> plane, int width, std::vector<std::uint8_t>& out) {
     for (std::size_t i = 0; i < plane.size(); ++i) {
         const unsigned left = i % static_cast<std::size_t>(width) == 0 ? 0u : plane[i - 1];
@@ -32,7 +32,7 @@ void append_differences(std::span<const std::uint8_t> plane, int width, std::vec
     }
 }
 
-/// The exponent that brings the largest finite value to [2^14, 2^15), where a half still has room above.
+/// The exponent of the power of two that brings the largest finite value to [2^14, 2^15); halves end at 65504.
 int scale_exponent(std::span<const float> values) {
     float largest = 0;
     for (const float v : values)
@@ -64,7 +64,8 @@ PackedImage pack_half(std::span<const float> values, int width, int height, int 
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     const auto count = static_cast<std::size_t>(channels);
     if (values.size() != pixels * count) throw std::invalid_argument("an image's size is not that of its values");
-    PackedImage packed{width, height, channels, false, scale_exponent(values), {}};
+    PackedImage packed{
+        .width = width, .height = height, .channels = channels, .exponent = scale_exponent(values), .text = {}};
     std::vector<std::uint8_t> bytes, low, high(pixels);
     bytes.reserve(2 * values.size());
     low.reserve(values.size());
@@ -85,7 +86,7 @@ PackedImage pack_half(std::span<const float> values, int width, int height, int 
 PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height) {
     std::vector<std::uint8_t> bytes;
     append_differences(values, width, bytes);
-    return {width, height, 1, true, 0, deflated_text(bytes)};
+    return {.width = width, .height = height, .channels = 1, .bytes = true, .text = deflated_text(bytes)};
 }
 
 }  // namespace gib

@@ -1,5 +1,5 @@
 #pragma once
-// Images as text inside a page: half floats, deflated, in base64. The page's script (report/blobs.js) is the inverse.
+// Packs images as text inside a page: half floats, deflated, in base64. report_page/blobs.js unpacks them.
 
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace gib {
 
-/// RFC 4648, with padding.
+/// Base64 by RFC 4648, with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 
 struct PackedImage {
@@ -18,12 +18,13 @@ struct PackedImage {
     std::string text;    ///< base64 of zlib's format
 };
 
-/// Half floats (relative precision 2^-11 over 28 stops below the largest value; NaN and infinity are kept) of
-/// height x width x channels values. Stored: for each channel a plane of high bytes, each as its difference to the
-/// left neighbour (0 left of the first), modulo 256; then for each channel the plane of low bytes.
+/// Packs height x width x channels values as half floats. Their relative precision is 2^-11 over 28 stops below the
+/// largest value; NaN and infinity are kept. The bytes hold for each channel a plane of high bytes, each as its
+/// difference to the left neighbour (to 0 in the first column) modulo 256, and after these for each channel the plane
+/// of low bytes. Throws std::invalid_argument if the number of values is another one.
 PackedImage pack_half(std::span<const float> values, int width, int height, int channels);
 
-/// One byte a pixel: the differences as above.
+/// Packs one byte a pixel, as differences to the left neighbour like the high bytes of pack_half().
 PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height);
 
 }  // namespace gib

@@ -14,13 +14,12 @@ namespace gib {
 
 namespace {
 
-/// Beyond this many times the measured span, or with a point this far off the law, no time is extrapolated.
+/// No time is extrapolated beyond `farthest_extrapolation` times the measured span, or if a point misses the law by
+/// more than the share `largest_misfit` of its squared error.
 constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 
 /// Whether a law describes its points well enough to be extrapolated.
 bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
-
-/// Indices into target_errors of the errors that are asked about.
 
 std::vector<const TableRow*> totals_of(const Analysis& analysis, const std::string& scene) {
     std::vector<const TableRow*> rows;
@@ -41,8 +40,8 @@ bool overlap(const Estimate& a, const Estimate& b) {
 
 std::string percent(double share) { return percent_text(share) + " %"; }
 
-/// The component that carries most of a method's squared error after some time, and its share of the sum over
-/// components.
+/// A text with the component that has the largest part of a method's squared error after `seconds`, and its share of
+/// the sum over components; empty if there is none.
 std::string largest_part(const Analysis& analysis, const std::vector<const Cell*>& cells, const std::string& scene,
                          double seconds) {
     double sum = 0, largest = 0;
@@ -57,7 +56,8 @@ std::string largest_part(const Analysis& analysis, const std::vector<const Cell*
     return sum > 0 ? fmt::format("{:.0f} % of its squared error in `{}`", 100 * largest / sum, name) : "";
 }
 
-/// What keeps a method from an error that another one has after `seconds`.
+/// A text with the error of a method after `seconds`, the component that has most of it and the effects that the
+/// method leaves out. It says why the method is behind one that has reached its target by then.
 std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, const TableRow& row, double seconds) {
     const auto& cells = methods.at(row.method);
     const auto error = relative_rmse_after(cells, total_name, seconds, analysis.noise_floor(row.scene, total_name));
@@ -72,7 +72,7 @@ std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, c
     return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// The other methods, by name (not by label): of each the label that comes closest.
+/// For each method name other than the winner's, the row of the label that comes closest to the target.
 std::vector<const TableRow*> best_of_other_names(const std::vector<const TableRow*>& rows, const TableRow& winner,
                                                  std::size_t target, const CellsByMethod& methods, double seconds) {
     const auto name_of_method = [](const TableRow& row) { return row.method.substr(0, row.method.find(' ')); };
@@ -154,8 +154,8 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
     return text + (time.empty() ? "." : fmt::format("; {} %: {}.", target_names[target], time));
 }
 
-/// "2.30 (1.90 to 2.70): bias 1.10, fixed noise 2.02", of relative errors in percent; a floor whose interval reaches 0
-/// is not resolved.
+/// The floor as relative errors in percent, "2.30 (1.90 to 2.70): bias 1.10, fixed noise 2.02". A floor whose
+/// interval reaches 0 is not resolved.
 std::string floor_text(const TableRow& row) {
     if (!row.law) return "";
     const auto& [floor, interval] = row.law->floor;
@@ -224,7 +224,8 @@ std::string unmeasured_time(const TableRow& row, double target) {
     if (!row.law || !law_holds(*row.law)) return "";
     const auto time = row.law->extrapolate(target * target);
     if (!time) return fmt::format("never (floor {})", percent(std::sqrt(row.law->floor.value)));
-    // Below the measured span: the first image was better already, or the points scatter about the law.
+    // A time within the measured span is no extrapolation: the first image was better already, or the points scatter
+    // about the law.
     if (time->seconds <= row.law->last_seconds || time->seconds > farthest_extrapolation * row.law->last_seconds)
         return "";
     return fmt::format("{}{} (extrapolated)", time->at_least ? "at least " : "", short_number(time->seconds));

@@ -1,5 +1,5 @@
 #pragma once
-// The price of accuracy in words and tables, for table.md and the report.
+// States the price of accuracy in words and tables, for table.md and the report.
 
 #include "experiments/analysis/price.h"
 
@@ -9,31 +9,33 @@
 
 namespace gib {
 
-/// The places in target_errors of the errors that answers are given for: 5 % and 1 %.
+/// Indices into target_errors of the errors for which price_answers() names the cheapest method: 5 % and 1 %.
 inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 
-/// Whether the reference can tell that an image has come so close to it.
+/// Whether the target is above the noise floor, so that the reference can tell that an image has reached it.
 bool is_target_resolved(const Analysis& analysis, const std::string& scene, const std::string& component,
                         std::size_t target);
 
-/// Which method is cheapest at an error, how much more the next one takes, and what keeps the others from it.
+/// The answer for one scene and error: which method is cheapest, how much longer the next one takes, and how far the
+/// others are then.
 struct PriceAnswer {
     std::string scene;
     double target;  ///< relative RMSE
     std::string text;
 };
-/// For the asked_targets, of every scene. Times that no run has measured are marked as extrapolated by the fitted law.
+/// The answers for every scene and each of asked_targets. Times that no run has measured are marked as extrapolated
+/// by the fitted law.
 std::vector<PriceAnswer> price_answers(const Analysis& analysis);
 
-/// A time to an error that was not measured: "42.0 (extrapolated)" where the method's law holds, "never (floor 2.30 %)"
-/// where its floor is above the error, else empty.
+/// The time [s] to an error that no run has reached: "42.0 (extrapolated)" if the method's law holds, "never (floor
+/// 2.30 %)" if its floor is above the error, else empty.
 std::string unmeasured_time(const TableRow& row, double target);
 
-/// What the time has to be multiplied by for half the error of the final image, by the law: "3.90 (3.10 to 4.80)",
-/// "at least 4.10", "never: floor"; empty where no law holds.
+/// The factor by which the time has to grow to halve the error of the final image, by the fitted law: "3.90 (3.10 to
+/// 4.80)", "at least 4.10", "never: floor"; empty if no law holds.
 std::string next_halving_text(const TableRow& row);
 
-/// Sections of table.md: answers, price lists, crossovers.
+/// The sections of table.md with answers, price lists and crossovers.
 std::string price_text(const Analysis& analysis);
 
 }  // namespace gib

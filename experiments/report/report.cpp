@@ -25,7 +25,7 @@ namespace {
 
 std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", html_escape(text)); }
 
-/// Where methods do not have the same mean energy: before every number.
+/// The warnings about methods whose mean energy differs from the reference's. They stand before the scene's numbers.
 std::string footing_html(const Analysis& analysis, const std::string& scene) {
     std::string differ, unresolved;
     int count = 0;
@@ -110,7 +110,7 @@ std::string scripts_html() {
     return html;
 }
 
-/// Replaces every {{NAME}}; one pass, so that inserted text is never searched.
+/// Replaces every {{NAME}} in one pass, so that inserted text is never searched.
 std::string filled(std::string_view page, const std::map<std::string, std::string>& values) {
     std::string text;
     while (true) {

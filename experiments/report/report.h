@@ -1,5 +1,5 @@
 #pragma once
-// report.html: one file that opens offline, made from stored results alone.
+// Makes report.html, one file that opens offline, from stored results alone.
 
 #include "experiments/analysis/analysis.h"
 
@@ -8,12 +8,12 @@
 
 namespace gib {
 
-/// The page. `damage`, if given, is told what cannot be read and is left out. Throws InputError if an image cannot be
-/// read that the page cannot do without.
+/// Returns the page. `damage`, if given, receives a message for each file that cannot be read and is left out. Throws
+/// InputError if an image that the page needs cannot be read.
 std::string report_html(const Analysis& analysis, const ResultFolder& folder,
                         std::vector<std::string>* damage = nullptr);
 
-/// Writes report.html; returns its path.
+/// Writes report.html and returns its path; `damage` and errors as for report_html().
 std::string write_report(const Analysis& analysis, const ResultFolder& folder,
                          std::vector<std::string>* damage = nullptr);
 

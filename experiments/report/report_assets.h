@@ -1,5 +1,5 @@
 #pragma once
-// The report's page, style and scripts (report/), and Chart.js of Debian's libjs-chart.js: embedded by the build.
+// The report's page, style and scripts (report_page/) and Debian's Chart.js (libjs-chart.js), embedded by the build.
 
 #include <string>
 #include <string_view>
@@ -7,11 +7,12 @@
 
 namespace gib {
 
-/// HTML with {{TITLE}}, {{STYLE}}, {{SUMMARY}}, {{OVERVIEW}}, {{SCENES}}, {{DATA}}, {{PICTURES}} and {{SCRIPTS}}.
+/// The HTML of the page, with {{TITLE}}, {{STYLE}}, {{SUMMARY}}, {{OVERVIEW}}, {{SCENES}}, {{DATA}}, {{PICTURES}} and
+/// {{SCRIPTS}} to be replaced.
 std::string_view report_page();
-/// CSS.
+/// The CSS of the page.
 std::string_view report_style();
-/// JavaScript, in the order in which it has to run; the first is Chart.js with its licence.
+/// The JavaScript of the page, in the order in which it has to run; the first is Chart.js with its licence.
 std::vector<std::string_view> report_scripts();
 
 }  // namespace gib

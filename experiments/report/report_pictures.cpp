@@ -24,7 +24,7 @@ namespace {
 /// The elements of the page that hold images; equal ones are stored once.
 class Store {
 public:
-    /// What the script reads to find and unpack it.
+    /// Adds an image. Returns what the script needs to find and unpack it.
     json add(const PackedImage& image) {
         const auto [entry, is_new] = ids_.try_emplace(image.text, ids_.size());
         if (is_new)
@@ -49,7 +49,7 @@ private:
     std::string html_;
 };
 
-/// A scene as it stands in the folder.
+/// The stored cells and images of one scene.
 struct SceneFiles {
     const Analysis& analysis;
     const ResultFolder& folder;
@@ -66,7 +66,7 @@ struct SceneFiles {
     }
 };
 
-/// Mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon).
+/// The bias of each pixel: the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon).
 std::vector<float> relative_bias(const SceneFiles& files, const std::vector<const Cell*>& cells,
                                  const Judgement& judgement, int reduction) {
     const Image r = reduced(judgement.total().mean, reduction);
@@ -137,8 +137,8 @@ json method_entry(const SceneFiles& files, std::size_t method, const Judgement& 
     return entry;
 }
 
-/// Sums of components that the viewer offers: what the numbers are about, then all, then each; not those that are
-/// black in every image.
+/// The sums of components that the viewer offers: the judged total, the sum of all if that is another one, and each
+/// component. Components that are black in every image are left out.
 json layers_of(const Reference& reference, const Judgement& judgement, const json& images) {
     json judged = json::array(), all = json::array();
     for (Component c : all_components) {
@@ -181,7 +181,7 @@ json scene_entry(const SceneFiles& files, int halvings, Store& store) {
 /// A frame that may be put into the page.
 struct PackedFrame {
     std::string scene;
-    std::size_t image;  ///< among the scene's
+    std::size_t image;  ///< index among the scene's images
     std::uint32_t passes;
     double seconds;
     PackedImage packed;
@@ -202,16 +202,19 @@ std::vector<PackedFrame> all_frames(const Analysis& analysis, const ResultFolder
                 if (!image) continue;
                 const Image small = reduced(*image, 1 << halvings);
                 if (small.width != entry["width"] || small.height != entry["height"]) continue;
-                frames.push_back({scene, i, checkpoint.passes, checkpoint.seconds,
-                                  pack_half(small.rgb, small.width, small.height, 3)});
+                frames.push_back({.scene = scene,
+                                  .image = i,
+                                  .passes = checkpoint.passes,
+                                  .seconds = checkpoint.seconds,
+                                  .packed = pack_half(small.rgb, small.width, small.height, 3)});
             }
         }
     return frames;
 }
 
-/// The least number of octaves between two frames of a cell for which they take no more than `bytes`.
+/// The smallest number of octaves of passes between two frames of a cell with which all frames take at most `bytes`.
 int octaves_apart(const std::vector<PackedFrame>& frames, std::size_t bytes) {
-    constexpr int most = 32;  // of 32-bit numbers of passes: nothing but the first frame is left
+    constexpr int most = 32;  // passes have 32 bits, so that only the first frame is left
     for (int octaves = 1; octaves < most; ++octaves) {
         std::set<std::string_view> texts;
         std::size_t sum = 0;
@@ -261,7 +264,7 @@ ReportPictures report_pictures(const Analysis& analysis, const ResultFolder& fol
         if (std::countr_zero(frame.passes) % octaves == 0)
             scenes[frame.scene]["images"][frame.image]["frames"].push_back(
                 {{"passes", frame.passes}, {"seconds", frame.seconds}, {"image", store.add(frame.packed)}});
-    return {scenes, store.html(), note_of(scenes, frames, octaves), damage};
+    return {.scenes = scenes, .elements = store.html(), .note = note_of(scenes, frames, octaves), .damage = damage};
 }
 
 }  // namespace gib

@@ -1,9 +1,9 @@
 #pragma once
 // The images inside the report: HDR data of every method and reference, within a budget of bytes.
 //
-// Each scene has the reference and, of each method, seed 1's final image by component, its frames on the way, its map
-// of FLIP and its bias (mean of the seeds against the reference). Pixels are half floats (image_pack.h), stored in
-// elements of their own that the page's script unpacks when it shows them.
+// There is for each scene the reference, and for each method seed 1's final image by component, its frames
+// (frames.h), its map of FLIP and its bias (mean of the seeds against the reference). Pixels are half floats
+// (image_pack.h), stored in elements of their own that the page's script unpacks when it shows them.
 
 #include "experiments/analysis/analysis.h"
 
@@ -15,20 +15,20 @@
 
 namespace gib {
 
-/// Bytes of images in a page, as text.
+/// Limits for the bytes that the images take in a page, as text.
 struct PictureBudget {
-    std::size_t final_images = 36'000'000;  ///< else all are reduced by a further factor of two
-    std::size_t all = 40'000'000;           ///< else fewer frames are kept
+    std::size_t final_images = 36'000'000;  ///< beyond it, all images are reduced by a further factor of two
+    std::size_t all = 40'000'000;           ///< beyond it, fewer frames are kept
 };
 
 struct ReportPictures {
-    nlohmann::json scenes;            ///< by scene's name; what the script needs to find its images
-    std::string elements;             ///< HTML
-    std::string note;                 ///< what was left out for the budget's sake, as sentences; may be empty
-    std::vector<std::string> damage;  ///< images on the way that cannot be read and are left out
+    nlohmann::json scenes;            ///< by name: where the script finds the images of the scene
+    std::string elements;             ///< HTML that holds the images
+    std::string note;                 ///< sentences about what the budget leaves out; may be empty
+    std::vector<std::string> damage;  ///< messages about frames that cannot be read and are left out
 };
 
-/// Throws InputError if an image of the folder cannot be read.
+/// Packs the images of a result folder. Throws InputError if one that is not a frame cannot be read.
 ReportPictures report_pictures(const Analysis& analysis, const ResultFolder& folder, const PictureBudget& budget = {});
 
 }  // namespace gib

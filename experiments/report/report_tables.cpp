@@ -31,7 +31,7 @@ std::string method_cell(const Analysis& analysis, const TableRow& row) {
     return "<th scope=\"row\">" + method_html(method_index(analysis, row.method), row.method) + "</th>";
 }
 
-/// A table that scrolls on its own; `rows`: of a scene, those with `row_html` empty are left out.
+/// A table of a scene's rows that scrolls on its own. Rows whose `row_html` is empty are left out.
 std::string table_of(const Analysis& analysis, const std::string& scene, const std::string& caption,
                      const std::string& head, const std::function<std::string(const TableRow&)>& row_html) {
     std::string html = fmt::format(
@@ -55,7 +55,7 @@ std::string column(const std::string& name, const std::string& explanation = "")
                        explanation.empty() ? "" : fmt::format(" title=\"{}\"", html_escape(explanation)), name);
 }
 
-/// Who reaches a target first; null if none does.
+/// The row of the method that reaches target `t` first; null if none does.
 const TableRow* cheapest(const Analysis& analysis, const std::string& scene, const std::string& component,
                          std::size_t t) {
     const TableRow* best = nullptr;
@@ -66,7 +66,7 @@ const TableRow* cheapest(const Analysis& analysis, const std::string& scene, con
     return best;
 }
 
-/// "42.0 (extrapolated)": what stands in brackets goes below.
+/// HTML of a text such as "42.0 (extrapolated)", with the part in brackets below the rest.
 std::string in_two_lines(const std::string& text) {
     const std::size_t at = text.find(" (");
     if (at == std::string::npos || text.back() != ')') return html_escape(text);
@@ -74,7 +74,7 @@ std::string in_two_lines(const std::string& text) {
                        html_escape(text.substr(at + 2, text.size() - at - 3)));
 }
 
-/// "a;b_c" as "a, b c".
+/// HTML of names such as "a;b_c", written "a, b c".
 std::string spaced_names(const std::string& names) {
     std::string text;
     for (const char c : names)
@@ -84,7 +84,7 @@ std::string spaced_names(const std::string& names) {
 
 std::string time_cell(const Analysis& analysis, const TableRow& row, std::size_t t) {
     if (!is_target_resolved(analysis, row.scene, row.component, t))
-        return "<td class=\"never\" title=\"the reference cannot tell\">not resolved</td>";
+        return "<td class=\"never\" title=\"the noise of the reference is larger\">not resolved</td>";
     if (!row.times[t]) {
         const std::string guess = unmeasured_time(row, target_errors[t]);
         return guess.empty() ? "<td class=\"never\" title=\"not reached\">&ndash;</td>"
@@ -109,7 +109,7 @@ std::string price_row(const Analysis& analysis, const TableRow& row) {
     return html + fmt::format("<td class=\"text\">{}</td>", spaced_names(row.effects_missing));
 }
 
-/// The floor as an error, and its parts; one whose interval reaches 0 is not resolved.
+/// The floor as a relative error [%] and its parts. A floor whose interval reaches 0 is not resolved.
 std::string floor_cells(const TableRow& row) {
     const auto& [floor, interval] = row.law->floor;
     if (interval && !(interval->lo > 0))
@@ -129,7 +129,7 @@ std::string law_row(const TableRow& row) {
     return html + fmt::format("<td>{:.0f} %</td>", 100 * row.law->misfit);
 }
 
-/// bias^2 and variance as a share of their sum; nothing if one is not known.
+/// A bar of the shares of bias^2 and variance in their sum; empty if one of them is not known.
 std::string split_bar(const ReplicateStatistics& s) {
     if (!std::isfinite(s.bias2->value) || !std::isfinite(s.variance->value)) return "";
     const double bias = at_least_zero(s.bias2->value), variance = at_least_zero(s.variance->value);
@@ -157,7 +157,7 @@ std::string split_row(const TableRow& row) {
     return html + fmt::format("<td>{}</td><td>{}</td>", row.flip ? short_number(*row.flip) : "", row.nonfinite);
 }
 
-/// Mean seconds by stage, in the order in which stages were met.
+/// The mean seconds of each stage, in the order of first occurrence.
 std::vector<StageTimes::Stage> mean_stages(const Analysis& analysis, const std::string& scene,
                                            const std::string& method) {
     std::vector<StageTimes::Stage> mean;
@@ -176,7 +176,7 @@ std::vector<StageTimes::Stage> mean_stages(const Analysis& analysis, const std::
     return mean;
 }
 
-/// Of the whole page, so that a stage has one colour everywhere.
+/// The stages of all scenes, so that a stage has one colour on the whole page.
 std::vector<std::string> stage_names(const Analysis& analysis) {
     std::vector<std::string> names;
     for (const Cell& cell : analysis.cells)
@@ -229,9 +229,10 @@ std::string laws_html(const Analysis& analysis, const std::string& scene) {
         column("component") + column("last halving", "factor of time for the last halving of the error, as measured") +
         column("next halving (extrapolated)", "factor of time for half the error of the final image, by the law") +
         column("floor %", "relative RMSE that more time does not remove, by the law") + column("of it bias %") +
-        column("of it fixed noise %", "variance that more time does not remove, as that of a fixed photon map") +
-        column("slope", "of the squared error above its floor; 1 for independent samples") +
-        column("worst point off the law", "share of the squared error");
+        column("of it fixed noise %", "variance that more time does not remove, such as that of a fixed photon map") +
+        column("slope", "how fast the squared error above its floor falls: as time^-slope; 1 for independent samples") +
+        column("worst point off the law",
+               "the largest distance of a point from the law, as a share of the squared error");
     return table_of(analysis, scene, "Laws of " + scene, head, law_row);
 }
 

@@ -9,19 +9,20 @@
 
 namespace gib {
 
-/// The cheapest methods at 5 % and 1 % of every scene, at one glance.
+/// A table of the cheapest method at 5 % and at 1 % for every scene.
 std::string overview_html(const Analysis& analysis);
 
-/// Time to each error of target_errors, preparation, memory.
+/// A table of the time to each error of target_errors, of preparation and of memory.
 std::string price_list_html(const Analysis& analysis, const std::string& scene);
 
-/// The fitted laws: what halving the error costs, and the error that more time does not remove.
+/// A table of the fitted laws: what halving the error costs, and the error that more time does not remove.
 std::string laws_html(const Analysis& analysis, const std::string& scene);
 
-/// When the best method changes; empty with one method.
+/// A table of the times at which the best method changes; empty if there is none.
 std::string crossovers_html(const Analysis& analysis, const std::vector<Crossover>& changes, const std::string& scene);
 
-/// bias^2 and variance of the final images with a bar of their shares; FLIP, where the noise lies.
+/// A table of bias^2 and variance of the final images with a bar of their shares, of the
+/// noise's frequencies and FLIP.
 std::string split_html(const Analysis& analysis, const std::string& scene);
 
 /// The mean seconds of each stage as bars on one scale.

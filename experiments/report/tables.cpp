@@ -29,7 +29,7 @@ void append_estimate(std::vector<std::string>& row, const std::optional<Estimate
     row.push_back(upper_of(e));
 }
 
-/// The law of the price: error^2 = floor + factor (seconds - prepare_seconds)^-slope.
+/// Appends the law of the price: error^2 = floor + factor (seconds - prepare_seconds)^-slope.
 void append_law(std::vector<std::string>& row, const TableRow& r) {
     const auto& price = r.law;
     append_estimate(row, price ? std::optional(price->floor) : std::nullopt);
@@ -87,7 +87,7 @@ std::vector<std::string> error_row(const TableRow& r, double noise_floor) {
     row.push_back(r.effects_missing);
     row.push_back(lower_of(s ? s->variance : std::nullopt));
     row.push_back(upper_of(s ? s->variance : std::nullopt));
-    // Undefined where the error is below what the reference resolves.
+    // The corrected errors are undefined where the error is below what the reference resolves.
     row.push_back(s && std::isfinite(s->rmse_corrected) ? csv_number(s->rmse_corrected) : "");
     row.push_back(s && std::isfinite(s->rel_mse_corrected) ? csv_number(s->rel_mse_corrected) : "");
     row.push_back(value_of(r.times[4]));
@@ -115,7 +115,7 @@ std::string with_interval(const Estimate& e, const std::function<std::string(dou
 std::string markdown_row(const TableRow& r, double noise_floor) {
     if (!r.statistics) return "";
     const auto& s = *r.statistics;
-    // Estimates of bias^2 may be negative; prose clips them, the CSV does not.
+    // Estimates of bias^2 may be negative; this table shows 0 for them, the CSV file keeps them.
     const std::string bias2 = s.bias2 ? short_number(at_least_zero(s.bias2->value)) : "";
     return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(r.scene),
                        markdown_text(r.method), short_number(r.seconds), relative_error_text(r, noise_floor),
@@ -124,7 +124,7 @@ std::string markdown_row(const TableRow& r, double noise_floor) {
                        r.noise ? short_number(r.noise->centroid) : "", r.effects_missing);
 }
 
-/// Where the mean error is that of a few pixels.
+/// The section about images whose mean error is that of a few pixels; empty if there are none.
 std::string outliers_text(const Analysis& analysis) {
     std::string text;
     for (const auto& row : analysis.rows)
@@ -133,8 +133,8 @@ std::string outliers_text(const Analysis& analysis) {
                                 percent_text(row.robust->share), percent_text(std::sqrt(row.robust->trimmed)),
                                 percent_text(std::sqrt(row.robust->median)));
     if (text.empty()) return "";
-    return "\n## Errors of few pixels\n\nThe worst 0.1 % of the pixels hold most of these images' squared error; the "
-           "errors without them and of the pixel in the middle, plain formulas.\n\n"
+    return "\n## Errors of few pixels\n\nThe worst 0.1 % of the pixels hold most of the squared error of these images. "
+           "The table has the error without them and the median over the pixels, by the plain formulas.\n\n"
            "| scene | method | share of the worst % | relative RMSE without them % | median % |\n"
            "|---|---|---:|---:|---:|\n" +
            text;
@@ -151,7 +151,11 @@ CsvTable curves_table(const Analysis& analysis) {
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
             const auto total = errors.find(total_name);
             const double nan = std::numeric_limits<double>::quiet_NaN();
-            const ImageError error = total != errors.end() ? total->second : ImageError{nan, nan, nan, nan, nan};
+            const ImageError error =
+                total != errors.end()
+                    ? total->second
+                    : ImageError{
+                          .mse = nan, .rmse = nan, .rel_mse = nan, .mse_corrected = nan, .rel_mse_corrected = nan};
             table.add({cell.scene, cell.method, std::to_string(cell.seed), std::to_string(checkpoint.passes),
                        csv_number(checkpoint.seconds), csv_number(cell.prepare_seconds),
                        std::to_string(checkpoint.passes), std::to_string(checkpoint.counts.photons),
@@ -232,7 +236,7 @@ std::string relative_error_text(const TableRow& row, double noise_floor) {
     const auto& s = *row.statistics;
     if (s.rel_mse_corrected <= noise_floor)
         return fmt::format("below {}, not resolved", percent_text(std::sqrt(noise_floor)));
-    const auto root = [&](double rel_mse) {  // the interval of the plain formula, less the reference's variance
+    const auto root = [&](double rel_mse) {  // an end of the plain interval, less the reference's variance
         return std::sqrt(at_least_zero(rel_mse - (s.rel_mse.value - s.rel_mse_corrected)));
     };
     Estimate relative{std::sqrt(s.rel_mse_corrected), std::nullopt};

@@ -1,5 +1,5 @@
 #pragma once
-// The tables of a result folder. Their columns are fixed by the design; further ones stand at the end.
+// Makes the tables of a result folder. The order of their columns does not change; new ones are added at the end.
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/text/csv.h"
@@ -12,14 +12,14 @@ CsvTable curves_table(const Analysis& analysis);
 CsvTable error_table(const Analysis& analysis);
 CsvTable spectra_table(const Analysis& analysis);
 CsvTable stages_table(const Analysis& analysis);
-/// The same for reading: the totals, and how good the references are.
+/// table.md: the totals for people to read, and how good the references are.
 std::string markdown_table(const Analysis& analysis);
 
 /// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
 void write_tables(const Analysis& analysis, const ResultFolder& folder);
 
-/// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or that the
-/// reference does not resolve it.
+/// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or a text
+/// that the reference does not resolve it.
 std::string relative_error_text(const TableRow& row, double noise_floor);
 
 }  // namespace gib

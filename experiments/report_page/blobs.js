@@ -1,9 +1,9 @@
-// Images out of the page's text: base64, zlib, half floats (experiments/report/image_pack.h is the inverse).
+// Unpacks images from the page's text: base64, zlib, half floats (experiments/report/image_pack.h packs them).
 "use strict";
 report.blobs = (() => {
   const unpacked = new Map();
 
-  // Of each of the 65536 halves.
+  // The value of each of the 65536 half floats.
   const halves = new Float32Array(65536);
   for (let bits = 0; bits < 65536; ++bits) {
     const sign = bits & 0x8000 ? -1 : 1;
@@ -53,7 +53,7 @@ report.blobs = (() => {
       if (!unpacked.has(key)) unpacked.set(key, unpack(blob));
       return unpacked.get(key);
     },
-    /** Forgets what was unpacked, but for the newest `keep`. */
+    /** Forgets all unpacked images but the newest `keep`. */
     trim(keep) {
       for (const key of [...unpacked.keys()].slice(0, Math.max(0, unpacked.size - keep))) unpacked.delete(key);
     },

@@ -1,4 +1,4 @@
-// The charts of a scene: error against time, and the spectra of noise and bias.
+// Draws the charts of a scene: error against time, and the spectra of noise and bias.
 "use strict";
 report.charts = (() => {
   const {data, element, number} = report;
@@ -7,7 +7,7 @@ report.charts = (() => {
     absolute: {label: "RMSE", column: 5, factor: 1},
   };
 
-  /** Ticks at powers of ten, and at 2 and 5 times these where there is room. */
+  /** Labels the ticks at powers of ten and, if there is room, at 2 and 5 times these. */
   function tickText(value, index, ticks) {
     const mantissa = Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3));
     const few = ticks.length < 20;
@@ -73,7 +73,7 @@ report.charts = (() => {
     };
   }
 
-  /** Two lines without marks, the second of which fills up to the first. */
+  /** Two lines without marks; the area between them is filled. */
   function band(method, low, high) {
     const plain = {hover: false, borderWidth: 0, pointRadius: 0, pointHoverRadius: 0, pointHitRadius: 0};
     const color = faint(report.methodColor(method), 0.18);
@@ -126,7 +126,10 @@ report.charts = (() => {
   const spectrumTip = (item) => [item.dataset.label,
     `power ${number(item.raw.power, 3)} at ${number(item.raw.x, 3)} cycles per pixel`];
 
-  /** A chart with its heading and canvas; `make` gives {data, options} or null where there is nothing to draw. */
+  /**
+   * A chart with its heading and canvas. `make` returns {sets, xAxis, yAxis, tip, words, nothing}; if no set has
+   * points, the text `nothing` stands in place of the chart.
+   */
   class Panel {
     constructor(place, heading, note, make) {
       this.make = make;
@@ -152,12 +155,12 @@ report.charts = (() => {
     }
   }
 
-  /** The charts of one scene, which follow `state`: {component, metric, hidden}. */
+  /** The charts of one scene. They show what `state` says: {component, metric, hidden}. */
   function sceneCharts(section, scene, state) {
     const panels = [
       new Panel(section.querySelector(".curve-chart"), "Error against time",
-        "Mean over the seeds with its 95 % band; the reference's own error is subtracted; below the dashed line it " +
-        "resolves nothing. Time is charged wall-clock time, preparation included.", () => ({
+        "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Below the dashed line the " +
+        "reference resolves nothing. Time is charged wall-clock time, preparation included.", () => ({
           sets: curveSets(scene, state.component, state.metric, state.hidden),
           xAxis: () => axis("logarithmic", "seconds"),
           yAxis: () => axis("logarithmic", metrics[state.metric].label),
@@ -172,16 +175,16 @@ report.charts = (() => {
           yAxis: () => axis("logarithmic", "power, white noise = 1"),
           tip: spectrumTip,
           words: `power of the noise of ${state.component} by frequency`,
-          nothing: "A spectrum of the noise needs three seeds and noise.",
+          nothing: "A spectrum of the noise needs at least three seeds, and images that have noise.",
         })),
       new Panel(section.querySelector(".bias-chart"), "Spectrum of the bias",
-        "Gaps: no bias there that the seeds and the reference could resolve.", () => ({
+        "In the gaps there is no bias that the seeds and the reference could resolve.", () => ({
           sets: spectrumSets(scene, state.component, "bias", state.hidden),
           xAxis: () => axis("linear", "cycles per pixel"),
           yAxis: () => axis("logarithmic", "power [radiance²]"),
           tip: spectrumTip,
           words: `power of the bias of ${state.component} by frequency`,
-          nothing: "No bias that the seeds and the reference could resolve.",
+          nothing: "There is no bias that the seeds and the reference could resolve.",
         })),
     ];
     return {draw: () => panels.forEach((panel) => panel.draw()), panels};

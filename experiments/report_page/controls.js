@@ -1,11 +1,11 @@
-// Labelled controls: every one has a name that is read out, and works with the keyboard as the browser has it.
+// Makes labelled controls. Each has a name for screen readers and works with the keyboard as usual in the browser.
 "use strict";
 report.controls = (() => {
   const {element} = report;
   let count = 0;
   const freshId = () => `control-${++count}`;
 
-  /** A labelled <select>; `options`: texts; `onChange` gets the index. */
+  /** A labelled <select> of the texts `options`; `onChange` receives the index. */
   function select(label, options, chosen, onChange) {
     const id = freshId();
     const box = element("select", {id}, ...options.map((text, i) =>
@@ -15,7 +15,7 @@ report.controls = (() => {
     return {whole, box, set: (i) => { box.value = String(i); }};
   }
 
-  /** A labelled slider with its value as text; `text` makes that of a number. */
+  /** A labelled slider that shows its value as text; `text` converts a number to it. */
   function slider(label, {min, max, step, value}, text, onInput) {
     const id = freshId();
     const input = element("input", {id, type: "range", min, max, step, value});
@@ -32,7 +32,7 @@ report.controls = (() => {
     return {whole, input, name, show, set: (v) => { input.value = v; show(); }};
   }
 
-  /** Radio buttons that look like one bar; `onChange` gets the index. */
+  /** Radio buttons that look like one bar; `onChange` receives the index. */
   function choice(label, options, chosen, onChange) {
     const name = freshId();
     const inputs = options.map((text, i) => element("input", {type: "radio", name, id: freshId(), value: String(i),

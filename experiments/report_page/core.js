@@ -1,4 +1,4 @@
-// What all scripts of the page share: the data, elements, colours of the scheme, numbers as text.
+// This part is shared by all scripts of the page: the data, elements, colours of the scheme, numbers as text.
 "use strict";
 const report = (() => {
   const data = JSON.parse(document.getElementById("report-data").textContent);
@@ -16,12 +16,12 @@ const report = (() => {
     return made;
   }
 
-  /** The value of a custom property in the present scheme. */
+  /** The value of a CSS custom property in the present colour scheme. */
   function color(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   }
 
-  /** Four significant digits, as a person would write them. */
+  /** A number as text with `digits` significant digits; powers of ten only if it is very large or small. */
   function number(value, digits = 4) {
     if (Number.isNaN(value)) return "not a number";
     if (!Number.isFinite(value)) return value > 0 ? "infinite" : "-infinite";

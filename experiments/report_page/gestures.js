@@ -1,9 +1,9 @@
-// Pointer, wheel and keys on the viewer's stage.
+// Handles pointer, wheel and keys on the viewer's stage.
 "use strict";
 report.gestures = (() => {
-  const grab = 14; // pixels from the divider at which it is taken
+  const grab = 14; // the divider can be grabbed within this many pixels
 
-  /** Moves: `actions` has flip(), setSplit(share), exposeBy(stops). */
+  /** Makes a stage react to input; `actions` has flip(), setSplit(share) and exposeBy(stops). */
   function listen(stage, state, actions) {
     const {place} = stage;
     const pointers = new Map();
@@ -46,7 +46,7 @@ report.gestures = (() => {
         pointers.delete(event.pointerId);
         onDivider = false;
       });
-    // Where the stage has no focus, the wheel scrolls the page.
+    // If the stage does not have the focus, the wheel scrolls the page.
     place.addEventListener("wheel", (event) => {
       if (document.activeElement !== place && !event.ctrlKey) return;
       event.preventDefault();

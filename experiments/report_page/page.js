@@ -47,7 +47,7 @@
     charts.draw();
     report.onScheme(() => charts.draw());
     section.charts = charts;
-    // A page of many scenes unpacks the images of those that are looked at.
+    // Images are unpacked when their scene comes into view, because a page may have many scenes.
     new IntersectionObserver((seen, observer) => {
       if (!seen.some((s) => s.isIntersecting)) return;
       observer.disconnect();

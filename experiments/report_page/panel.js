@@ -1,4 +1,4 @@
-// The viewer of a scene: its stage, the controls around it and the values under the cursor.
+// Makes the viewer of a scene: its stage, the controls around it and the values under the cursor.
 "use strict";
 report.panel = (() => {
   const {data, element, number, controls, viewer} = report;
@@ -33,9 +33,9 @@ report.panel = (() => {
       const {images, layers, times} = this.sources;
       const labels = images.map((image) => image.label);
       const change = (key) => (value) => { this.state[key] = value; this.changed(); };
-      // Labels of methods are long.
       this.a = controls.select("A", labels, this.state.a, change("a"));
       this.b = controls.select("B", labels, this.state.b, change("b"));
+      // These two are wide, because labels of methods are long.
       for (const side of [this.a, this.b]) side.whole.classList.add("wide");
       this.quantity = controls.choice("Show", viewer.quantities.map((q) => q.name), 0, change("quantity"));
       this.layer = controls.select("Component", layers.map((l) => l.name), 0, change("layer"));
@@ -47,14 +47,14 @@ report.panel = (() => {
       this.split = controls.slider("Split", {min: 0, max: 100, step: 1, value: 50}, (v) => `${v} %`,
         (v) => this.setSplit(v / 100));
       this.exposure = controls.slider("Exposure", stopRange, stopsText, (v) => this.setStops(v));
-      this.reset = controls.button("Reset", "exposure as it was", () => { this.exposure.set(0); this.setStops(0); });
+      this.reset = controls.button("Reset", "initial exposure", () => { this.exposure.set(0); this.setStops(0); });
       this.time = controls.slider("Time", {min: 0, max: Math.max(0, times.length - 1), step: 1,
         value: times.length - 1}, (i) => this.timeText(i), change("time"));
       this.zoom = element("div", {className: "control zoom", attributes: {role: "group", "aria-label": "zoom"}},
         controls.button("−", "zoom out", () => this.stage.zoomBy(1 / 1.5)),
         controls.button("+", "zoom in", () => this.stage.zoomBy(1.5)),
         controls.button("Fit", "the whole image", () => this.stage.fit()),
-        controls.button("1:1", "one pixel a pixel", () => { this.stage.setZoom(1, 0, 0); this.stage.center(); }));
+        controls.button("1:1", "actual pixels", () => { this.stage.setZoom(1, 0, 0); this.stage.center(); }));
       this.zoom.children[0].setAttribute("aria-label", "zoom out");
       this.zoom.children[1].setAttribute("aria-label", "zoom in");
     }

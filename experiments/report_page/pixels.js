@@ -1,4 +1,4 @@
-// From values to what a screen shows: exposure and sRGB's curve, colour scales, sums of components, errors.
+// Converts values to what a screen shows: exposure and sRGB's curve, colour scales, sums of components, errors.
 "use strict";
 report.pixels = (() => {
   const {data} = report;
@@ -9,7 +9,7 @@ report.pixels = (() => {
     curve[i] = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
   }
 
-  /** sRGB bytes of a linear value; what is not a number is black here, and magenta in maps. */
+  /** The sRGB byte of a linear value. NaN is black here and magenta in maps. */
   const shown = (v) => (v > 0 ? curve[Math.min(steps, Math.round(v * steps))] : 0);
 
   function scaleColor(scale, t) {
@@ -23,7 +23,7 @@ report.pixels = (() => {
   }
   const tables = Object.fromEntries(Object.entries(data.scales).map(([name, scale]) => [name, table(scale)]));
 
-  /** ImageData of radiance: values times 2^stops. */
+  /** ImageData of an image of radiance, whose values are multiplied by 2^stops. */
   function picture(image, stops) {
     const out = new ImageData(image.width, image.height);
     const factor = 2 ** stops;
@@ -34,7 +34,7 @@ report.pixels = (() => {
     return out;
   }
 
-  /** ImageData of one value a pixel in a colour scale from `low` to `high`. */
+  /** ImageData of an image with one value a pixel, in the colour scale `name` from `low` to `high`. */
   function map(image, name, low, high) {
     const out = new ImageData(image.width, image.height);
     for (let i = 0, o = 0; i < image.values.length; ++i, o += 4) {
@@ -46,14 +46,14 @@ report.pixels = (() => {
     return out;
   }
 
-  /** Images of one size, added. */
+  /** The sum of images of one size. */
   function sum(images) {
     const values = new Float32Array(images[0].values);
     for (const image of images.slice(1)) for (let i = 0; i < values.length; ++i) values[i] += image.values[i];
     return {...images[0], values};
   }
 
-  /** |x - r| / sqrt(r_total^2 + epsilon), mean of the channels: the tables' relative error, of one pixel. */
+  /** The tables' relative error for each pixel: the mean over channels of |x - r| / sqrt(r_total^2 + epsilon). */
   function errorOf(x, r, total) {
     const values = new Float32Array(x.width * x.height);
     for (let i = 0; i < x.values.length; ++i)

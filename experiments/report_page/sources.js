@@ -1,22 +1,22 @@
-// Which image stands for a method at a time, and its pixels as the viewer shows them.
+// Chooses the image that a method has at a time, and fetches its pixels for the viewer.
 "use strict";
 report.sources = (() => {
   const {data, blobs, pixels} = report;
 
-  /** Of one scene: its entry among the pictures. */
+  /** The images of one scene. */
   class Sources {
     constructor(scene) {
       this.pictures = data.pictures[scene];
       this.images = this.pictures.images;
       this.layers = this.pictures.layers;
       const times = this.images.slice(1).flatMap((image) => [...image.frames, image].map((frame) => frame.seconds));
-      /** When some method gets a new image. */
+      /** The seconds after which some method has a new image. */
       this.times = [...new Set(times)].sort((a, b) => a - b);
     }
 
     /**
-     * What there is of image `index` after times[time]: {none: why} or {passes, seconds, isFinal, image}. Components
-     * and maps exist of the final image alone, which then stands for any time.
+     * The state of image `index` after times[time]: {none: why} or {passes, seconds, isFinal, image}. With
+     * `wantsFinal` it is the final image at every time, because components and maps exist of that image alone.
      */
     at(index, time, wantsFinal) {
       const image = this.images[index];

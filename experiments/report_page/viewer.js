@@ -1,4 +1,4 @@
-// One viewer for all images of a scene: two of them, A and B, flipped or side by side, at the same pixel.
+// Shows two of the images of a scene, A and B, at the same position and zoom: flipped, or side by side.
 "use strict";
 report.viewer = (() => {
   const {data, element, number, pixels} = report;
@@ -8,10 +8,10 @@ report.viewer = (() => {
     {name: "bias", needsFinal: true},
     {name: "FLIP", needsFinal: true},
   ];
-  const largestError = 0.25; // the brightest colour of a map that is not amplified
-  const longest = 64; // unpacked images that are kept
+  const largestError = 0.25; // error with the brightest colour in a map that is not amplified
+  const longest = 64; // number of unpacked images that are kept
 
-  /** What one side shows: a bitmap with its values, or the reason why there is none. */
+  /** The content of one side: its image and map, or in `none` the reason why there is nothing to show. */
   async function sideOf(sources, state, index) {
     const quantity = quantities[state.quantity];
     const wantsFinal = quantity.needsFinal || state.layer !== 0;
@@ -27,7 +27,7 @@ report.viewer = (() => {
     } else if (quantity.name !== "image") {
       const blob = sources.images[index][quantity.name.toLowerCase()];
       if (blob) side.map = await report.blobs.get(blob);
-      else side.none = index === 0 ? "the reference is what others are measured against" : "it was not measured";
+      else side.none = index === 0 ? "the others are measured against the reference" : "it was not measured";
     }
     return side;
   }
@@ -52,7 +52,7 @@ report.viewer = (() => {
     return `${at.isFinal ? "final image, " : ""}${passes}, ${number(at.seconds, 3)} s`;
   }
 
-  /** The stage: a canvas with zoom and position, and what it shows. */
+  /** The stage is a canvas with its zoom and position, and with the images that it shows. */
   class Stage {
     constructor(sources, state, onCursor) {
       this.sources = sources;
@@ -134,7 +134,7 @@ report.viewer = (() => {
       this.place.setAttribute("aria-busy", "false");
     }
 
-    /** The same images with other exposure. */
+    /** Converts the same images with the present exposure and draws them. */
     expose() {
       this.bitmaps = this.sides.map((side) => bitmapOf(side, this.state));
       this.draw();

@@ -11,7 +11,7 @@ namespace gib {
 
 namespace {
 
-/// The colour of `t` in [0, 1].
+/// The colour of a scale at `t`, which is clamped to [0, 1].
 Color scale_color(ColorScale steps, float t) {
     const float position = std::clamp(t, 0.f, 1.f) * static_cast<float>(steps.size() - 1);
     const auto i = std::min(static_cast<std::size_t>(position), steps.size() - 2);
@@ -22,7 +22,7 @@ Color scale_color(ColorScale steps, float t) {
 }  // namespace
 
 float exposure_for(const Image& image) {
-    constexpr double middle = 0.3;  // displays as 0.58
+    constexpr double middle = 0.3;  // linear; 0.58 in sRGB
     double mean = 0;
     for (std::size_t i = 0; i < image.pixels(); ++i)
         mean += static_cast<double>(luminance(image.at(i)));

@@ -24,8 +24,8 @@ std::string record_path(const ResultFolder& folder, const std::string& cell_name
     return folder.cell_folder(cell_name) + "/flip.json";
 }
 
-/// What a record has to say beside the value: of which two images it is, and what their map's file holds (null: there
-/// is no map, because there is no value).
+/// The facts in a record beside the value: digests of its two images and of the map's file. The last is null if there
+/// is no map, because there is no value.
 json facts_of(const Image& total, const Image& r_total, const std::string& map) {
     return {{"image", image_digest({{{"", total}}, {}})},
             {"reference", image_digest({{{"", r_total}}, {}})},
@@ -36,8 +36,7 @@ bool is_flip(const json& value) {
     return value.is_null() || (value.is_number() && value.get<double>() >= 0 && value.get<double>() <= 1);
 }
 
-/// Null if there is none, if it or the map is damaged, or if it is about other images. Records of earlier versions do
-/// not say what they are about.
+/// The stored record. Null if there is none, if it or the map is damaged, or if it is not about these images.
 json stored_record(const std::string& path, const Image& total, const Image& r_total, const std::string& map) {
     if (!std::filesystem::exists(path)) return nullptr;
     try {
@@ -60,7 +59,7 @@ bool all_finite(const Image& image) {
     return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// Writes the map, too; neither where the images are not finite.
+/// Measures FLIP and writes its map. Empty, and nothing is written, if an image is not finite.
 std::optional<double> measure_flip(const Image& total, const Image& r_total, const std::string& map_file) {
     if (!all_finite(total) || !all_finite(r_total)) return std::nullopt;
     const FlipMap map = hdr_flip(total, r_total);
@@ -81,7 +80,7 @@ std::optional<double> cell_flip(const ResultFolder& folder, const std::string& c
         record = facts_of(total, r_total, map);
         record["flip"] = flip ? json(*flip) : json(nullptr);
         record["digest"] = json_digest(record);
-        // The record comes last: where it stands, the map is whole.
+        // The record is written last, so that a record implies a complete map.
         write_file(path, record.dump(1) + "\n");
     }
     const json& flip = record["flip"];

@@ -1,5 +1,6 @@
 #pragma once
-// The FLIP of a complete cell, kept beside its image: measured once, after all cells are timed, never charged.
+// The FLIP of a complete cell, which is kept beside its image. It is measured once, after all cells are timed, and
+// its time is never charged.
 
 #include "common/images/image.h"
 #include "experiments/results/result_folder.h"
@@ -9,14 +10,14 @@
 
 namespace gib {
 
-/// HDR-FLIP of a cell's final image against the reference, its mean over the pixels. The first call stores it as
-/// flip.json, and the map as flip_map(), in the cell's folder; later ones measure it again if either file was damaged
-/// or is about other images. Empty if either has values that are not finite. Throws
-/// InputError if sizes differ.
+/// HDR-FLIP of a cell's final image against the reference, mean over the pixels. Empty if either image has values
+/// that are not finite. The first call stores the value as flip.json and the map as flip_map() in the cell's folder.
+/// Later calls return it, and measure again if either file is damaged or belongs to other images. Throws InputError
+/// if sizes differ.
 std::optional<double> cell_flip(const ResultFolder& folder, const std::string& cell_name, const Image& total,
                                 const Image& r_total);
 
-/// Before a cell is done again.
+/// Deletes the stored FLIP of a cell before the cell is measured again.
 void forget_flip(const ResultFolder& folder, const std::string& cell_name);
 
 }  // namespace gib

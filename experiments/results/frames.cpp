@@ -25,7 +25,7 @@ std::string frame_path(const ResultFolder& folder, const std::string& cell_name,
     return frame_folder(folder, cell_name) + "/" + std::to_string(passes) + ".exr";
 }
 
-/// Outside a half's range of full precision the value is kept.
+/// The value as a half float; a value outside the range in which halves have full precision is kept.
 float rounded(float v) {
     constexpr float least = 6.103515625e-5f, largest = 65504.f;
     const float size = std::abs(v);

@@ -1,6 +1,6 @@
 #pragma once
-// Frames: images of a cell on its way, kept for the report's slider through time. They belong to seed 1 and hold the
-// judged total after 1, 2, 4, 8, ... passes.
+// Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
+// the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
 
 #include "common/images/image.h"
 #include "experiments/results/result_folder.h"
@@ -11,24 +11,25 @@
 
 namespace gib {
 
-/// No side of a frame has more pixels; larger films are reduced by a whole factor.
+/// The largest width and height of a frame [pixels]; larger films are reduced by a whole factor.
 inline constexpr int frame_size = 512;
 
-/// The least whole factor that brings a film to at most `largest` pixels a side.
+/// The smallest whole factor that reduces a film to at most `largest` pixels a side.
 int reduction_for(int width, int height, int largest);
-/// Means of blocks of factor x factor pixels; those at the right and lower edge may be smaller.
+/// The image of the means of blocks of factor x factor pixels; blocks at the right and lower edge may be smaller.
 Image reduced(const Image& image, int factor);
 
-/// Seed 1 after a power of two of passes, but for the last image, which is stored anyway.
+/// Whether an image is kept as a frame: of seed 1, after a power of two of passes. The last image is not kept as one,
+/// because it is stored anyway.
 bool keeps_frame(std::uint64_t seed, std::uint32_t passes, std::uint32_t last_passes);
 
-/// Values are rounded to half floats (those that a half cannot hold stay as they are), which halves the file. Written
-/// before the cell's record, so that a complete cell's frames are whole.
+/// Writes a frame, with values rounded to half floats to halve the file (values that a half cannot hold are kept).
+/// Frames are written before the cell's record, so that those of a complete cell are complete.
 void write_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes, const Image& total);
-/// Empty if the cell was measured before frames were kept, or if the file is damaged: `damage`, if given, then says so.
+/// Reads a frame. Empty if there is no file, or if it is damaged; `damage`, if given, then receives a message.
 std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes,
                                 std::string* damage = nullptr);
-/// Before a cell is done again.
+/// Deletes the frames of a cell before the cell is measured again.
 void forget_frames(const ResultFolder& folder, const std::string& cell_name);
 
 }  // namespace gib

@@ -23,7 +23,7 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
         for (std::size_t g = 0; g < std::min(total.groups.size(), layer->groups.size()); ++g)
             subtract(total.groups[g], layer->groups[g]);
     }
-    // Components are correlated: only the groups give the standard error of what is left.
+    // Components are correlated, so only the groups give the standard error of the remaining sum.
     partial_total_ = total.groups.size() > 1 ? layer_of_groups(std::move(total.groups)) : std::move(total);
 }
 

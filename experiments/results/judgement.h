@@ -1,5 +1,5 @@
 #pragma once
-// What of an image is compared with a reference: everything but the components that the reference does not resolve.
+// Selects the part of an image that is compared: all components but those that the reference does not resolve.
 
 #include "common/images/image.h"
 #include "experiments/metrics/reference_image.h"
@@ -12,17 +12,18 @@ namespace gib {
 
 class Judgement {
 public:
-    /// The reference outlives it.
+    /// `reference` has to outlive this object.
     explicit Judgement(const Reference& reference);
 
     bool is_resolved(Component c) const;
-    /// The total without unresolved components; its mean is the denominator of every relative error.
+    /// The total without unresolved components; its mean image stands in the denominator of every relative error.
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
     /// Null if the reference has no such component or does not resolve it.
     const ReferenceLayer* component(Component c) const;
+    /// The sum of the image's components without the unresolved ones.
     Image total_of(const ComponentImages& image) const;
 
-    /// The errors of the total and of each component that both have, by name.
+    /// The errors, by name, of the total and of each judged component that both the image and the reference have.
     std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const;
 
 private:

@@ -98,12 +98,17 @@ Manifest read_manifest(const std::string& path) {
         m.threads = count_from_json(j, "threads", path, 0, most_threads);
         m.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
         for (const auto& s : j.at("scenes"))
-            m.scenes.push_back({s.at("name"), s.at("file"), s.at("content_hash"), s.at("reference")});
+            m.scenes.push_back({.name = s.at("name"),
+                                .file = s.at("file"),
+                                .content_hash = s.at("content_hash"),
+                                .reference = s.at("reference")});
         for (const auto& c : j.at("cells"))
-            m.cells.push_back({c.at("scene"), c.at("method"),
-                               static_cast<std::uint64_t>(count_from_json(c, "seed", path, 1, most_seeds)),
-                               static_cast<std::uint32_t>(large_count_from_json(c, "passes", path, 1, most_passes)),
-                               c.at("image")});
+            m.cells.push_back(
+                {.scene = c.at("scene"),
+                 .method = c.at("method"),
+                 .seed = static_cast<std::uint64_t>(count_from_json(c, "seed", path, 1, most_seeds)),
+                 .passes = static_cast<std::uint32_t>(large_count_from_json(c, "passes", path, 1, most_passes)),
+                 .image = c.at("image")});
         const auto text = [&](const char* key) { return j.at(key).get<std::string>(); };
         m.machine = {{"program", text("program")},       {"commit", commit_text(text("commit"), j.at("modified"))},
                      {"compiler", text("compiler")},     {"flags", text("flags")},

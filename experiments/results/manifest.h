@@ -1,5 +1,6 @@
 #pragma once
-// manifest.json: everything that a result depends on and that its tables do not say; `gibench run --repeat` reads it.
+// Writes and reads manifest.json, which holds everything that a result depends on and that its tables do not say.
+// `gibench run --repeat` reads it.
 
 #include "experiments/results/result_folder.h"
 
@@ -12,7 +13,7 @@
 
 namespace gib {
 
-/// A complete cell as anyone can make it again: exactly its passes, whatever budget ended them.
+/// A complete cell as it can be repeated: with exactly as many passes, whatever budget ended them.
 struct ManifestCell {
     std::string scene, method;
     std::uint64_t seed = 1;
@@ -20,7 +21,7 @@ struct ManifestCell {
     std::string image;  ///< digest of the final image's pixels
 };
 
-/// What a run knows besides the index.
+/// The facts about a run that its index does not hold.
 struct ManifestRun {
     std::string command_line;     ///< as it was typed
     std::string experiment_file;  ///< its path, as it was typed
@@ -30,7 +31,7 @@ struct ManifestRun {
 
 std::string manifest_text(const ResultIndex& index, const ManifestRun& run);
 
-/// A manifest as it is read back.
+/// The content of a manifest that was read back.
 struct Manifest {
     struct Scene {
         std::string name, file, content_hash, reference;
@@ -39,13 +40,13 @@ struct Manifest {
     int threads = 0, seeds = 1;
     std::vector<Scene> scenes;
     std::vector<ManifestCell> cells;
-    /// Commit, compiler, flags, processor and libraries, by what a reader calls them.
+    /// Commit, compiler, flags, processor and libraries, by the names that messages use for them.
     std::map<std::string, std::string> machine;
 };
 
-/// Throws InputError: no such file, no manifest, or one of a version that did not say enough.
+/// Throws InputError if the file is missing or not a manifest, or if it does not say how many passes each cell made.
 Manifest read_manifest(const std::string& path);
-/// Of this program on this processor.
+/// Manifest::machine for this program on this processor.
 std::map<std::string, std::string> this_machine();
 
 /// The processor's name as the system gives it.

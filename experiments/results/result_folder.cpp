@@ -30,8 +30,11 @@ json to_json(const ImageError& e) {
 }
 
 ImageError error_from(const json& j) {
-    return {number_from_json(j.at("mse")), number_from_json(j.at("rmse")), number_from_json(j.at("rel_mse")),
-            number_from_json(j.at("mse_corrected")), number_from_json(j.at("rel_mse_corrected"))};
+    return {.mse = number_from_json(j.at("mse")),
+            .rmse = number_from_json(j.at("rmse")),
+            .rel_mse = number_from_json(j.at("rel_mse")),
+            .mse_corrected = number_from_json(j.at("mse_corrected")),
+            .rel_mse_corrected = number_from_json(j.at("rel_mse_corrected"))};
 }
 
 json to_json(const Cell& cell) {
@@ -89,8 +92,13 @@ json to_json(const IndexScene& s) {
 }
 
 IndexScene scene_from(const json& j) {
-    IndexScene s{j.at("name"), j.at("path"), j.at("content_hash"), j.at("reference"), j.at("reference_method"),
-                 {},           j.at("notes")};
+    IndexScene s{.name = j.at("name"),
+                 .path = j.at("path"),
+                 .content_hash = j.at("content_hash"),
+                 .reference = j.at("reference"),
+                 .reference_method = j.at("reference_method"),
+                 .target = {},
+                 .notes = j.at("notes")};
     if (!j.at("target").is_null()) s.target = j.at("target").get<double>();
     return s;
 }
@@ -111,7 +119,8 @@ std::string CellIdentity::folder_name() const {
     ContentHash hash;
     hash.add(scene);
     hash.add(method);
-    // The digits keep labels apart that differ only in characters that a file name cannot have, or past its length.
+    // The digits distinguish labels that differ only in unsafe characters or beyond the cut, so that
+    // their names are equal.
     return fmt::format("{}-{}-{}-s{}", file_name_of(scene), file_name_of(method), hash.hex().substr(0, 6), seed);
 }
 
@@ -171,7 +180,7 @@ void ResultFolder::remove_leftovers() const {
 std::string ResultFolder::method_file(const std::string& scene, const std::string& method,
                                       const std::string& ending) const {
     std::string name = file_name_of(method);
-    if (name.size() < method.size()) {  // cut off: labels that begin alike must not share a file
+    if (name.size() < method.size()) {  // it was cut, and labels with the same beginning must not share a file
         ContentHash hash;
         hash.add(method);
         name += "-" + hash.hex().substr(0, 6);
@@ -235,7 +244,7 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         json j = read_json(path);
         const std::string digest = j.value("digest", "");
         j.erase("digest");
-        // Records of earlier versions have no digests and are believed.
+        // A record may lack a digest, which older files do not have; it is then accepted unchecked.
         if (!digest.empty() && digest != json_digest(j))
             return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key || j.at("complete") != true) return std::nullopt;

@@ -36,7 +36,7 @@ Experiment with_options(Experiment experiment, const RunOptions& options) {
     return experiment;
 }
 
-/// Seconds that cells still need, from those of the same method and scene that are done.
+/// Estimates the seconds that a cell takes: those of the last one of its scene and method, else the mean of all.
 class CostModel {
 public:
     void add(const CellIdentity& cell, double seconds) {
@@ -55,7 +55,7 @@ private:
     int count_ = 0;
 };
 
-/// What a folder's index says of its references, by their identities; nothing without an index that can be read.
+/// The notes about references in a folder's index, by the references' identities; empty if no index can be read.
 std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder& folder) {
     std::map<std::string, std::vector<std::string>> notes;
     try {
@@ -67,7 +67,7 @@ std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder&
     return notes;
 }
 
-/// Of a cell's work: whichever of its ends is nearest.
+/// The share of a cell's work that is done, by the limit (spp, passes or seconds) that is nearest.
 double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
     const auto done = static_cast<double>(passes);
     double share = done / cell.spp;
@@ -76,7 +76,8 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
     return std::min(share, 1.0);
 }
 
-/// A cell's work, which is gone with it: what a cell that failed left on a full disk would be missing for all others.
+/// The work folder of a cell, which is removed with this object: on a full disk, what a failed cell left there would
+/// take the space of all others.
 class WorkFolder {
 public:
     explicit WorkFolder(std::string path) : path_(std::move(path)) {
@@ -98,7 +99,7 @@ private:
 }  // namespace
 
 void link_file(const std::string& from, const std::string& to) {
-    const std::string fresh = to + ".tmp-linked";  // remove_leftovers_in() knows it by its ending
+    const std::string fresh = to + ".tmp-linked";  // remove_leftovers_in() finds it by this ending
     std::error_code error;
     fs::remove(fresh, error);
     fs::create_hard_link(from, fresh, error);
@@ -109,12 +110,12 @@ void link_file(const std::string& from, const std::string& to) {
         fs::remove(fresh, ignored);
         throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
     }
-    fs::remove(fresh, error);  // rename leaves it where both already were one file
+    fs::remove(fresh, error);  // rename() leaves it if both were names of one file already
 }
 
 namespace {
 
-/// A picture of a cell that is not in the tables goes.
+/// Links a picture to `to`, or removes `to` if the tables do not have its cell.
 void link_or_remove(bool is_there, const std::string& from, const std::string& to) {
     if (is_there) link_file(from, to);
     else fs::remove(to);
@@ -132,7 +133,10 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
       build_(executable_hash()) {
     for (const auto& entry : experiment_.scenes) {
         const auto start = std::chrono::steady_clock::now();
-        scenes_.push_back({entry, load_scene(entry.path, {{}, experiment_.resolution}), "", {}, false});
+        scenes_.push_back({.entry = entry,
+                           .loaded = load_scene(entry.path, {{}, experiment_.resolution}),
+                           .reference = "",
+                           .notes = {}});
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         if (options.repeat) options.repeat->check_scene(entry, scenes_.back().loaded.content_hash);
         progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
@@ -151,8 +155,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     require_writable(references);
     folder_.remove_leftovers();
     remove_leftovers_in(references);
-    // Scenes that are not selected, or not reached before Ctrl-C, keep the reference that their cells were measured
-    // with.
+    // Scenes that are not selected, or not reached before Ctrl-C, keep the reference of their stored cells.
     const auto notes = stored_notes(folder_);
     for (auto& scene : scenes_) {
         const std::string image = folder_.reference_image(scene.entry.name);
@@ -223,8 +226,14 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     if (take_reference_of(scene)) return;
     const MethodLabel& label = experiment_.reference_method;
     const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
-    const ReferenceWork work{scene.loaded, find_method(label.name), label, scene.entry.goal, experiment_.epsilon, path};
-    // Held until the folder has its own name for the file: another run may make it better at any time after.
+    const ReferenceWork work{.scene = scene.loaded,
+                             .method = find_method(label.name),
+                             .label = label,
+                             .goal = scene.entry.goal,
+                             .epsilon = experiment_.epsilon,
+                             .path = path};
+    // The lock is held until the folder has its own name for the file, because another run may replace the file at
+    // any time after.
     const FileLock lock = lock_reference(path, [&](const std::string& owner) {
         progress_.message(
             fmt::format("the reference of {}: {} is making it; waiting until it has ended", scene.entry.name, owner));
@@ -274,7 +283,7 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
                     if (passes == options_.repeat->passes.end()) continue;
                     identity.budget = {std::nullopt, passes->second};
                 }
-                cells.push_back({&scene, &label, identity, name});
+                cells.push_back({.scene = &scene, .label = &label, .identity = identity, .name = name});
             }
     return cells;
 }
@@ -305,7 +314,8 @@ void ExperimentRun::run_cells() {
     const std::vector<PlannedCell> all = cells();
     const auto to_do = cells_to_do(all);
     folder_.write_index(index());
-    // One at a time: those of many scenes would not fit into memory. Cells of a scene follow each other.
+    // Only one reference is in memory, because those of many scenes would not fit. Within a seed, the cells of a
+    // scene follow each other.
     const SceneState* referred = nullptr;
     std::optional<Reference> reference;
     CostModel costs;
@@ -354,14 +364,14 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
     const WorkFolder work(folder_.work_folder(cell.name));
-    const CellRequest request{cell.scene->entry.path,
-                              experiment_.resolution,
-                              cell.identity.scene_hash,
-                              cell.identity.method,
-                              cell.identity.seed,
-                              cell.identity.budget,
-                              threads_,
-                              work.path()};
+    const CellRequest request{.scene_path = cell.scene->entry.path,
+                              .resolution = experiment_.resolution,
+                              .scene_hash = cell.identity.scene_hash,
+                              .method = cell.identity.method,
+                              .seed = cell.identity.seed,
+                              .budget = cell.identity.budget,
+                              .threads = threads_,
+                              .work_folder = work.path()};
     const CellTiming timing = run_cell_process(options_.program, request, observer);
 
     Cell record;
@@ -405,8 +415,13 @@ ResultIndex ExperimentRun::index() {
     index.seeds = experiment_.seeds;
     index.threads = threads_;
     for (const auto& scene : scenes_)
-        index.scenes.push_back({scene.entry.name, scene.entry.path, scene.loaded.content_hash, scene.reference,
-                                experiment_.reference_method.text(), scene.entry.goal.target, scene.notes});
+        index.scenes.push_back({.name = scene.entry.name,
+                                .path = scene.entry.path,
+                                .content_hash = scene.loaded.content_hash,
+                                .reference = scene.reference,
+                                .reference_method = experiment_.reference_method.text(),
+                                .target = scene.entry.goal.target,
+                                .notes = scene.notes});
     for (const auto& label : experiment_.methods)
         index.methods.push_back(label.text());
     index.effects_missing = effects_missing_;
@@ -422,7 +437,7 @@ void ExperimentRun::link_images(const ResultIndex& index) {
             const auto key = index.cell_keys.find(name);
             const bool complete = key != index.cell_keys.end() && folder_.read_cell(name, key->second);
             link_or_remove(complete, folder_.cell_image(name), folder_.method_image(scene.name, method));
-            // Without FLIP there is none.
+            // A cell without FLIP has no map.
             link_or_remove(complete && fs::exists(folder_.flip_map(name)), folder_.flip_map(name),
                            folder_.method_flip_map(scene.name, method));
         }
@@ -432,17 +447,22 @@ std::vector<ManifestCell> ExperimentRun::complete_cells() {
     std::vector<ManifestCell> complete;
     for (const auto& cell : cells())
         if (const auto stored = folder_.read_cell(cell.name, cell.identity.key()))
-            complete.push_back(
-                {stored->scene, stored->method, stored->seed, stored->last().passes,
-                 stored->image.empty() ? image_digest(read_image(folder_.cell_image(cell.name))) : stored->image});
+            complete.push_back({.scene = stored->scene,
+                                .method = stored->method,
+                                .seed = stored->seed,
+                                .passes = stored->last().passes,
+                                .image = stored->image.empty() ? image_digest(read_image(folder_.cell_image(cell.name)))
+                                                               : stored->image});
     return complete;
 }
 
 std::string ExperimentRun::write_results() {
     const ResultIndex now = index();
     folder_.write_index(now);
-    write_file(folder_.file("manifest.json"),
-               manifest_text(now, {options_.command_line, experiment_.path, experiment_.resolution, complete_cells()}));
+    write_file(folder_.file("manifest.json"), manifest_text(now, {.command_line = options_.command_line,
+                                                                  .experiment_file = experiment_.path,
+                                                                  .resolution = experiment_.resolution,
+                                                                  .cells = complete_cells()}));
     std::string report;
     std::vector<std::string> damage;
     with_threads(threads_, [&] {

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of `gibench run`, and what they share.
+// Runs an experiment (`gibench run`): references, then cells, then tables and report.
 
 #include "common/reader/scene_file.h"
 #include "experiments/plan/run_options.h"
@@ -18,27 +18,27 @@ namespace gib {
 
 class ExperimentRun {
 public:
-    /// Reads and checks everything, then takes the folder for itself until it is destroyed. Throws InputError.
+    /// Reads and checks everything, then locks the result folder until this object is destroyed. Throws InputError.
     explicit ExperimentRun(const RunOptions& options);
 
     /// Brings every selected scene's reference to its goal, and measures every selected cell that is not complete. A
-    /// scene whose reference cannot be made fails with all its cells. False: interrupted by the user.
+    /// scene whose reference cannot be made fails with all its cells. Returns false if the user interrupted it.
     bool measure();
-    /// Tables, images and report from all complete cells of the experiment. Returns the report's path.
+    /// Writes tables, images and report of all complete cells of the experiment. Returns the report's path.
     std::string write_results();
 
-    /// In the order of the tables' seeds; with those that were complete before.
+    /// All complete cells, seeds outermost, including those that earlier runs completed.
     std::vector<ManifestCell> complete_cells();
 
     const ResultFolder& folder() const { return folder_; }
-    /// What failed, one line each.
+    /// A line for each reference and each cell that failed.
     const std::vector<std::string>& failures() const { return failures_; }
 
 private:
     struct SceneState {
         ExperimentScene entry;
         LoadedScene loaded;
-        std::string reference;  ///< identity; empty: none
+        std::string reference;  ///< identity; empty: there is none
         std::vector<std::string> notes;
         bool failed = false;  ///< its reference could not be made
     };
@@ -51,15 +51,17 @@ private:
 
     bool selected(const SceneState& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
-    /// From here on the old ones are no results: who goes on after an interruption must not take them for fresh ones.
+    /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does
+    /// not take them for fresh ones.
     void forget_cells();
     void make_references();
     void run_cells();
     void make_reference_of(SceneState& scene);
-    /// Takes the reference that a run to repeat was measured with, if it is intact.
+    /// Takes the reference with which the run that is repeated was measured. Returns false if no run is repeated or
+    /// if that reference is not intact.
     bool take_reference_of(SceneState& scene);
-    /// All cells of the experiment, seeds outermost: costs are known after the first seed, and a machine that slows
-    /// down treats all methods alike.
+    /// All cells of the experiment, seeds outermost, so that costs are known after the first seed and a machine that
+    /// slows down treats all methods alike.
     std::vector<PlannedCell> cells();
     std::vector<const PlannedCell*> cells_to_do(const std::vector<PlannedCell>& all);
     void run_cell(const PlannedCell& cell, const class Judgement& judgement, const PassObserver& observer);
@@ -80,7 +82,8 @@ private:
     std::vector<std::string> failures_;
 };
 
-/// A second name for a file, or a copy where the file system has none; replaces `to` at once.
+/// Makes `to` a hard link to the file `from`, or a copy if the file system has no hard links; an existing `to` is
+/// replaced at once. Throws RunError.
 void link_file(const std::string& from, const std::string& to);
 
 }  // namespace gib

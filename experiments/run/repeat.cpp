@@ -23,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int exit_failed = 1, exit_interrupted = 130;
 
-/// Its name last, without a slash: "." and ".." name nothing that "-repeat" could be appended to.
+/// The path of a folder with its name at the end and no slash after it. "." and ".." are resolved, because "-repeat"
+/// cannot be appended to them.
 std::string named_folder(const std::string& folder) {
     fs::path path = fs::path(folder).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();
@@ -31,9 +32,9 @@ std::string named_folder(const std::string& folder) {
     return path.string();
 }
 
-/// Whether a path, of which there need not be anything yet, leads to a folder or into it.
+/// Whether a path, which need not exist, is that of a folder or of something in it.
 bool lies_in(const std::string& path, const std::string& folder) {
-    std::error_code ignored;  // what is not there is no folder
+    std::error_code ignored;  // a path that does not exist is not the folder
     fs::path place = fs::weakly_canonical(fs::absolute(path), ignored);
     while (!fs::equivalent(place, folder, ignored)) {
         if (place == place.parent_path()) return false;
@@ -42,7 +43,8 @@ bool lies_in(const std::string& path, const std::string& folder) {
     return true;
 }
 
-/// Its scenes are found from here as they were found from where the run was started, or else there.
+/// The path of the experiment file. It is relative to the current folder if all scenes are found from there, else to
+/// the folder in which the run was started.
 std::string experiment_path(const Manifest& manifest) {
     const bool here = std::all_of(manifest.scenes.begin(), manifest.scenes.end(),
                                   [](const Manifest::Scene& scene) { return fs::exists(scene.file); });
@@ -50,8 +52,11 @@ std::string experiment_path(const Manifest& manifest) {
 }
 
 RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
-    RepeatPlan plan{
-        parse_experiment(manifest.experiment_text, experiment_path(manifest)), ResultFolder(folder), {}, {}, {}};
+    RepeatPlan plan{.experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest)),
+                    .original = ResultFolder(folder),
+                    .passes = {},
+                    .scene_hashes = {},
+                    .references = {}};
     plan.experiment.seeds = manifest.seeds;
     for (const auto& cell : manifest.cells) {
         plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
@@ -77,7 +82,7 @@ void warn_of_differences(const std::map<std::string, std::string>& then) {
                                      of(then, what), of(now, what));
 }
 
-/// How far two images are apart; empty if they cannot be compared.
+/// A text that says how far two images are apart; empty if they cannot be compared.
 std::string difference(const std::string& path, const std::string& other_path) {
     try {
         const LayeredImage a = read_image(path), b = read_image(other_path);
@@ -99,7 +104,7 @@ std::string difference(const std::string& path, const std::string& other_path) {
     }
 }
 
-/// What failed of a cell or of its scene's reference.
+/// The message of what failed of a cell or of its scene's reference; empty if nothing did.
 std::optional<std::string> failure_of(const ManifestCell& cell, const std::vector<std::string>& failures) {
     for (const auto& start : {fmt::format("{}, {}, seed {}: ", cell.scene, cell.method, cell.seed),
                               fmt::format("the reference of {}: ", cell.scene)})
@@ -151,7 +156,7 @@ int repeat_run(const RepeatOptions& options, std::ostream& out) {
     if (lies_in(*run_options.out, folder))
         throw InputError("--repeat needs a folder of its own: --out is the one that is repeated, or lies in it");
     run_options.threads = manifest.threads;
-    run_options.fresh = true;  // what an earlier repetition left proves nothing
+    run_options.fresh = true;  // the cells of an earlier repetition would prove nothing
     run_options.program = options.program;
     run_options.command_line = options.command_line;
     run_options.repeat = &plan;

@@ -1,5 +1,5 @@
 #pragma once
-// What a repeated run (`gibench run --repeat`) has to do: the cells and passes of the run that it repeats.
+// The work of a repeated run (`gibench run --repeat`): the cells and passes of the run that it repeats.
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/results/result_folder.h"
@@ -10,7 +10,7 @@
 
 namespace gib {
 
-/// What a run does instead of what its experiment file says.
+/// A run that has such a plan follows it instead of its experiment file.
 struct RepeatPlan {
     Experiment experiment;
     ResultFolder original;
@@ -20,7 +20,7 @@ struct RepeatPlan {
 
     bool has_cells_of(const std::string& scene, const std::string& method) const;
     std::string reference_of(const std::string& scene) const;
-    /// Throws InputError, with its file, if the scene is not what it was.
+    /// Throws InputError, with the scene's file, if the scene's content has changed since the run.
     void check_scene(const ExperimentScene& scene, const std::string& content_hash) const;
 };
 

@@ -27,8 +27,9 @@ void require_utf8(const std::string& text, const char* what) {
     }
 }
 
-/// The file is read several times, for hard cases by other processes too: a pipe would be empty by then. What cannot be
-/// read at all is said by reading it.
+/// Throws InputError if the experiment exists but is not a regular file: it is read several times, for hard cases by
+/// other processes too, and a pipe would be empty after the first time. A file that cannot be read gives an error
+/// when it is read.
 void require_regular_file(const std::string& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);

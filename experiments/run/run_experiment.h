@@ -1,5 +1,5 @@
 #pragma once
-// `gibench run`: an experiment from its file to its tables and report.
+// Runs an experiment (`gibench run`), from its file to its tables and report.
 
 #include "experiments/plan/run_options.h"
 
@@ -8,12 +8,13 @@
 
 namespace gib {
 
-/// Throws InputError if the command line or the current folder's name is not UTF-8, as the records of a run, which name
-/// both, have to be: the first record would notice, when much is computed.
+/// Throws InputError if the command line or the current folder's name is not UTF-8. The records of a run name both
+/// and have to be UTF-8; without this check the first record would fail, after much is computed.
 void require_utf8_names(const std::string& command_line);
 
-/// Exit code: 0 done, 1 a cell failed (said on stderr), 130 interrupted; what is complete is kept and in the tables.
-/// Throws InputError, before anything is computed or written, for whatever is wrong with the experiment.
+/// Runs an experiment and returns the exit code: 0 done, 1 a cell or reference failed (stderr says which), 130
+/// interrupted. Complete cells are kept and are in the tables in every case. Throws InputError, before anything is
+/// computed or written, if the experiment is wrong.
 int run_experiment(const RunOptions& options, std::ostream& out);
 
 }  // namespace gib

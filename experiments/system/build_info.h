@@ -1,5 +1,5 @@
 #pragma once
-// What this program was built from and with.
+// The commit, the compiler, the flags and the libraries that this program was built with.
 
 #include <string>
 #include <utility>
@@ -7,12 +7,12 @@
 
 namespace gib {
 
-/// "gibench 0.1.0".
+/// Name and version, as in "gibench 0.1.0".
 std::string program_version();
 
 struct BuildInfo {
     std::string commit;  ///< of git, "unknown" outside a repository
-    bool modified;       ///< files differed from that commit
+    bool modified;       ///< whether files differed from that commit
     std::string compiler;
     std::string flags;
     std::string build_type;
@@ -20,10 +20,10 @@ struct BuildInfo {
 };
 const BuildInfo& build_info();
 
-/// Where the scenes that come with the program are.
+/// The folder of the scenes that come with the program.
 std::string shipped_scenes_folder();
 
-/// SHA-1 of the running program's file: cells of different builds are not silently mixed.
+/// SHA-1 of the running program's file, so that cells of different builds are not silently mixed.
 std::string executable_hash();
 
 }  // namespace gib

@@ -22,7 +22,7 @@ namespace gib {
 
 namespace {
 
-/// The reading end of a pipe from the child.
+/// A pipe through which the child writes and this process reads.
 class Pipe {
 public:
     Pipe() {
@@ -46,7 +46,7 @@ private:
     int ends_[2];
 };
 
-/// Where the child's messages go: memory, so that a full disk cannot lose the message that says so.
+/// Keeps the messages of the child in memory, so that a full disk cannot lose the message that reports it.
 class Messages {
 public:
     Messages() : fd_(memfd_create("messages", MFD_CLOEXEC)) {
@@ -86,7 +86,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int output, int messages)
     return child;
 }
 
-/// The exit status, once the child has ended.
+/// The status that waitpid() gives once the child has ended, or -1 if waitpid() fails; empty while the child runs.
 std::optional<int> ended(pid_t child) {
     int status = 0;
     const pid_t done = waitpid(child, &status, WNOHANG);
@@ -104,7 +104,8 @@ void stop(pid_t child) {
     waitpid(child, nullptr, 0);
 }
 
-/// Hands over what has arrived. False at the end of the stream.
+/// Passes the complete lines that have arrived to `on_line` and
+/// keeps the rest in `pending`. False at the end of the stream.
 bool read_lines(int fd, std::string& pending, const std::function<void(const std::string&)>& on_line) {
     char buffer[4096];
     const ssize_t count = read(fd, buffer, sizeof buffer);
@@ -125,7 +126,8 @@ void run_child(const std::vector<std::string>& arguments, const std::function<vo
     std::string pending;
     std::optional<int> status;
     bool open = true;
-    // Short waits instead of one long one: a signal between the question and the wait would otherwise be missed.
+    // Short waits instead of one long wait: a signal that arrives between the check and the wait would be missed
+    // until its end.
     while (!status) {
         if (InterruptGuard::requested()) {
             stop(child);
@@ -136,7 +138,7 @@ void run_child(const std::vector<std::string>& arguments, const std::function<vo
         else if (poll(&wait, 1, 50) > 0) open = read_lines(pipe.reader(), pending, on_line);
         status = ended(child);
     }
-    // What it said last may still be in the pipe.
+    // The last lines of the child may still be in the pipe.
     for (pollfd rest{pipe.reader(), POLLIN, 0}; open && poll(&rest, 1, 0) > 0;)
         open = read_lines(pipe.reader(), pending, on_line);
     if (InterruptGuard::requested()) throw Interrupted();  // Ctrl-C reaches the child too

@@ -1,5 +1,5 @@
 #pragma once
-// Starting a program, listening to it, and stopping it when the user asks to.
+// Runs another program: starts it, reads its output, and stops it when the user asks for that.
 
 #include "common/core/error.h"
 
@@ -9,20 +9,20 @@
 
 namespace gib {
 
-/// A program that could not be started: no processes, no memory or no files are left. It says nothing about the
-/// program.
+/// Thrown if a program could not be started, for example because no processes, memory or files are left. This says
+/// nothing about the program itself.
 class ChildNotStarted : public RunError {
 public:
     using RunError::RunError;
 };
 
-/// Runs a program to its end. Its standard output is handed over line by line, its standard error is kept in memory.
-/// Throws ChildNotStarted; RunError, with the child's last message, if it fails or is killed;
-/// Interrupted, after stopping it, on Ctrl-C (see InterruptGuard).
+/// Runs a program to its end. Each line of its standard output is passed to `on_line`; its standard error is kept in
+/// memory. Throws ChildNotStarted; RunError, with the last message of the child, if the child fails or is killed;
+/// Interrupted on Ctrl-C, after it has stopped the child (see InterruptGuard).
 void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line);
 
-/// Makes the kernel end this process when the one that started it dies, so that no cell goes on without a run that
-/// wants it. Throws RunError if that was not `parent`, which then is dead already; 0: whichever it is.
+/// Makes the kernel end this process when its parent dies, so that no cell goes on without its run. Throws RunError
+/// if the parent is not the process `parent`, which then has died already; 0 accepts any parent.
 void die_with_parent(int parent = 0);
 
 }  // namespace gib

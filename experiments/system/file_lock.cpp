@@ -19,7 +19,7 @@ namespace gib {
 
 namespace {
 
-/// Whether the name still leads to the open file: its last owner may have removed it in between.
+/// Whether the path still leads to the open file, which its last owner may have removed after it was opened here.
 bool is_named(int fd, const std::string& path) {
     struct stat open_file {
     }, named{};
@@ -31,10 +31,10 @@ bool is_named(int fd, const std::string& path) {
 
 std::optional<FileLock> FileLock::if_free(const std::string& path) {
     for (;;) {
-        // Close-on-exec: the lock is the run's alone, and a cell's process dies with its run.
+        // The file is closed on exec, because the lock belongs to the run alone; a cell's process dies with its run.
         const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (fd < 0) throw InputError({path}, fmt::format("cannot write here: {}", std::strerror(errno)));
-        FileLock lock("", fd);  // closes the file; removes nothing yet
+        FileLock lock("", fd);  // closes the file; removes nothing while the path is empty
         if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK) return std::nullopt;
             if (errno == EINTR) continue;
@@ -42,7 +42,7 @@ std::optional<FileLock> FileLock::if_free(const std::string& path) {
         }
         if (!is_named(fd, path)) continue;
         lock.path_ = path;
-        // On a full disk the pid stays unsaid; the lock holds all the same.
+        // On a full disk the pid is missing, but the lock holds without it.
         const std::string pid = fmt::format("{}\n", ::getpid());
         if (::ftruncate(fd, 0) != 0 || ::pwrite(fd, pid.data(), pid.size(), 0) < 0) errno = 0;
         return lock;
@@ -64,7 +64,7 @@ std::string lock_owner(const std::string& path) {
         if (!pid.empty() && std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; }))
             return "process " + pid;
     } catch (const InputError&) {
-        // It has ended since.
+        // The owner has ended and has removed the file.
     }
     return "another process";
 }
@@ -83,7 +83,7 @@ FileLock lock_reference(const std::string& path, const std::function<void(const 
         if (auto lock = FileLock::if_free(file)) return std::move(*lock);
         InterruptGuard::check();
         if (!said) waiting(lock_owner(file));
-        // Short waits: a signal between the check and a long one would be missed.
+        // Short waits: a signal that arrives between the check and a long wait would be missed until its end.
         ::usleep(50'000);
     }
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Files that one process at a time works with. The kernel gives a lock back when its process ends, however it ends.
+// Locks for what only one process may work with at a time. The kernel releases a lock when its process ends, even
+// after a crash.
 
 #include <sys/types.h>
 #include <functional>
@@ -8,10 +9,10 @@
 
 namespace gib {
 
-/// A locked file, which exists for its lock alone: it holds the pid of its owner and is removed with the lock.
+/// A file that exists only to be locked: it holds the process id (pid) of its owner and is removed with the lock.
 class FileLock {
 public:
-    /// Empty if another process has it. Throws InputError if the file cannot be made.
+    /// The lock, or empty if another process has it. Throws InputError if the file cannot be created or locked.
     static std::optional<FileLock> if_free(const std::string& path);
 
     FileLock(FileLock&& other) noexcept;
@@ -25,14 +26,15 @@ private:
     int fd_;
 };
 
-/// "process 1234", or "another process" if its owner has not said its pid.
+/// The owner of a lock as text: "process 1234", or "another process" if the file does not hold a pid.
 std::string lock_owner(const std::string& path);
 
-/// Locks a result folder, which must exist. Throws InputError, with the pid, if another run or report works in it or if
-/// nothing can be written there.
+/// Locks a result folder, which must exist. Throws InputError if another run or report works in it (the message gives
+/// the pid) or if nothing can be written there.
 FileLock lock_result_folder(const std::string& folder);
 
-/// Locks the file of a reference; `waiting` is told once whom it waits for. Throws Interrupted on Ctrl-C.
+/// Waits until the file of a reference is free and locks it. `waiting` is called once if there is a wait, with the
+/// owner of the lock. Throws Interrupted on Ctrl-C.
 FileLock lock_reference(const std::string& path, const std::function<void(const std::string& owner)>& waiting);
 
 }  // namespace gib

@@ -1,4 +1,5 @@
-# Writes OUTPUT, a header with the commit of SOURCE. The file changes only if the commit does, so that a build is cheap.
+# Writes OUTPUT, a header with the commit of SOURCE. The file is written only if its content changes, so that a build
+# without a new commit compiles nothing again.
 find_program(git git)
 set(commit "unknown")
 set(modified "false")

@@ -6,7 +6,8 @@ namespace gib {
 
 namespace {
 
-// The program's one global: a signal handler can reach nothing else. Other threads than the handler's ask for it too.
+// This is the only global variable of the program, because a signal handler can reach nothing else. It is atomic
+// because other threads read it too.
 std::atomic<bool> interrupt_requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait");
 
@@ -19,7 +20,7 @@ InterruptGuard::InterruptGuard() {
     struct sigaction action = {};
     action.sa_handler = request_interrupt;
     sigemptyset(&action.sa_mask);
-    // Restarted: output that waits for its reader does not fail. What polls and sleeps ends early all the same.
+    // SA_RESTART keeps output that waits for its reader from failing. poll and sleep return early in spite of it.
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     sigaction(SIGINT, &action, &old_int_);
     sigaction(SIGTERM, &action, &old_term_);

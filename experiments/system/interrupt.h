@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C as a question that long work asks itself, so that what is complete can be kept.
+// Makes Ctrl-C a flag that long computations check, so that they can keep what is complete.
 
 #include "common/core/error.h"
 
@@ -7,13 +7,14 @@
 
 namespace gib {
 
-/// Thrown where an interrupted computation cannot go on; the program exits with 130.
+/// Thrown where an interrupted computation cannot go on. The program then exits with code 130.
 class Interrupted : public RunError {
 public:
     Interrupted() : RunError("interrupted") {}
 };
 
-/// While it lives, the first SIGINT or SIGTERM only makes requested() true; the second ends the program as usual.
+/// While a guard lives, the first SIGINT or SIGTERM only makes
+/// requested() true; the second ends the program as usual.
 class InterruptGuard {
 public:
     InterruptGuard();

@@ -12,7 +12,7 @@ namespace gib {
 
 namespace {
 
-/// A stderr that is full or closed is no reason to end a run: what cannot be said is lost.
+/// Writes to stderr. If stderr is full or closed, the text is lost, which is no reason to end a run.
 void say(const std::string& text) {
     std::fputs(text.c_str(), stderr);
     std::fflush(stderr);

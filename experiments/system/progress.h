@@ -15,10 +15,10 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
-    /// Shows a state: a share of the work in [0, 1] and the seconds left, if they are known. Rate-limited: ten times a
-    /// second on a terminal, once in ten seconds otherwise.
+    /// Shows the share of the work that is done, in [0, 1], the seconds left, if they are known, and `what` is being
+    /// done. A terminal shows at most ten updates a second; otherwise there is one in ten seconds.
     void update(double fraction, std::optional<double> seconds_left, const std::string& what);
-    /// A line that stays.
+    /// Prints a line that stays.
     void message(const std::string& text);
 
 private:
@@ -29,7 +29,7 @@ private:
     std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
-/// "12 s", "3 min 20 s", "2 h 05 min".
+/// A duration as text: "12 s", "3 min 20 s", "2 h 05 min".
 std::string duration_text(double seconds);
 
 }  // namespace gib

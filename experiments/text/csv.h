@@ -1,5 +1,5 @@
 #pragma once
-// CSV files as RFC 4180 has them: fields with a comma, a quote or a line break are quoted, quotes are doubled.
+// Writes and reads CSV files (RFC 4180): fields with a comma, quote or line break are quoted, and quotes are doubled.
 
 #include <string>
 #include <string_view>
@@ -9,7 +9,7 @@ namespace gib {
 
 struct CsvTable {
     std::vector<std::string> columns;
-    std::vector<std::vector<std::string>> rows;  ///< as many fields each as there are columns
+    std::vector<std::vector<std::string>> rows;  ///< each with a field for every column
 
     /// Throws std::logic_error if the number of fields is wrong.
     void add(std::vector<std::string> row);

@@ -1,5 +1,5 @@
 #pragma once
-// Pieces of HTML.
+// Makes pieces of HTML.
 
 #include "experiments/metrics/statistics.h"
 
@@ -9,21 +9,22 @@
 
 namespace gib {
 
-/// Text for HTML, inside elements and attributes.
+/// Escapes text for HTML, inside elements and attributes.
 std::string html_escape(std::string_view text);
 
-/// A sentence as tables.h's texts have it: `names` between backquotes become <code>.
+/// HTML of a sentence in Markdown: `names` between backquotes become <code>.
 std::string sentence_html(std::string_view text);
 
-/// JSON for a <script> element: no "<" that could end it.
+/// JSON for a <script> element: every "<" is escaped, because it could end the element.
 std::string script_safe_json(std::string json);
-/// JavaScript for a <script> element: "</script" may only stand in strings, where "<\/script" is the same.
+/// JavaScript for a <script> element: "</script" becomes "<\/script", which means the same in strings. It
+/// may stand only there.
 std::string script_safe_code(std::string_view code);
 
 /// A value with its interval below it.
 std::string with_interval_html(const Estimate& estimate, std::string (*text)(double));
 
-/// The colour of method `index` as CSS; ten are told apart, then they repeat.
+/// The colour of method `index` as CSS. There are ten colours, which repeat after the tenth method.
 std::string method_color(std::size_t index);
 /// A small square of that colour and the label.
 std::string method_html(std::size_t index, const std::string& label);

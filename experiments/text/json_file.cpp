@@ -13,10 +13,10 @@ namespace gib {
 
 namespace {
 
-constexpr int deepest = 64;  // ours have 5 levels at most
+constexpr int deepest = 64;  // levels; files of gibench have 5 at most
 
-/// The levels of a JSON text; of another text, anything. Not by the parser's callbacks: with them, parsing takes a time
-/// that is quadratic in the length of a list of objects.
+/// The number of nested levels in a JSON text; for another text any number. The parser's callbacks could count them,
+/// but with them the time of parsing is quadratic in the length of a list of objects.
 int nesting_of(std::string_view text) {
     int depth = 0, deepest_seen = 0;
     bool in_string = false;

@@ -1,5 +1,5 @@
 #pragma once
-// JSON files that gibench wrote and reads again: something may have happened to them meanwhile.
+// Reads JSON files that gibench wrote and that may have been damaged since.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -7,11 +7,12 @@
 
 namespace gib {
 
-/// The file's content. Throws nlohmann::json::parse_error if it is no JSON, InputError if it cannot be read or is
-/// nested deeper than any file of ours: comparing, copying and writing such a value would overflow the stack.
+/// The file's content. Throws nlohmann::json::parse_error if it is not JSON, InputError if it cannot be read or is
+/// nested deeper than any file of gibench: comparing, copying and writing such a value would overflow the stack.
 nlohmann::json read_json(const std::string& path);
 
-/// SHA-1 of a record's text, which says all of it: numbers are read back as they were written, and keys are sorted.
+/// SHA-1 of a record's text. The text is the same for a record that was written and read again, because numbers are
+/// read exactly and keys are sorted.
 std::string json_digest(const nlohmann::json& record);
 
 }  // namespace gib

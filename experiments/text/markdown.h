@@ -1,12 +1,13 @@
 #pragma once
-// Pieces of Markdown.
+// Makes pieces of Markdown.
 
 #include <string>
 #include <string_view>
 
 namespace gib {
 
-/// Names and sentences of a user for one line of Markdown, in tables too: a "|" would end a cell, a line break the row.
+/// A user's text as part of one line of Markdown, also in tables: "|", which would end a field, is escaped, and a
+/// line break, which would end the row, becomes a space.
 std::string markdown_text(std::string_view text);
 
 }  // namespace gib

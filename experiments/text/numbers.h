@@ -1,6 +1,6 @@
 #pragma once
-// Numbers as the tables, the report and the messages show them. All say "nan" where there is no number, because it must
-// not be hidden; a build that traps floating-point exceptions could not even format it otherwise.
+// Formats numbers for the tables, the report and the messages. NaN becomes "nan": it must not be hidden, and a build
+// that traps floating-point exceptions could not format it otherwise.
 
 #include <string>
 
@@ -13,7 +13,7 @@ std::string short_number(double value);
 /// A share in percent, "4.56".
 std::string percent_text(double share);
 
-/// 0 for negative estimates of what cannot be negative, as prose shows them; NaN stays.
+/// Replaces negative estimates of quantities that cannot be negative by 0, as texts show them; NaN stays NaN.
 double at_least_zero(double value);
 
 }  // namespace gib

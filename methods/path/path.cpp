@@ -1,11 +1,12 @@
-// Path tracing: the unbiased reference.
+// Path tracing: the unbiased reference. Source: Kajiya 1986, "The Rendering Equation".
 //
-// Computes: every component, by random walks from the eye. Light is found in two ways, by sampling a point of a light
-// and by following the samples of the bsdf or phase function, combined by the power heuristic (Veach 1997, section
-// 9.2). In a medium both need the same free flights, so these cancel in the heuristic.
+// Computes: every component, by random walks from the eye. Each vertex finds light in two ways, by sampling a point
+// of a light and by following a sample of the bsdf or phase function; the power heuristic combines the two (Veach
+// 1997, section 9.2). In a medium the probability of the free flights is a factor of both densities, so
+// it cancels in the heuristic.
 // Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
-// Bias: none, for paths that it can sample. It cannot sample a point, spot or directional light seen through specular
-// surfaces, and finds small lights behind them rarely (heavy tails).
+// Bias: none, for paths that it can sample. It cannot sample paths on which a point, spot or directional light is
+// seen through specular surfaces, and it seldom samples paths to a small light behind them (heavy tails).
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/path/path.h"
@@ -13,7 +14,7 @@
 #include "methods/method.h"
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/dispersed_path.h"
-#include "methods/parts/transport/pixel_samples.h"
+#include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/roulette.h"
 #include "methods/parts/transport/scattered_ray.h"
 
@@ -23,18 +24,18 @@ namespace gib {
 
 namespace {
 
-/// Russian roulette starts at this vertex. Earlier vertices carry most of the image, and ending a path there adds more
-/// variance than it saves time.
+/// Russian roulette starts at the vertex of this number. Earlier vertices carry most of the image, and ending paths
+/// there would add more variance than it saves time.
 constexpr int first_roulette_vertex = 3;
 
-/// The probability that a path goes on: its throughput, so that survivors weigh alike, up to `most`. `beta` without the
-/// radiance scaling of refractions, which is undone on the way out.
+/// Survival probability: the throughput, so that all survivors have equal weight, but at most `most`. `eta_scale`
+/// takes the factors 1 / eta^2 of refractions out of beta, because a path that leaves the glass again regains them.
 float survival_probability(const Color& beta, float eta_scale, float most) {
     return std::min(beta.maxCoeff() * eta_scale, most);
 }
 
-/// Russian roulette; false: the path ends. It would end a path whose throughput is not finite in silence: that goes to
-/// `lost`, where the film counts it.
+/// Russian roulette: divides beta by the survival probability, or returns false if the path ends. A throughput that
+/// is not finite would be dropped without notice, so it is added to `lost`, where the film counts it.
 inline bool survives(Color& beta, float eta_scale, float most, float u, Color& lost) {
     if (!beta.isFinite().all()) {
         lost += beta;
@@ -49,21 +50,21 @@ inline bool survives(Color& beta, float eta_scale, float most, float u, Color& l
 template <PathFeatures features>
 PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
     PixelSample sample;
-    Color beta = Color::Ones();  // throughput: f cos / pdf of all vertices so far
-    float eta_scale = 1.f;       // product of eta^2 that beta was divided by at refractions
-    float pdf_w = infinity;      // density of the last direction; infinite: nothing else could have sampled it
+    Color beta = Color::Ones();  // throughput: product of f cos / pdf over the vertices so far
+    float eta_scale = 1.f;       // the product of eta^2 by which refractions have divided beta
+    float pdf_w = infinity;      // density [1/sr] of the last direction; infinite if light sampling could not find it
     Vec3 previous = traced.ray.o;
     PathClass path;
     std::uint32_t holes = 0;
     [[maybe_unused]] NumberStream flights(sampler);
     [[maybe_unused]] const Medium* medium = features.media_or_dispersion ? rays.scene().camera_medium() : nullptr;
-    [[maybe_unused]] std::optional<int> stratum;  // of wavelengths, once the path has met a surface that splits light
+    [[maybe_unused]] std::optional<int> stratum;  // wavelengths, once the path has met dispersion
     for (int vertex = 0; vertex < settings.max_edges;) {
         auto hit = rays.surface_hit(traced);
         const Vec3 wo = -traced.ray.d;
         if constexpr (features.media_or_dispersion) {
             if (medium) {
-                const Ray& ray = traced.ray;  // of unit direction; clip distances are the camera's
+                const Ray& ray = traced.ray;  // d is a unit vector; t_min and t_max clip a camera's rays
                 const Vec3 from = ray.o + ray.t_min * ray.d;
                 const float length = (hit ? traced.found->t : ray.t_max) - ray.t_min;
                 const auto flight = medium->sample_flight(from, ray.d, length, flights, beta);
@@ -172,44 +173,6 @@ bool has_delta_lobe(const Scene& scene) {
                        [](const Material& material) { return material.traits().delta; });
 }
 
-class PathRun final : public Run {
-public:
-    PathRun(const Scene& scene, PointSet points, int max_edges, const MethodDescription& description, const Plan& plan,
-            std::uint64_t seed, StageTimes& stages)
-        : scene_(scene),
-          points_(points),
-          settings_{max_edges, plan.runs(pass_light_sampling), features_of(scene)},
-          traces_(plan.runs(pass_eye_paths)),
-          seed_(seed),
-          stages_(stages),
-          film_(film_for(scene, plan.called_for, description)) {}
-
-    Progress advance(std::uint32_t pass) override {
-        passes_ = pass + 1;
-        if (!traces_) return Progress::converged;
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, pass_eye_paths, [this] {
-            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-                return trace_path(rays, eye, sampler, settings_);
-            };
-        });
-        return Progress::more;
-    }
-
-    ComponentImages image() const override { return film_.mean(passes_); }
-    RunCounts counts() const override { return {0, rays_, film_.non_finite()}; }
-
-private:
-    const Scene& scene_;
-    PointSet points_;
-    PathSettings settings_;
-    bool traces_;
-    std::uint64_t seed_;
-    StageTimes& stages_;
-    Film film_;
-    std::uint32_t passes_ = 0;
-    std::uint64_t rays_ = 0;
-};
-
 class PathMethod final : public Method {
 public:
     PathMethod(PointSet points, int max_edges, const MethodDescription& description)
@@ -217,8 +180,8 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A point, spot or directional light is found by connecting a vertex to it, never through a mirror: neither
-        // where S+ L ends a caustic path, nor at the end of a longer one.
+        // A vertex is connected to a point, spot or directional light by a straight line, never through a mirror:
+        // paths that end in D S+ L are missing, whether they are caustics or the ends of longer paths.
         if (has_delta_light(scene) && has_delta_lobe(scene)) {
             if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
             if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
@@ -229,7 +192,14 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        return std::make_unique<PathRun>(scene, points_, max_edges_, description_, plan(scene), seed, stages);
+        const Plan passes = plan(scene);
+        const PathSettings settings{max_edges_, passes.runs(pass_light_sampling), features_of(scene)};
+        return average_eye_samples(
+            {.scene = scene, .points = points_, .seed = seed, .stages = stages, .runs = passes.runs(pass_eye_paths)},
+            shown_components(scene, passes.called_for, description_),
+            [settings](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+                return trace_path(rays, eye, sampler, settings);
+            });
     }
 
 private:
@@ -248,20 +218,22 @@ std::unique_ptr<Method> create_path(const ParameterValues& values, const MethodD
 
 MethodDescription describe_path() {
     return {
-        "path",
-        "path tracing with light and bsdf sampling combined: unbiased, high-frequency noise",
-        {{"sampler",
-          Parameter::Kind::choice,
-          "sobol",
-          "",
-          0,
-          0,
-          {"sobol", "independent"},
-          "points of a pixel: Owen-scrambled Sobol' or independent random numbers"}},
-        Effects::all(),
-        {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
-        true,
-        create_path,
+        .name = "path",
+        .sentence = "path tracing that combines light and bsdf sampling: unbiased, high-frequency noise",
+        .parameters = {{.name = "sampler",
+                        .kind = Parameter::Kind::choice,
+                        .default_value = "sobol",
+                        .unit = "",
+                        .lower = 0,
+                        .upper = 0,
+                        .choices = {"sobol", "independent"},
+                        .sentence =
+                            "random numbers of a pixel's samples: Owen-scrambled Sobol' points, or independent ones"}},
+        .simulates = Effects::all(),
+        .components = {Component::emission, Component::direct, Component::caustic, Component::indirect,
+                       Component::volume},
+        .unbiased = true,
+        .create = create_path,
     };
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The path tracer's estimator, apart from its Run, so that a benchmark can replay its rays.
+// The estimator of the path tracer, which stands apart from its Run so that a benchmark can replay its rays.
 
 #include "common/images/film.h"
 #include "common/sampling/sampler.h"
@@ -7,22 +7,23 @@
 
 namespace gib {
 
-/// What a scene's surfaces need besides ideal diffuse and delta lobes; the estimator is compiled for each combination.
+/// The features of a scene that cost time in the path tracer; the estimator is compiled once
+/// for each combination in use.
 struct PathFeatures {
-    bool holes;                ///< masks
-    bool glossy;               ///< lobes that are no delta and yet count as specular
-    bool media_or_dispersion;  ///< few scenes have either: one variant has both
+    bool holes;                ///< some surface has a mask, which lets part of the light pass straight on
+    bool glossy;               ///< some lobe counts as specular but is no delta lobe
+    bool media_or_dispersion;  ///< one flag, as few scenes have either
 };
 PathFeatures features_of(const Scene& scene);
 
 struct PathSettings {
     int max_edges;        ///< edges of the longest path
-    bool light_sampling;  ///< off where no light can be sampled from any surface
+    bool light_sampling;  ///< false where no light can be sampled from any surface
     PathFeatures features;
 };
 
-/// One sample of a pixel by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along the
-/// camera's ray.
+/// One sample of a pixel, by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along the
+/// camera's ray (Kajiya 1986).
 PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings);
 
 }  // namespace gib

@@ -6,15 +6,16 @@ namespace gib {
 
 namespace {
 
-/// Where the disc of a look-up is probed: past all dimensions of a path of 2^16 vertices.
+/// Dimensions of the random numbers that probe the disc of a look-up: they lie beyond all dimensions of
+/// a path of 2^16 vertices.
 constexpr std::uint32_t caustic_disc = dimension::at_vertex(1 << 16, 0);
 constexpr std::uint32_t global_disc = caustic_disc + 1;
-/// As many as it takes.
+/// The first of the dimensions that probe the ball of a look-up in a medium, which takes as many of them as it needs.
 constexpr std::uint32_t volume_ball = 0x60000000;
 
 }  // namespace
 
-/// What a path from the eye meets, as a sample of its pixel.
+/// Adds up the light that one eye path meets, as a sample of its pixel.
 class EyePass::EyePathVisitor {
 public:
     static constexpr bool wants_emission = true;
@@ -27,7 +28,8 @@ public:
 
     void emitted(const Color& radiance) { sample_[Component::emission] += radiance; }
 
-    /// The two ways in which light reaches a scattering event.
+    /// Adds the light that a scattering event at p in a medium sends towards wo: straight from a light, by light
+    /// sampling, and all other from the volume map (Jensen and Christensen 1998; Jensen 2001, chapter 10).
     void scattered(const Vec3& p, const Vec3& wo) {
         Color radiance = Color::Zero();
         if (walk_.settings().samples_lights)
@@ -39,7 +41,9 @@ public:
         sample_[Component::volume] += walk_.throughput() * radiance;
     }
 
-    /// The three ways in which light reaches a diffuse surface.
+    /// Adds the light that a diffuse surface reflects towards wo. Its integral is split by how light arrives (Jensen
+    /// 2001, section 9.2): straight from a light, by way of specular surfaces only (caustic), or
+    /// after a diffuse reflection (indirect).
     void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) {
         if (walk_.settings().samples_lights)
             sample_[Component::direct] += walk_.throughput() * direct_light(hit, wo, u);
@@ -49,6 +53,7 @@ public:
     }
 
 private:
+    /// Adds the radiance that the density of photons around the hit gives (Jensen 2001, chapter 7).
     void look_up(const PhotonMap& map, const DensityEstimator& estimator, const SurfaceHit& hit, const Vec3& wo,
                  Component component, std::uint32_t disc) {
         if (map.size() == 0) return;
@@ -58,12 +63,14 @@ private:
         if (!is_black(light.through_media)) sample_[Component::volume] += walk_.throughput() * light.through_media;
     }
 
+    /// Indirect light by final gathering, from the irradiance cache where it has records and else by rays.
     Color gathered(const SurfaceHit& hit, const Vec3& wo) {
         const auto cached =
             maps_.cache ? maps_.cache->reflected_radiance(walk_, hit, wo, neighbours_) : std::optional<Color>();
         return cached ? *cached : maps_.final_gather->reflected_radiance(walk_, hit, wo, neighbours_);
     }
 
+    /// Direct light at the diffuse lobes of `hit`, by light sampling; rough lobes also follow a sample of the bsdf.
     Color direct_light(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) {
         const Vec3 wo_local = hit.shading.to_local(wo);
         if (scene_.has_media())
@@ -73,7 +80,7 @@ private:
         const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
         if (maps_.light_visibility && !lobes.rough && !hit.bsdf->traits().transmission)
             return maps_.light_visibility->sample_direct_light(rays_, hit, wo, u);
-        // A lobe with a preferred direction is better followed than hit by chance.
+        // A rough lobe has a preferred direction, which light sampling would hit by chance only.
         if (!lobes.rough)
             return sample_direct_light(rays_, hit, wo_local, u, LightTechniques::light_sampling_only, Lobes::diffuse)
                 .diffuse;

@@ -1,6 +1,7 @@
 #pragma once
-// The photon mapper's second pass: one path of a pixel among specular surfaces, and the light that reaches its end.
-// Source: Jensen 2001, chapters 9 and 10.
+// The photon mapper's eye pass, its second pass: one path through a pixel is followed through specular surfaces, and
+// the light that reaches the surfaces and media on the way is added up.
+// Source: Jensen 2001, section 9.4; media: chapter 10.
 
 #include "common/images/film.h"
 #include "methods/parts/density/volume_estimate.h"
@@ -9,22 +10,22 @@
 
 namespace gib {
 
-/// The maps and how each is looked up; a map that is not made is empty.
+/// The photon maps and the estimators that look them up. A map that is not made is empty.
 struct PhotonMaps {
     PhotonMap caustic, global, volume;
     DensityEstimator caustic_estimator, global_estimator;
     VolumeEstimator volume_estimator;
     const FinalGather* final_gather = nullptr;  ///< null: indirect light comes from the global map
-    CachedGather* cache = nullptr;              ///< null: nothing is cached
+    CachedGather* cache = nullptr;              ///< null: every gather traces its rays
     std::optional<LightVisibility> light_visibility;
 };
 
 class EyePass {
 public:
-    /// Both must outlive this.
+    /// `maps` and `settings` must outlive this.
     EyePass(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
 
-    /// One sample of a pixel by component [W/(sr m^2)].
+    /// One sample of a pixel by component [W/(sr m^2)], along the camera's ray `eye`.
     PixelSample sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
 
 private:
@@ -32,7 +33,7 @@ private:
 
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
-    std::vector<PhotonMap::Neighbour> neighbours_;  ///< kept for its memory
+    std::vector<PhotonMap::Neighbour> neighbours_;  ///< scratch memory of look-ups
 };
 
 }  // namespace gib

@@ -11,22 +11,25 @@ namespace gib {
 
 namespace {
 
-/// The least probability of a choice among all lights, where all choices are tested and where they are not.
+/// Least probability `rest` of a choice among all lights: with `guide`, where a ray tests every choice, and with
+/// `both`, where settled lights are not tested.
 constexpr double least_rest_of_guide = 0.05, least_rest_of_both = 0.01;
-/// A light whose probability in a region is smaller is left to the choice among all: below, random numbers are too
-/// coarse.
+/// A light with a smaller probability than this in a region is left to the choice among all lights, as random numbers
+/// of 24 bits resolve smaller probabilities too coarsely.
 constexpr double least_probability = 0x1p-16;
 
-/// Surfaces with fewer photons than this for each light are looked at together, and all lights left open there.
+/// Surfaces with fewer photons than this for each light share one group for each side; all lights stay open there.
 constexpr std::size_t own_photons_per_light = 8;
 
+/// The shadow photons of one surface or, in the first groups, of all small surfaces of one side.
 struct SurfacePhotons {
     std::uint64_t surface = 0;
     std::vector<ShadowPhoton> photons;
 };
 
-/// First side_count groups of the photons of small surfaces, by side; then one of each other surface, in the order of
-/// its first photon. The photons of each keep their order.
+/// Groups the photons by surface. The first side_count groups hold the photons of small surfaces, by side; then
+/// follows one group for each other surface, in the order of its first photon. Within a group
+/// the photons keep their order.
 std::vector<SurfacePhotons> by_surface(const std::vector<ShadowPhoton>& photons, std::size_t lights) {
     std::unordered_map<std::uint64_t, std::uint32_t> group_of;
     std::vector<std::size_t> counts;
@@ -68,7 +71,7 @@ LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPho
     parallel_blocks(surfaces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
         for (const ShadowPhoton& photon : surfaces[i].photons)
             power_per_photon[i] += static_cast<double>(photon.power) / static_cast<double>(surfaces[i].photons.size());
-        // What holds for one small surface does not hold for all.
+        // Small surfaces of one group may see different lights, so no verdict holds for all of them.
         const std::uint32_t agreeing = i < side_count ? never_agreeing : settings.agreeing;
         regions[i] = build_visibility_regions(std::move(surfaces[i].photons), agreeing);
     });
@@ -84,6 +87,7 @@ LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPho
     }
 }
 
+/// Copies the tree below `from` to node `to`.
 void LightVisibility::append(const VisibilityRegion& from, std::uint32_t to, double power_per_photon) {
     if (from.is_leaf()) {
         nodes_[to] = {0.f, leaf, static_cast<std::uint32_t>(regions_.size())};
@@ -97,10 +101,11 @@ void LightVisibility::append(const VisibilityRegion& from, std::uint32_t to, dou
     append(*from.above, child + 1, power_per_photon);
 }
 
+/// Makes the list of lights of a leaf, with the probabilities of choosing them.
 LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& from, double power_per_photon) {
     dark_.resize(dark_.size() + words_);
     std::uint64_t* const dark = dark_.data() + regions_.size() * words_;
-    // Where dark lights are believed to be dark they are not chosen, and not listed.
+    // With `skip` and `both` a dark light is taken to add nothing, so it is neither chosen nor listed.
     const auto is_listed = [&](const LightEvidence& light) { return !skips_ || light.verdict != LightVerdict::dark; };
     double expected = 0;
     for (const LightEvidence& light : from.lights) {
@@ -120,7 +125,8 @@ LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& f
     double begin = 0;
     for (const LightEvidence& light : from.lights) {
         if (!is_listed(light)) continue;
-        Entry entry{light.light, light.verdict, static_cast<float>(begin), 0.f};
+        Entry entry{
+            .light = light.light, .verdict = light.verdict, .begin = static_cast<float>(begin), .probability = 0.f};
         if (is_chosen(light)) {
             begin = std::min(1.0, begin + light.expected() / chosen);
             entry.probability = static_cast<float>(begin) - entry.begin;
@@ -131,7 +137,7 @@ LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& f
         ++region.count;
     }
     if (!guides_) return region;
-    // A light without a photon on the whole surface is worth half a photon there.
+    // A light without a photon on the whole surface is expected to add as much as half a photon would.
     const double unknown = 0.5 * power_per_photon * static_cast<double>(unknown_lights) * from.share;
     const double least = skips_ ? (is_complete ? 0 : least_rest_of_both) : least_rest_of_guide;
     if (chosen > 0) region.rest = static_cast<float>(std::max(least, unknown / (expected + unknown)));
@@ -144,6 +150,7 @@ std::size_t LightVisibility::memory() const {
            dark_.size() * sizeof(std::uint64_t);
 }
 
+/// The region at `hit` on the side of wo; no_region if no photon lies on that surface.
 std::uint32_t LightVisibility::region_at(const SurfaceHit& hit, const Vec3& wo) const {
     const SurfaceSide surface(hit, wo);
     const auto own = roots_.find(surface.key());
@@ -156,6 +163,7 @@ std::uint32_t LightVisibility::region_at(const SurfaceHit& hit, const Vec3& wo) 
     return nodes_[node].child;
 }
 
+/// The light's entry in the region; null if it is not listed.
 const LightVisibility::Entry* LightVisibility::entry_of(const Region& region, std::uint32_t light) const {
     const Entry* const begin = entries_.data() + region.first;
     const Entry* const end = begin + region.count;
@@ -198,7 +206,7 @@ LightVisibility::Choice LightVisibility::choose(const SurfaceHit& hit, const Vec
         const Entry* found = std::upper_bound(first, first + region.count, v,
                                               [](float x, const Entry& entry) { return x < entry.begin; }) -
                              1;
-        // Rounding may lead past the last interval.
+        // Rounding may lead past the last interval, to entries of probability 0.
         while (found->probability == 0.f)
             --found;
         return {found->light,
@@ -217,7 +225,8 @@ Color LightVisibility::sample_direct_light(RayQueries& rays, const SurfaceHit& h
     auto light = sample_light(scene_.lights()[choice.light], scene_.shapes(), hit.p, u.light_position());
     if (!light) return Color::Zero();
     light->pdf_w *= choice.probability;
-    // An interpolated normal may let in light from behind the surface, which no photon of this side has seen.
+    // An interpolated normal may let in light from behind the surface. The photons of this side say nothing about
+    // that light, so a ray tests it.
     const bool is_lit = skips_ && choice.verdict == LightVerdict::lit && light->wi.dot(normal_towards(hit, wo)) > 0.f;
     const auto visibility = is_lit ? ShadowRay::skipped : ShadowRay::traced;
     return direct_light_of(rays, hit, hit.shading.to_local(wo), *light, visibility, Lobes::diffuse).diffuse;

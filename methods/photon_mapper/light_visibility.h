@@ -1,26 +1,32 @@
 #pragma once
-// What shadow photons say about the lights at a point, and direct light sampled by it.
+// The visibility map: shadow photons tell which lights are seen around a point, and
+// direct light is sampled accordingly.
 //
-// At a point a light is `lit` if the photons of the largest region around it in which they agree (visibility_regions.h),
-// at least `agreeing` of them, have all come straight from it; `dark` if all are shadow photons; else `open`, as
-// close to the edges of its shadows.
+// Verdicts. Take the largest region around a point in which the photons of a light agree (visibility_regions.h) and
+// are at least `agreeing` in number. The light is `lit` at the point if all of them came straight from it, and `dark`
+// if all of them are shadow photons. If there is no such region, the light is `open`, as near
+// the edges of its shadows.
 //
-// The choice of a light is mixed with light_choice(), so that every light that shines has a chance:
+// Choice of a light. It is mixed with light_choice(), so that every light that shines has a chance:
 //     P(l) = (1 - rest) w_l / sum of w + rest P_scene(l),
-// w_l what the light is expected to add to the irradiance of the region (LightEvidence::expected). `rest` is at least
-// 5 %, and as much as lights of which the surface has no photon would have if half a photon of each lay there.
+// where w_l is the irradiance that the light is expected to add in the region (LightEvidence::expected). `rest` is at
+// least 5 %. It is larger where lights have no photon on the surface: it is at least the share that these lights
+// would have with half a photon each.
 //
-// One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w.
-//  - guide: V is found by a ray. Unbiased whatever the photons say, as P(l) > 0 for every light that shines.
-//  - skip, both: V is 1 for a lit light and 0 for a dark one. Biased: if a share v of a light is seen from a region, its
-//    n photons all say `lit` with probability v^n and `dark` with (1 - v)^n, were they independent; then (1 - v) E is
-//    reflected too much, or v E too little. The mean of either is below E / (e n). More photons shrink the regions where
-//    that happens, to the edges of shadows; more `agreeing` ones make it rarer.
-//  - skip: P(l) = P_scene(l). both: w is 0 for a dark light, and `rest` at least 1 %, or 0 where every light has
-//  photons.
+// Estimate. One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w and
+// the visibility V.
+//  - guide: a ray finds V. The estimate is unbiased whatever the photons say, as P(l) > 0
+//    for every light that shines.
+//  - skip, both: V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region see the share
+//    v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and then (1 - v)
+//    E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of the two has
+//    a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of shadows; a
+//    larger `agreeing` makes it rarer.
+//  - skip: P(l) = P_scene(l).
+//  - both: w_l is 0 for a dark light, and `rest` is at least 1 %, or 0 where every light has photons.
 //
-// Surfaces are told apart by shape and by the axis next to their normal; those with fewer than 8 photons for each
-// light are looked at together, and nothing is settled there.
+// Surfaces are told apart by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
+// than 8 photons for each light share one tree, in which all lights stay open.
 
 #include "common/sampling/sampler.h"
 #include "methods/parts/transport/ray_queries.h"
@@ -32,47 +38,48 @@ namespace gib {
 
 class LightVisibility {
 public:
+    /// A light that was chosen, with the probability of the choice and the verdict about it.
     struct Choice {
         std::uint32_t light;
         float probability;
         LightVerdict verdict;
     };
 
-    /// `photons` as trace_shadow_photons() returns them. The scene must outlive this.
+    /// `photons` must come from trace_shadow_photons(), sorted by light. The scene must outlive this.
     LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons, const ShadowPhotonSettings& settings);
 
     std::size_t regions() const { return regions_.size(); }
-    /// What the map keeps [bytes].
+    /// Size of the map [bytes].
     std::size_t memory() const;
 
-    /// On the side of `hit` from which wo looks at it.
+    /// The verdict about a light on the side of `hit` that faces wo.
     LightVerdict verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
     /// The probability with which choose() returns the light.
     float probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
-    /// Of a light by u in [0, 1). One that is dark may be returned.
+    /// Chooses a light by u in [0, 1). The light may be dark.
     Choice choose(const SurfaceHit& hit, const Vec3& wo, float u) const;
 
     /// One sample of the radiance [W/(sr m^2)] that the diffuse lobes at `hit` scatter towards wo straight from a
-    /// light, like gib::sample_direct_light by light sampling only. Not for materials that light passes through:
-    /// nothing is known of what arrives from behind.
+    /// light, as gib::sample_direct_light estimates it by light sampling only. Not for materials that transmit light,
+    /// as the photons of one side say nothing about light from the other side.
     Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) const;
 
 private:
-    /// A light that may be chosen.
+    /// A light in the list of a region.
     struct Entry {
         std::uint32_t light;
         LightVerdict verdict;
-        float begin;  ///< of its interval of [0, 1) in the region's choice
+        float begin;  ///< start of the light's interval of [0, 1) in the region's choice
         float probability;
     };
     struct Region {
-        std::uint32_t first = 0, count = 0;  ///< entries
+        std::uint32_t first = 0, count = 0;  ///< its interval of entries_
         float rest = 1.f;                    ///< probability of a choice among all lights
     };
     struct Node {
         float split;
-        std::uint32_t axis;   ///< 3: a leaf
-        std::uint32_t child;  ///< the lower one, the other behind it; of a leaf the number of its region
+        std::uint32_t axis;   ///< 0, 1, 2: x, y, z; 3: the node is a leaf
+        std::uint32_t child;  ///< number of the lower child, before the upper one; in a leaf: of its region
     };
     static constexpr std::uint32_t leaf = 3, no_region = ~0u, no_root = ~0u;
 
@@ -88,15 +95,15 @@ private:
     float probability_in(std::uint32_t region, std::uint32_t light) const;
 
     const Scene& scene_;
-    DiscreteDistribution choice_;  ///< that of Scene::sample_light
+    DiscreteDistribution choice_;  ///< P_scene, as in Scene::sample_light
     bool skips_, guides_;
-    std::unordered_map<std::uint64_t, std::uint32_t> roots_;  ///< nodes, by surface
-    std::array<std::uint32_t, side_count> shared_roots_;      ///< of all other surfaces, by side; or no_root
+    std::unordered_map<std::uint64_t, std::uint32_t> roots_;  ///< node of a surface's root, by SurfaceSide::key()
+    std::array<std::uint32_t, side_count> shared_roots_;      ///< roots of the small surfaces, by side; or no_root
     std::vector<Node> nodes_;
     std::vector<Region> regions_;
-    std::vector<Entry> entries_;       ///< region after region, by light
-    std::size_t words_;                ///< of 64 lights
-    std::vector<std::uint64_t> dark_;  ///< words_ of each region
+    std::vector<Entry> entries_;       ///< region after region, sorted by light within each
+    std::size_t words_;                ///< words of 64 bits for one bit a light
+    std::vector<std::uint64_t> dark_;  ///< one bit a light, words_ words a region: the light is dark
 };
 
 }  // namespace gib

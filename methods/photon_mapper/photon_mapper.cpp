@@ -1,23 +1,30 @@
-// Photon mapping: caustics and indirect light from the density of photons, direct light sampled, specular paths traced.
-// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 10.
+// Photon mapping: caustics and indirect light from the density of photons; direct light is sampled
+// and specular paths are traced.
+// Source: Jensen 1996, "Global Illumination using Photon Maps"; Jensen 2001, chapters 5 to 11.
 //
-// Computes: every component. At the first diffuse surface seen from the eye: direct by light sampling, caustic from the
-// caustic map (L S+ D), indirect from the global map (L (S* D)+ S* D, and as `volume` what a medium scattered on the
-// way), or by final gathering (gather > 0), through an irradiance cache if cache=on. Where a free flight through a
-// medium ends: light that comes straight from its source by light sampling, all other from the volume map. Light found
-// at the end of specular paths counts only before that surface or event (emission), so that every path is counted once.
+// Computes: every component. At the first diffuse surface seen from the eye:
+//  - direct: light sampling;
+//  - caustic: the caustic map, L S+ D;
+//  - indirect: the global map, L (S* D)+ S* D; or final gathering (gather > 0), with
+//    cache=on through an irradiance cache;
+//  - volume: those photons of the maps that a medium has scattered on the way.
+// Where a free flight through a medium ends, light straight from its source comes from light sampling and all other
+// light from the volume map. Light found at the end of a specular path counts only before that surface or event
+// (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache, accuracy,
-// spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows (methods/photon_mapper/light_visibility.h); spp and
-// max_depth as for all methods. Defaults stand with the declarations at the end of this file.
-// Bias: the estimates blur light over the look-up radius. It falls with more photons at fixed k, and falls together
-// with the noise at k=auto; more samples a pixel do not lower it, nor the noise of the maps. Gathered light is blurred
-// where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records; near things
-// closer than min_spacing to each other records may miss what one of them sees. Where paths are limited, what is stored
-// is rescaled for longer ways from the eye (PhotonLengths). In scenes with media or dispersion nothing is gathered.
-// A pass: one gather sample of every pixel. The maps and the cache are filled at the start. Photons are aimed: each
-// light emits only where its rays can reach geometry (global map) or specular geometry (caustic map), see
-// projection_map.h; their number stays, their power is that of the emission that is kept.
+// [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache,
+// accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
+// (methods/photon_mapper/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
+// this file state the defaults.
+// Bias: the estimates blur light over the look-up radius. This bias falls with more photons at fixed k, and together
+// with the noise at k=auto. More samples a pixel lower neither the bias nor the noise of the maps. Gathered light is
+// blurred where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records:
+// near small objects a record may be used up to min_spacing away although it has missed an object that a neighbouring
+// record sees. Where the length of paths is limited, stored light is rescaled for longer ways from the eye
+// (PhotonLengths). In scenes with media or dispersion nothing is gathered.
+// A pass: one sample of every pixel. The maps and the cache are filled at the start. Photons are aimed: a light emits
+// only where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h. The
+// number of photons is the same as without aiming; together they carry the power of the emission that is kept.
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper/photon_mapper.h"
 
@@ -39,11 +46,10 @@ class PhotonMapperRun final : public Run {
 public:
     PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Effects& effects,
                     std::uint64_t seed, StageTimes& stages)
-        : scene_(scene),
-          settings_(settings),
-          seed_(seed),
-          stages_(stages),
-          film_(film_for(scene, effects, description())) {
+        : scene_(scene), settings_(settings), seed_(seed), stages_(stages), film_([&] {
+              const auto [accumulated, black] = shown_components(scene, effects, description());
+              return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
+          }()) {
         Aims aims;
         const Plan plan = [&] {
             const auto timer = stages.time("projection map");
@@ -53,15 +59,25 @@ public:
         walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
         if (plan.runs(pass_caustic))
             maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
-        maps_.global_estimator = {settings.kernel, settings.k, length(settings.radius), settings.area,
-                                  settings.compensation};
-        maps_.caustic_estimator = {settings.kernel, settings.caustic_k, length(settings.caustic_radius), settings.area,
-                                   settings.compensation};
-        maps_.volume_estimator = {settings.kernel, settings.volume_k, length(settings.volume_radius), settings.area};
+        maps_.global_estimator = {.kernel = settings.kernel,
+                                  .k = settings.k,
+                                  .max_radius = length(settings.radius),
+                                  .area = settings.area,
+                                  .compensation = settings.compensation};
+        maps_.caustic_estimator = {.kernel = settings.kernel,
+                                   .k = settings.caustic_k,
+                                   .max_radius = length(settings.caustic_radius),
+                                   .area = settings.area,
+                                   .compensation = settings.compensation};
+        maps_.volume_estimator = {.kernel = settings.kernel,
+                                  .k = settings.volume_k,
+                                  .max_radius = length(settings.volume_radius),
+                                  .area = settings.area};
         if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
         else if (plan.runs(pass_global))
             maps_.global = build(trace(PhotonMapKind::global, settings.photons, aims.global.get()));
-        // What reaches no surface reaches no medium either: the global map's bins serve both.
+        // A ray that reaches no surface reaches no bounded medium either, so the bins of the global map serve the
+        // volume map too.
         if (plan.runs(pass_volume))
             maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
         if (plan.runs(pass_shadow_map)) fill_shadow_map();
@@ -88,6 +104,7 @@ private:
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
     }
 
+    /// The first pass (Jensen 2001, section 9.3): emits `count` photons for the map of this kind. `aim` may be null.
     PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
         const auto timer = stages_.time("photon tracing");
         StageProgress progress(stages_, "photon tracing", count);
@@ -116,16 +133,18 @@ private:
         maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
+    /// Makes what gather rays need: photons, precomputed irradiance (Christensen 1999) and the irradiance cache.
+    /// `overture` is Radiance's name for filling a cache ahead of rendering.
     void prepare_gathering(const Plan& plan, const ProjectionMap* aim) {
-        light_ = {settings_.source,
-                  settings_.max_edges,
-                  walk_.samples_lights,
-                  walk_.follows_specular,
-                  features_of(scene_),
-                  {},
-                  maps_.global_estimator,
-                  {},
-                  {}};
+        light_ = {.source = settings_.source,
+                  .max_edges = settings_.max_edges,
+                  .samples_lights = walk_.samples_lights,
+                  .follows_specular = walk_.follows_specular,
+                  .features = features_of(scene_),
+                  .map = {},
+                  .estimator = maps_.global_estimator,
+                  .lengths = {},
+                  .irradiance = {}};
         if (plan.runs(pass_global)) {
             PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
             light_.lengths = PhotonLengths(walk.photons);
@@ -151,7 +170,7 @@ private:
         rays_ += cache_->overture(walk_, seed_, &progress);
     }
 
-    /// Tells the numbers that place discs around precomputed irradiance from those of photons.
+    /// Keeps the random numbers of discs around places of precomputed irradiance apart from those of photons.
     static constexpr std::uint64_t places_key = 0x504c;
 
     const Scene& scene_;
@@ -244,40 +263,45 @@ std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
     std::vector<Parameter> parameters = {
         count_parameter("photons", "1000000", "photons", "emitted for the global map"),
-        count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: as many as photons"),
-        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: as many as photons"),
-        {"k",
-         Parameter::Kind::integer,
-         "50",
-         "photons",
-         2,
-         1e6,
-         {"auto", "all"},
-         "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: those within the radius"},
+        count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
+        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
+        {.name = "k",
+         .kind = Parameter::Kind::integer,
+         .default_value = "50",
+         .unit = "photons",
+         .lower = 2,
+         .upper = 1e6,
+         .choices = {"auto", "all"},
+         .sentence =
+             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all within the radius"},
         fraction_parameter("radius", "0.1", diagonals, 1, "largest radius of a look-up in the global map"),
         fraction_parameter("caustic_radius", "0.025", diagonals, 1,
-                           "the same in the caustic map, whose light has sharp edges"),
-        fraction_parameter("volume_radius", "0.05", diagonals, 1, "the same in the volume map"),
-        choice_parameter("kernel", strings(kernel_names), "weight of a photon by its distance"),
-        choice_parameter("area", strings(disc_area_names),
-                         "what a look-up divides: the photons on the surface by the part of the disc on it; or by the "
-                         "whole disc (rejected); or every photon near by the whole disc (plain)"),
+                           "largest radius of a look-up in the caustic map, whose light has sharp edges"),
+        fraction_parameter("volume_radius", "0.05", diagonals, 1, "largest radius of a look-up in the volume map"),
+        choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
+        choice_parameter(
+            "area", strings(disc_area_names),
+            "photons that count and the area they are divided by: those on the surface, by the part of "
+            "the disc on it (surface); those of agreeing normals, by the whole disc (rejected); all within "
+            "the radius, by the whole disc (plain)"),
         choice_parameter("compensation", {"off", "on"},
-                         "use fewer than k photons where more would blur: as many as agree within their noise"),
+                         "use fewer than k photons where more would blur: only as many as agree within their noise"),
         choice_parameter("projection", {"on", "off"},
-                         "photons are emitted only where they can reach surfaces that matter"),
-        {"gather",
-         Parameter::Kind::integer,
-         "0",
-         "rays",
-         0,
-         1e6,
-         {},
-         "final gather rays from each diffuse surface that the eye sees, or for each record of the cache; 0: indirect "
-         "light comes from the global map"},
-        choice_parameter("source", strings(gather_source_names),
-                         "what gather rays see: irradiance precomputed at photons, the photons, or paths traced on"),
-        choice_parameter("cache", {"off", "on"}, "gather at few places of ideal diffuse surfaces, and interpolate"),
+                         "lights emit photons only where these can reach surfaces that matter"),
+        {.name = "gather",
+         .kind = Parameter::Kind::integer,
+         .default_value = "0",
+         .unit = "rays",
+         .lower = 0,
+         .upper = 1e6,
+         .choices = {},
+         .sentence = "final gather rays for each diffuse surface that the eye sees, or for each record of the cache; "
+                     "0: indirect light comes from the global map"},
+        choice_parameter(
+            "source", strings(gather_source_names),
+            "light that gather rays find: irradiance precomputed at photons, photon density, or path tracing"),
+        choice_parameter("cache", {"off", "on"},
+                         "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
     };
     for (Parameter& parameter : cache_parameters())
         parameters.push_back(std::move(parameter));
@@ -290,13 +314,14 @@ std::vector<Parameter> photon_mapper_parameters() {
 
 MethodDescription describe_photon_mapper() {
     return {
-        "photon_mapper",
-        "photon mapping with a global and a caustic map: biased, low-frequency noise, good at caustics",
-        photon_mapper_parameters(),
-        Effects::all(),
-        {Component::emission, Component::direct, Component::caustic, Component::indirect, Component::volume},
-        false,
-        create_photon_mapper,
+        .name = "photon_mapper",
+        .sentence = "photon mapping with a global and a caustic map: biased, low-frequency noise, good at caustics",
+        .parameters = photon_mapper_parameters(),
+        .simulates = Effects::all(),
+        .components = {Component::emission, Component::direct, Component::caustic, Component::indirect,
+                       Component::volume},
+        .unbiased = false,
+        .create = create_photon_mapper,
     };
 }
 

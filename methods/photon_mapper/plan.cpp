@@ -7,23 +7,25 @@ namespace gib {
 
 namespace {
 
-/// Fewer photons are worth a coarser projection map, which is built faster.
+/// Photons for each bin of a projection map: with fewer photons a coarser map pays, as it is built faster.
 constexpr std::uint64_t photons_per_bin = 16;
 constexpr std::uint64_t fewest_bins = 1 << 8, most_bins = 1 << 16;
 
-/// A map runs if its light is called for, its photons are not set to 0, and a path of three edges (light, event, event,
-/// eye) is allowed.
+/// Adds the step of a photon map. It runs if its light is called for, its number of photons is not 0, and paths of
+/// three edges (light to surface, to another surface, to the eye) are allowed.
 void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t photons, int max_edges,
              const std::string& why_not_called_for) {
     std::string reason;
     if (!called_for) reason = why_not_called_for;
     else if (photons == 0) reason = "no photons are asked for";
-    else if (max_edges < 3) reason = "its light has three edges or more, more than the longest path";
+    else if (max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
     plan.add(std::string(pass), reason.empty(), reason);
 }
 
-/// Adds the step of a map's projection map, which is built to find out what it can save. What a medium scatters is no
-/// caustic photon; for the other maps it may be of use even if it meets no surface.
+/// Adds the step of the projection map that aims the photons of `map`. The projection map is built here, because only
+/// then is it known whether it saves anything. In a medium without an end a photon may be scattered although its ray
+/// meets no surface, so the photons of the global map are not aimed there. Caustic photons end where a medium
+/// scatters them, so those are aimed.
 void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
              std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
     std::string reason;
@@ -45,18 +47,18 @@ void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_
     plan.add(std::string(pass), reason.empty(), reason);
 }
 
-/// Final gathering and what serves it.
+/// Adds the steps of final gathering, precomputed irradiance and the irradiance cache.
 void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
     const auto add = [&](std::string_view pass, std::string reason) {
         plan.add(std::string(pass), reason.empty(), reason);
     };
     std::string reason;
-    if (!plan.called_for.has(Effect::diffuse_interreflection)) reason = "no light is passed between diffuse surfaces";
+    if (!plan.called_for.has(Effect::diffuse_interreflection)) reason = "no light passes between diffuse surfaces";
     else if (settings.gather == 0) reason = "gather=0: indirect light comes from the global map";
     else if (scene.has_media()) reason = "a medium lies between surfaces: indirect light comes from the global map";
     else if (scene.has_dispersion()) reason = "light is split by wavelength: indirect light comes from the global map";
     else if (settings.source != GatherSource::paths && settings.photons == 0) reason = "no photons are asked for";
-    else if (settings.max_edges < 3) reason = "its light has three edges or more, more than the longest path";
+    else if (settings.max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
     add(pass_gather, reason);
     const bool gathers = plan.runs(pass_gather);
     const std::string no_rays = "nothing is gathered";
@@ -82,7 +84,7 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
     const bool needs_photons = !plan.runs(pass_gather) || settings.source != GatherSource::paths;
     add_map(plan, pass_global, needs_photons && effects.has(Effect::diffuse_interreflection), settings.photons,
             settings.max_edges,
-            needs_photons ? "no light is passed between diffuse surfaces" : "gather rays are followed by path tracing");
+            needs_photons ? "no light passes between diffuse surfaces" : "gather rays are followed by path tracing");
     add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
             settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
     add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,

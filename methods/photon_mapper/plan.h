@@ -1,5 +1,5 @@
 #pragma once
-// Which passes of the photon mapper a scene calls for.
+// The plan of the photon mapper: which of its passes run for a scene, and why the others are skipped.
 
 #include "methods/method.h"
 #include "methods/parts/photons/projection_map.h"
@@ -20,12 +20,13 @@ inline constexpr std::string_view pass_gather = "final gathering";
 inline constexpr std::string_view pass_irradiance = "precomputed irradiance";
 inline constexpr std::string_view pass_cache = "irradiance cache";
 
-/// Where the photons of each map are aimed; null: everywhere.
+/// The projection maps that aim the photons of each map; null where photons leave the lights in all directions.
 struct Aims {
     std::unique_ptr<ProjectionMap> caustic, global;
 };
 
-/// Builds the projection maps to find out what they can save.
+/// Returns the plan for `effects`. It builds the projection maps, because only they show what aiming saves, and
+/// leaves those that pay in `aims`.
 Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims);
 
 }  // namespace gib

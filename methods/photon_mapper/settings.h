@@ -11,19 +11,19 @@ struct PhotonMapperSettings {
     std::uint64_t caustic_photons;  ///< emitted for the caustic map
     std::uint64_t volume_photons;   ///< emitted for the volume map
     std::size_t k;                  ///< photons in an estimate of the global map, or all_photons
-    std::size_t caustic_k;          ///< the same of the caustic map
-    std::size_t volume_k;           ///< the same of the volume map
-    double radius;                  ///< largest look-up radius in the global map, as a fraction of the scene's diagonal
-    double caustic_radius;          ///< the same in the caustic map
-    double volume_radius;           ///< the same in the volume map
+    std::size_t caustic_k;          ///< photons in an estimate of the caustic map, or all_photons
+    std::size_t volume_k;           ///< photons in an estimate of the volume map, or all_photons
+    double radius;                  ///< largest look-up radius in the global map [scene diagonals]
+    double caustic_radius;          ///< largest look-up radius in the caustic map [scene diagonals]
+    double volume_radius;           ///< largest look-up radius in the volume map [scene diagonals]
     Kernel kernel;
     DiscArea area;
-    int max_edges;
-    bool compensation;  ///< fewer photons where more would blur
-    bool projection;    ///< photons are emitted where they can reach surfaces that matter
+    int max_edges;      ///< edges of the longest path
+    bool compensation;  ///< bias compensation: an estimate uses fewer than k photons where more would blur
+    bool projection;    ///< lights emit photons only where these can reach surfaces that matter
     int gather = 0;     ///< rays of a final gather; 0: indirect light comes from the global map
     GatherSource source = GatherSource::irradiance;
-    bool cache = false;  ///< what is gathered is interpolated
+    bool cache = false;  ///< gathered irradiance is interpolated between the records of a cache
     CacheSettings records = {};
     ShadowPhotonSettings shadows = {};
 };

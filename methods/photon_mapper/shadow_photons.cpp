@@ -17,10 +17,10 @@ namespace gib {
 namespace {
 
 constexpr std::size_t photons_per_block = 4096;
-/// Keeps the random numbers apart from those of the other maps of the same seed.
+/// Distinguishes the random numbers of shadow photons from those of the other maps of the same seed.
 constexpr std::uint64_t key_of_shadow_photons = 0x5ad0;
 
-/// Where the photons of each light begin; one more at the end.
+/// Number of the first photon of each light, followed by the number of all photons.
 std::vector<std::uint64_t> shares_of_lights(const Scene& scene, std::uint64_t count) {
     const DiscreteDistribution choice = light_choice(scene.lights());
     std::vector<std::uint64_t> begin;
@@ -33,7 +33,8 @@ std::vector<std::uint64_t> shares_of_lights(const Scene& scene, std::uint64_t co
     return begin;
 }
 
-/// Follows a photon through everything.
+/// Follows a photon straight on through all surfaces, and stores it on each diffuse one with the share that no
+/// surface before has stopped.
 void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std::vector<ShadowPhoton>& photons) {
     const Vec3 wo = -start.d;
     photon.visibility = 1.f;
@@ -54,19 +55,18 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
 
 std::vector<Parameter> shadow_photon_parameters() {
     return {
-        count_parameter("shadow_photons", "0", "photons",
-                        "emitted to find out which lights are seen from where; 0: none"),
+        count_parameter("shadow_photons", "0", "photons", "emitted to learn which lights each surface sees; 0: none"),
         choice_parameter("shadows", strings(shadows_names),
-                         "what shadow photons are for: to choose lights without bias (guide), to leave out shadow rays "
-                         "where they agree (skip), both, or nothing (rays)"),
-        {"shadow_k",
-         Parameter::Kind::integer,
-         "32",
-         "photons",
-         1,
-         1e6,
-         {},
-         "shadow photons of a light that must agree"},
+                         "use of shadow photons: choose lights without bias (guide), leave out shadow rays where they "
+                         "agree (skip), do both (both), or ignore them (rays)"),
+        {.name = "shadow_k",
+         .kind = Parameter::Kind::integer,
+         .default_value = "32",
+         .unit = "photons",
+         .lower = 1,
+         .upper = 1e6,
+         .choices = {},
+         .sentence = "number of a light's shadow photons that must agree before they are believed"},
     };
 }
 
@@ -110,7 +110,10 @@ ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count,
                 sample_emission(scene.lights()[light], scene.shapes(), sampler.get_2d(dimension::emission_position),
                                 sampler.get_2d(dimension::emission_direction));
             const auto power = static_cast<float>(start.power.mean() / (static_cast<double>(emitted) * result.unit));
-            if (power > 0.f) cross_surfaces(rays, start.ray, {Vec3::Zero(), power, 1.f, light, 0}, block.photons);
+            if (power > 0.f)
+                cross_surfaces(rays, start.ray,
+                               {.p = Vec3::Zero(), .power = power, .visibility = 1.f, .light = light, .surface = 0},
+                               block.photons);
         }
         block.rays = rays.count();
         if (progress) progress->add(end - begin);

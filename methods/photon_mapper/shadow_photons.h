@@ -1,12 +1,14 @@
 #pragma once
-// Shadow photons: which of the lights shine straight at which surfaces.
-// Source: Jensen and Christensen 1995, "Efficiently Rendering Shadows using the Photon Map"; Jensen 2001, section 7.6.
+// Shadow photons: they tell which lights shine straight at which surfaces.
+// Source: Jensen and Christensen 1995, "Efficiently Rendering Shadows using the Photon Map"; Jensen 2001, chapter 11.
 //
-// A photon leaves a light and goes straight on through everything. Each diffuse surface on its way keeps it, with the
-// share that comes this far: 1 on the first surface (a direct photon), 0 behind a surface (a shadow photon), between
-// the two behind holes that let a part through. So on every surface the photons of a light lie as if nothing stood in
-// its way, and those around a point say how much of the light is seen from there. The paper gives shadow photons
-// negative flux, so that all photons of a light sum to what arrives; kept apart, they also say what would arrive.
+// A photon leaves a light and flies straight on through everything. Each diffuse surface on its way stores it with
+// the share of its power that arrives there: 1 on the first surface (a direct photon), 0 behind a surface (a shadow
+// photon), and a value between behind surfaces with holes that let a part through. So the photons of a light lie on
+// every surface as if nothing stood in their way, and the shares of those around a point tell how much of the light
+// the point sees. In the paper shadow photons have negative flux, so that all photons of a light sum to the flux that
+// arrives. Here power and share are kept apart, so that the photons also tell the flux
+// that would arrive without obstacles.
 
 #include "common/core/math.h"
 #include "methods/parameters.h"
@@ -23,60 +25,64 @@ struct SurfaceHit;
 class StageProgress;
 struct Plan;
 
-/// What shadow photons are used for.
+/// The use of shadow photons.
 enum class Shadows {
-    guide,  ///< lights are chosen by what they add near by; every choice is tested by a ray
-    skip,   ///< lights are chosen by their power; no shadow ray where all photons near by agree
-    both,   ///< chosen as by `guide`, and tested only where photons near by do not agree
-    rays    ///< nothing
+    guide,  ///< lights are chosen by the light they add near by; a shadow ray tests every choice
+    skip,   ///< lights are chosen by power; no shadow ray is traced where all photons near by agree
+    both,   ///< lights are chosen as by `guide`; shadow rays are left out as by `skip`
+    rays    ///< shadow photons are not used; every shadow ray is traced
 };
 inline constexpr std::array<std::string_view, 4> shadows_names = {"guide", "skip", "both", "rays"};
 
 struct ShadowPhotonSettings {
     std::uint64_t photons = 0;  ///< emitted
     Shadows use = Shadows::guide;
-    std::uint32_t agreeing = 32;  ///< photons of a light that must agree before they are believed
+    std::uint32_t agreeing = 32;  ///< number of a light's photons that must agree before they are believed
 
     bool skips() const { return use == Shadows::skip || use == Shadows::both; }
     bool guides() const { return use == Shadows::guide || use == Shadows::both; }
 };
 
-/// shadow_photons, shadows and shadow_k.
+/// The parameters shadow_photons, shadows and shadow_k.
 std::vector<Parameter> shadow_photon_parameters();
 
 inline constexpr std::string_view pass_shadow_map = "shadow photon map";
-/// Adds its step; skipped where shadow photons are not asked for or cannot say what a shadow ray would.
+/// Adds the step of the shadow photon map. It is skipped where shadow photons are not asked for, where lights are not
+/// sampled, and where media dim light, as only a ray can tell by how much.
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings);
 
 struct ShadowPhoton {
     Vec3 p;
-    float power;            ///< in the result's unit, mean of the channels, as if nothing stood in its way
-    float visibility;       ///< the share of it that comes here, in [0, 1]
+    float power;            ///< in the result's unit; mean of the channels, as if nothing stood in the way
+    float visibility;       ///< share of the power that arrives here, in [0, 1]
     std::uint32_t light;    ///< index among the scene's lights
-    std::uint64_t surface;  ///< SurfaceSide::key() of where it arrived
+    std::uint64_t surface;  ///< SurfaceSide::key() of the surface that stores the photon
 };
 
-/// Surfaces of different shapes, and those that face differently, see different lights however close they are.
+/// One side of a surface. Shadow photons are kept apart by it, since surfaces of different shapes, and those that
+/// face different ways, may see different lights however close they are.
 struct SurfaceSide {
-    std::uint32_t shape, instance;  ///< as of SurfaceHit
-    std::uint32_t side;             ///< the direction along an axis next to the normal: x, -x, y, -y, z, -z
+    std::uint32_t shape, instance;  ///< as in SurfaceHit
+    std::uint32_t side;             ///< the axis nearest to the normal: 0 to 5 for x, -x, y, -y, z, -z
 
-    /// The side of `hit` from which wo looks at it.
+    /// The side of `hit` that faces wo.
     SurfaceSide(const SurfaceHit& hit, const Vec3& wo);
-    std::uint64_t key() const { return std::uint64_t{instance} << 32 | shape << 3 | side; }  ///< for 2^29 shapes
+    /// Unique for up to 2^29 shapes.
+    std::uint64_t key() const { return std::uint64_t{instance} << 32 | shape << 3 | side; }
     static std::uint32_t side_of_key(std::uint64_t key) { return static_cast<std::uint32_t>(key & 7); }
 };
 inline constexpr std::uint32_t side_count = 6;
 
 struct ShadowPhotonResult {
-    double unit = 1;                    ///< of the photons' power [W]; only ratios count for LightVisibility
-    std::vector<ShadowPhoton> photons;  ///< by light, in the order of emission
+    double unit = 1;                    ///< unit of the photons' power [W]; LightVisibility uses ratios only
+    std::vector<ShadowPhoton> photons;  ///< sorted by light, then in the order of emission
     std::uint64_t emitted = 0;
     std::uint64_t rays = 0;
 };
 
-/// Emits `count` photons, of each light in proportion to light_choice() (to a whole number), from Sobol' points of its
-/// own. For a scene without media.
+/// Emits `count` photons from Sobol' points, one sequence for each light. A light gets its number of photons in
+/// proportion to light_choice(), rounded to a whole number. For scenes without media. Throws InputError if the
+/// photons would need more memory than there is.
 ShadowPhotonResult trace_shadow_photons(const Scene& scene, std::uint64_t count, std::uint64_t seed,
                                         StageProgress* progress = nullptr);
 

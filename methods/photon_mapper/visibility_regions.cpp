@@ -10,22 +10,25 @@ namespace gib {
 
 namespace {
 
-/// As many photons the larger region's shares of lights are worth in a part of it.
+/// The shares of lights in the larger region count as much as this number of photons in a part of it.
 constexpr double prior_photons = 8;
-/// Fewer photons of a light do not tell what is seen of it better than those of the larger region.
+/// With fewer photons of a light than this, the visible share of the light is taken from the larger region.
 constexpr std::uint32_t telling_photons = 8;
-/// A region with this many photons for each light that is not dark is split to tell better what each adds.
+/// A region is split if it has twice this number of photons for each light that is not dark: its parts resolve better
+/// how much each light adds.
 constexpr std::size_t photons_per_light = 32;
-/// Smaller regions are built by one task.
+/// Regions of at most this number of photons are built by one task.
 constexpr std::size_t parallel_photons = 1 << 15;
 
-/// The photons of one light in a region.
+/// Sums over the photons of one light in a region.
 struct Counts {
     std::uint32_t photons = 0;
     double power = 0, seen = 0;
     bool all_direct = true, all_shadow = true;
 };
 
+/// Combines the photons of a light with the evidence from the larger region (null at the root). `part` is the share
+/// of the larger region's unoccluded power that belongs to this region.
 LightEvidence evidence(std::uint32_t light, const Counts& counts, const LightEvidence* larger, double part,
                        std::uint32_t agreeing) {
     LightEvidence e{light};
@@ -48,7 +51,8 @@ class RegionBuilder {
 public:
     RegionBuilder(std::uint32_t agreeing) : agreeing_(agreeing) {}
 
-    /// `scratch` is as long as `photons`; `larger` is null at the root.
+    /// Builds the tree over `photons`, which are sorted by light. `scratch` has the same length; `larger`
+    /// is null at the root.
     std::unique_ptr<VisibilityRegion> build(std::span<ShadowPhoton> photons, std::span<ShadowPhoton> scratch,
                                             const VisibilityRegion* larger) const {
         auto region = std::make_unique<VisibilityRegion>();
@@ -75,7 +79,8 @@ public:
     }
 
 private:
-    /// Evidence about the lights of the larger region; at the root, about those of the photons.
+    /// Fills in the evidence about each light of the larger region or, at the root, about each
+    /// light that has a photon.
     void weigh(std::span<const ShadowPhoton> photons, const VisibilityRegion* larger, VisibilityRegion& region) const {
         double power = 0, all = 0;
         for (const ShadowPhoton& photon : photons)
@@ -110,6 +115,7 @@ private:
         }
     }
 
+    /// A split pays if an open light may be settled in a part, or if the lights have photons enough to be resolved.
     bool is_worth_splitting(const VisibilityRegion& region) const {
         std::size_t lights = 0, photons = 0;
         for (const LightEvidence& light : region.lights) {
@@ -121,7 +127,7 @@ private:
         return lights > 0 && photons >= 2 * photons_per_light * lights;
     }
 
-    /// The median of the longest axis.
+    /// Splits at the median of the photons along the longest axis of their box; false if all lie at one place.
     static bool choose_split(std::span<const ShadowPhoton> photons, VisibilityRegion& region) {
         Bounds bounds;
         for (const ShadowPhoton& photon : photons)
@@ -139,7 +145,7 @@ private:
         return true;
     }
 
-    /// Moves those below before the others, each in the order they have, and returns their number.
+    /// Moves the photons below the split before the others and returns their number. Both parts keep their order.
     template <typename IsBelow>
     static std::size_t stable_split(std::span<ShadowPhoton> photons, std::span<ShadowPhoton> scratch,
                                     const IsBelow& is_below) {

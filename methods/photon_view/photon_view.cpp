@@ -1,21 +1,23 @@
-// Photons and irradiance records made visible: a point lights up where a stored photon, or a record, is near.
+// A view of the stored photons or irradiance records: a point of a surface lights up where one of them is near.
 //
-// Computes: no radiance. Each sample follows the eye path through specular surfaces to the first surface that stores
-// photons; where the nearest photon of the map lies within `size`, it shows that photon's power over the map's mean
-// power, in the component that the map serves. For the volume map the same is done all along the way. Surfaces
-// themselves are seen in dim grey, as `emission`, so that photons have a place. Records show their irradiance over the
-// mean of all of them; they are those of an irradiance cache that gathers by path tracing, before the first pass.
-// Parameters: map = global | caustic | volume | records, photons [emitted], size [fraction of the scene's diagonal]; of
-// records gather, accuracy, spacing, min_spacing and max_spacing as for photon_mapper; spp and max_depth as for all
-// methods.
-// A pass: one sample of every pixel. The map is filled at the start, with the photons that photon_mapper has by the
-// same seed and projection=off.
+// Computes: no radiance. Each sample follows the eye path through specular surfaces to the first diffuse surface. If
+// the nearest photon of the map lies within `size` there, the sample is the photon's power divided by the map's mean
+// power, in the component that the map serves. For the volume map, points along the whole path are looked up.
+// Surfaces without a photon near are dim grey, in the component `emission`, so that the photons can be located.
+// Records show their irradiance divided by the mean over all records; they are the records of an irradiance cache
+// that gathers by path tracing, as they are before the first pass.
+// Parameters: map = global | caustic | volume | records; photons [emitted]; size [fraction of the scene's diagonal];
+// for records gather, accuracy, spacing, min_spacing and max_spacing as for photon_mapper; spp and
+// max_depth as for all methods.
+// Bias: does not apply, as nothing is estimated.
+// A pass: one sample of every pixel. The map is filled at the start, with the same photons as in photon_mapper with
+// the same seed and projection=off.
 // Fails: never; an empty map shows no photon.
 #include "methods/method.h"
 #include "methods/parts/gathering/cached_gather.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
-#include "methods/parts/transport/pixel_samples.h"
+#include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/scattered_ray.h"
 
 #include <algorithm>
@@ -26,29 +28,37 @@ namespace gib {
 
 namespace {
 
-/// Radiance of a surface that is seen face on.
+/// Grey level [W/(sr m^2)] of a surface that is seen face on.
 constexpr float grey = 0.05f;
-/// Of specular surfaces that are looked through.
+/// Largest number of specular surfaces that an eye path passes.
 constexpr int max_specular_vertices = 16;
 
 struct PhotonViewSettings {
     PhotonMapKind kind;
     std::uint64_t photons;  ///< emitted
-    double size;            ///< of the scene's diagonal
+    double size;            ///< radius of a point, as a fraction of the scene's diagonal
     int max_edges;
-    bool records;  ///< of an irradiance cache, instead of photons
-    int gather;    ///< rays of a record
+    bool records;  ///< show the records of an irradiance cache instead of photons
+    int gather;    ///< rays that are gathered for a record
     CacheSettings spacing;
 };
 
-/// An irradiance cache as it is before the first pass.
+/// An irradiance cache with all it refers to; it is filled before the first pass.
 struct Records {
     GatheredLight light;
     FinalGather gather;
     CachedGather cache;
 
     Records(const Scene& scene, const PhotonViewSettings& settings)
-        : light{GatherSource::paths, settings.max_edges, true, true, features_of(scene), {}, {}, {}, {}},
+        : light{.source = GatherSource::paths,
+                .max_edges = settings.max_edges,
+                .samples_lights = true,
+                .follows_specular = true,
+                .features = features_of(scene),
+                .map = {},
+                .estimator = {},
+                .lengths = {},
+                .irradiance = {}},
           gather(light, settings.gather),
           cache(scene, gather, settings.spacing) {}
 };
@@ -74,7 +84,7 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     if (settings.records) {
         const bool split = scene.has_media() || scene.has_dispersion();
         plan.add("irradiance cache", scene.has_light() && !split,
-                 split ? "in media and dispersed light nothing is gathered" : "nothing emits light");
+                 split ? "nothing is gathered in scenes with media or dispersion" : "nothing emits light");
         plan.add(std::string(pass_eye_paths), true, "");
         return plan;
     }
@@ -84,65 +94,34 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     return plan;
 }
 
-class PhotonViewRun final : public Run {
+/// The points of light that are shown: the photons of a map, or the records of an irradiance cache.
+struct ShownPoints {
+    const Scene& scene;
+    PhotonMapKind kind;
+    float size;  ///< radius of a point [scene units]
+    PhotonMap map = {};
+    std::unique_ptr<Records> records = {};  ///< null if photons are shown
+    float per_mean_power = 0.f;             ///< 1 / mean over photons [1/unit] or records [m^2/W], and channels
+};
+
+/// The reciprocal of a mean, or 0 if the sum is 0.
+float per_mean(double sum, std::size_t count) {
+    return sum > 0 ? static_cast<float>(static_cast<double>(count) / sum) : 0.f;
+}
+
+/// The estimate of a pixel: shows the first point of light on an eye path.
+class View {
 public:
-    PhotonViewRun(const Scene& scene, const PhotonViewSettings& settings, std::uint64_t seed, StageTimes& stages)
-        : scene_(scene),
-          seed_(seed),
-          stages_(stages),
-          kind_(settings.kind),
-          size_(static_cast<float>(settings.size) * scene.diagonal()),
-          film_(scene.sensor().width(), scene.sensor().height(), {Component::emission, component_of(settings.kind)},
-                {}) {
-        if (photon_view_plan(scene, settings).runs("irradiance cache")) make_records(settings);
-        if (!photon_view_plan(scene, settings).runs("photon map")) return;
-        const auto timer = stages_.time("photon tracing");
-        StageProgress progress(stages, "photon tracing", settings.photons);
-        auto walk = trace_photons(scene, settings.kind, settings.photons, settings.max_edges, seed, nullptr, &progress);
-        photons_ = walk.emitted;
-        rays_ = walk.rays;
-        double sum = 0;
-        for (const Photon& photon : walk.photons)
-            sum += static_cast<double>(photon.power().mean());
-        if (sum > 0) per_mean_power_ = static_cast<float>(static_cast<double>(walk.photons.size()) / sum);
-        map_ = PhotonMap(std::move(walk.photons), walk.unit);
-    }
+    explicit View(std::shared_ptr<const ShownPoints> shown) : shown_(std::move(shown)) {}
 
-    Progress advance(std::uint32_t pass) override {
-        passes_ = pass + 1;
-        rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, pass_eye_paths, [this] {
-            return [this, neighbours = std::vector<PhotonMap::Neighbour>()](RayQueries& rays, const TracedRay& eye,
-                                                                            const Sampler& sampler) mutable {
-                return look(rays, eye, sampler, neighbours);
-            };
-        });
-        return Progress::more;
-    }
-
-    ComponentImages image() const override { return film_.mean(passes_); }
-    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
-
-private:
-    void make_records(const PhotonViewSettings& settings) {
-        const auto timer = stages_.time("irradiance cache");
-        StageProgress progress(stages_, "irradiance cache",
-                               static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
-        records_ = std::make_unique<Records>(scene_, settings);
-        rays_ = records_->cache.overture({settings.max_edges, true, true}, seed_, &progress);
-        double sum = 0;
-        for (const IrradianceRecord& record : records_->cache.cache().records())
-            sum += static_cast<double>(record.irradiance.mean());
-        if (sum > 0) per_mean_power_ = static_cast<float>(static_cast<double>(records_->cache.cache().size()) / sum);
-    }
-
-    PixelSample look(RayQueries& rays, TracedRay traced, const Sampler& sampler,
-                     std::vector<PhotonMap::Neighbour>& neighbours) const {
+    /// One sample of a pixel: follows the eye path `traced` to the first diffuse surface, photon or record.
+    PixelSample operator()(RayQueries& rays, TracedRay traced, const Sampler& sampler) {
         PixelSample sample;
         for (int vertex = 0; vertex < max_specular_vertices; ++vertex) {
             const auto hit = rays.surface_hit(traced);
-            if (kind_ == PhotonMapKind::volume) {
-                const float end = hit ? traced.found->t : std::min(traced.ray.t_max, 2.f * scene_.diagonal());
-                if (light_up_along(traced.ray, end, neighbours, sample)) return sample;
+            if (shown_->kind == PhotonMapKind::volume) {
+                const float end = hit ? traced.found->t : std::min(traced.ray.t_max, 2.f * shown_->scene.diagonal());
+                if (light_up_along(traced.ray, end, sample)) return sample;
             }
             if (!hit) return sample;
             const Vec3 wo = -traced.ray.d, wo_local = hit->shading.to_local(wo);
@@ -151,13 +130,13 @@ private:
                 const auto on_side = [&](const Photon& photon, float) {
                     return photon.surface_normal().dot(side) > 0.f;
                 };
-                const bool lit = records_
+                const bool lit = shown_->records
                                      ? light_up_record(*hit, side, sample)
-                                     : kind_ != PhotonMapKind::volume && light_up(hit->p, on_side, neighbours, sample);
+                                     : shown_->kind != PhotonMapKind::volume && light_up(hit->p, on_side, sample);
                 if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
             }
-            Vec3 wi = traced.ray.d;  // through a surface that is not there
+            Vec3 wi = traced.ray.d;  // straight on, if the surface scatters nothing
             if (hit->bsdf->traits_at(wo_local.z()).scatters()) {
                 const VertexNumbers u = sampler.at_vertex(vertex);
                 const auto next =
@@ -171,51 +150,41 @@ private:
         return sample;
     }
 
-    /// Whether a photon that `accept` takes is near p; then it is in the sample.
+private:
+    /// If a photon that `accept` takes lies near p, writes its colour into the sample and returns true.
     template <typename Accept>
-    bool light_up(const Vec3& p, Accept&& accept, std::vector<PhotonMap::Neighbour>& neighbours,
-                  PixelSample& sample) const {
-        map_.nearest(p, 1, size_, accept, neighbours);
-        if (neighbours.empty()) return false;
-        sample[component_of(kind_)] = map_[neighbours.front().photon].power() * per_mean_power_;
+    bool light_up(const Vec3& p, Accept&& accept, PixelSample& sample) {
+        shown_->map.nearest(p, 1, shown_->size, accept, neighbours_);
+        if (neighbours_.empty()) return false;
+        sample[component_of(shown_->kind)] = shown_->map[neighbours_.front().photon].power() * shown_->per_mean_power;
         return true;
     }
 
+    /// If a record lies near the hit on this side, writes its colour into the sample and returns true.
     bool light_up_record(const SurfaceHit& hit, const Vec3& side, PixelSample& sample) const {
-        const IrradianceRecord* record = records_->cache.cache().nearest(hit.p, side, size_);
-        if (record) sample[Component::indirect] = record->irradiance * per_mean_power_;
+        const IrradianceRecord* record = shown_->records->cache.cache().nearest(hit.p, side, shown_->size);
+        if (record) sample[Component::indirect] = record->irradiance * shown_->per_mean_power;
         return record != nullptr;
     }
 
-    bool light_up_along(const Ray& ray, float end, std::vector<PhotonMap::Neighbour>& neighbours,
-                        PixelSample& sample) const {
-        if (map_.size() == 0) return false;
-        // All photons lie in the scene, however far away the camera is.
-        const auto size = static_cast<double>(size_), first = static_cast<double>(ray.t_min);
-        const auto middle = static_cast<double>((scene_.bounds().center() - ray.o).dot(ray.d));
-        const double reach = 0.5 * static_cast<double>(scene_.diagonal()) + size;
-        // Steps of one radius miss no more than the rim of a ball: chords shorter than it.
+    /// If a photon lies near the ray before `end`, writes the colour of the first into the sample and returns true.
+    bool light_up_along(const Ray& ray, float end, PixelSample& sample) {
+        if (shown_->map.size() == 0) return false;
+        // All photons lie in the scene, so the part of the ray far from it is skipped, however far away the camera is.
+        const auto size = static_cast<double>(shown_->size), first = static_cast<double>(ray.t_min);
+        const auto middle = static_cast<double>((shown_->scene.bounds().center() - ray.o).dot(ray.d));
+        const double reach = 0.5 * static_cast<double>(shown_->scene.diagonal()) + size;
+        // With steps of one radius only the rim of a photon's ball can be missed, where the chord is shorter than a step.
         const double skipped = std::floor(std::max(middle - reach - first, 0.0) / size);
         for (double t = first + size * skipped; t < std::min(static_cast<double>(end), middle + reach); t += size)
             if (light_up(
-                    ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, neighbours,
-                    sample))
+                    ray.o + static_cast<float>(t) * ray.d, [](const Photon&, float) { return true; }, sample))
                 return true;
         return false;
     }
 
-    const Scene& scene_;
-    std::uint64_t seed_;
-    StageTimes& stages_;
-    PhotonMapKind kind_;
-    float size_;  ///< [scene units]
-    Film film_;
-    PhotonMap map_;
-    std::unique_ptr<Records> records_;  ///< null: photons are shown
-    float per_mean_power_ = 0.f;        ///< 1 / the mean over photons (records) and channels [1/unit (m^2/W)]
-    std::uint64_t photons_ = 0;
-    std::uint64_t rays_ = 0;
-    std::uint32_t passes_ = 0;
+    std::shared_ptr<const ShownPoints> shown_;
+    std::vector<PhotonMap::Neighbour> neighbours_;  ///< kept for its memory
 };
 
 class PhotonView final : public Method {
@@ -225,10 +194,47 @@ public:
     Plan plan(const Scene& scene) const override { return photon_view_plan(scene, settings_); }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        return std::make_unique<PhotonViewRun>(scene, settings_, seed, stages);
+        const Plan passes = plan(scene);
+        auto points = std::make_shared<ShownPoints>(
+            ShownPoints{scene, settings_.kind, static_cast<float>(settings_.size) * scene.diagonal()});
+        EyeSampling sampling{.scene = scene, .points = PointSet::sobol, .seed = seed, .stages = stages};
+        if (passes.runs("irradiance cache")) make_records(*points, sampling);
+        if (passes.runs("photon map")) trace_map(*points, sampling);
+        return average_eye_samples(sampling, {{Component::emission, component_of(settings_.kind)}, {}},
+                                   View(std::move(points)));
     }
 
 private:
+    /// Fills the irradiance cache; `overture` is Radiance's name for filling a cache ahead of rendering.
+    void make_records(ShownPoints& points, EyeSampling& sampling) const {
+        const Sensor& sensor = sampling.scene.sensor();
+        const auto timer = sampling.stages.time("irradiance cache");
+        StageProgress progress(sampling.stages, "irradiance cache",
+                               static_cast<std::uint64_t>(sensor.width() * sensor.height()));
+        points.records = std::make_unique<Records>(sampling.scene, settings_);
+        CachedGather& cache = points.records->cache;
+        sampling.rays = cache.overture({settings_.max_edges, true, true}, sampling.seed, &progress);
+        double sum = 0;
+        for (const IrradianceRecord& record : cache.cache().records())
+            sum += static_cast<double>(record.irradiance.mean());
+        points.per_mean_power = per_mean(sum, cache.cache().size());
+    }
+
+    /// Traces the photons (Jensen 2001, section 9.3) and builds their map.
+    void trace_map(ShownPoints& points, EyeSampling& sampling) const {
+        const auto timer = sampling.stages.time("photon tracing");
+        StageProgress progress(sampling.stages, "photon tracing", settings_.photons);
+        auto walk = trace_photons(sampling.scene, settings_.kind, settings_.photons, settings_.max_edges, sampling.seed,
+                                  nullptr, &progress);
+        sampling.photons = walk.emitted;
+        sampling.rays = walk.rays;
+        double sum = 0;
+        for (const Photon& photon : walk.photons)
+            sum += static_cast<double>(photon.power().mean());
+        points.per_mean_power = per_mean(sum, walk.photons.size());
+        points.map = PhotonMap(std::move(walk.photons), walk.unit);
+    }
+
     PhotonViewSettings settings_;
 };
 
@@ -238,10 +244,14 @@ std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const 
                                : map == "caustic" ? PhotonMapKind::caustic
                                                   : PhotonMapKind::volume;
     const bool records = map == "records";
-    return std::make_unique<PhotonView>(PhotonViewSettings{
-        records ? PhotonMapKind::global : kind, static_cast<std::uint64_t>(values.integer("photons")),
-        values.number("size"), max_edges_of(values, defaults), records, static_cast<int>(values.integer("gather")),
-        cache_settings_of(values)});
+    return std::make_unique<PhotonView>(
+        PhotonViewSettings{.kind = records ? PhotonMapKind::global : kind,
+                           .photons = static_cast<std::uint64_t>(values.integer("photons")),
+                           .size = values.number("size"),
+                           .max_edges = max_edges_of(values, defaults),
+                           .records = records,
+                           .gather = static_cast<int>(values.integer("gather")),
+                           .spacing = cache_settings_of(values)});
 }
 
 }  // namespace
@@ -249,29 +259,36 @@ std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const 
 MethodDescription describe_photon_view() {
     std::vector<Parameter> parameters = {
         choice_parameter("map", {"global", "caustic", "volume", "records"},
-                         "which photons are shown; or the records of an irradiance cache"),
+                         "the photons that are shown, or the records of an irradiance cache"),
         count_parameter("photons", "1e4", "photons", "emitted for the map"),
-        {"size",
-         Parameter::Kind::number,
-         "0.003",
-         "scene diagonals",
-         1e-6,
-         1,
-         {},
-         "radius of the point that shows a photon or a record"},
-        {"gather", Parameter::Kind::integer, "256", "rays", 1, 1e6, {}, "of a record"},
+        {.name = "size",
+         .kind = Parameter::Kind::number,
+         .default_value = "0.003",
+         .unit = "scene diagonals",
+         .lower = 1e-6,
+         .upper = 1,
+         .choices = {},
+         .sentence = "radius of the point of light that shows a photon or a record"},
+        {.name = "gather",
+         .kind = Parameter::Kind::integer,
+         .default_value = "256",
+         .unit = "rays",
+         .lower = 1,
+         .upper = 1e6,
+         .choices = {},
+         .sentence = "gathered for each record"},
     };
     for (Parameter& parameter : cache_parameters())
         parameters.push_back(std::move(parameter));
     return {
-        "photon_view",
-        "the photons that photon_mapper stores, as points of light: no image of the scene's radiance",
-        std::move(parameters),
-        Effects::all(),
-        {},
-        false,
-        create_photon_view,
-        false,
+        .name = "photon_view",
+        .sentence = "the photons that photon_mapper stores, as points of light: no image of the scene's radiance",
+        .parameters = std::move(parameters),
+        .simulates = Effects::all(),
+        .components = {},
+        .unbiased = false,
+        .create = create_photon_view,
+        .estimates_radiance = false,
     };
 }
 

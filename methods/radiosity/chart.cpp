@@ -11,14 +11,15 @@ constexpr std::uint32_t no_chart = ~0u;
 constexpr double pi_d = std::numbers::pi;
 constexpr double quarter_turn = pi_d / 2;
 
-/// The part of their size by which four points may leave a plane and still be one quadrilateral.
+/// The largest distance of four points from a plane, as a share of their size, at which they are one quadrilateral.
 constexpr double planarity = 1e-6;
 /// Twice a triangle's area over its longest edge squared, below which it counts as a line.
 constexpr double least_shape = 1e-10;
-/// The extent of a curved piece over its distance from the origin, below which the corners of its patches are rounding.
+/// The extent of a curved piece over its distance from the origin below which rounding decides about
+/// its patches' corners.
 constexpr double least_resolution = 0x1p-40;
 
-/// A direction on face `part` of the cube; the tangent evens out the areas of equal squares of uv.
+/// The direction of uv on face `part` of the cube. The tangent makes the areas of equal squares of uv nearly equal.
 Vec3d cube_direction(std::uint32_t part, const Vec2d& uv) {
     const auto warp = [](double x) { return std::tan(pi_d / 4 * (2 * x - 1)); };
     const int axis = static_cast<int>(part / 2);
@@ -29,6 +30,7 @@ Vec3d cube_direction(std::uint32_t part, const Vec2d& uv) {
     return d.normalized();
 }
 
+/// Inverse of cube_direction(): the face and uv; d need not be a unit vector.
 std::pair<std::uint32_t, Vec2d> cube_place(const Vec3d& d) {
     Eigen::Index axis = 0;
     d.cwiseAbs().maxCoeff(&axis);
@@ -38,8 +40,8 @@ std::pair<std::uint32_t, Vec2d> cube_place(const Vec3d& d) {
     return {static_cast<std::uint32_t>(2 * axis + (d[axis] < 0 ? 1 : 0)), {unwarp(axis + 1), unwarp(axis + 2)}};
 }
 
-/// From the unit square to the unit disk, areas kept in proportion. Source: Shirley and Chiu 1997, "A Low Distortion
-/// Map Between Disk and Square", JGT 2(3).
+/// Maps the unit square to the unit disk and keeps areas in proportion. Source: Shirley and Chiu 1997, "A Low
+/// Distortion Map Between Disk and Square", JGT 2(3).
 Vec2d square_to_disk(const Vec2d& uv) {
     const Vec2d s = 2 * uv - Vec2d::Ones();
     if (s.isZero(0)) return Vec2d::Zero();
@@ -49,6 +51,7 @@ Vec2d square_to_disk(const Vec2d& uv) {
     return r * Vec2d(std::cos(phi), std::sin(phi));
 }
 
+/// Inverse of square_to_disk().
 Vec2d disk_to_square(const Vec2d& d) {
     const double r = d.norm();
     if (r == 0) return Vec2d::Constant(0.5);
@@ -62,12 +65,12 @@ Vec2d disk_to_square(const Vec2d& d) {
     return (s + Vec2d::Ones()).cwiseMax(0.0).cwiseMin(2.0) / 2;
 }
 
-/// Of a triangle of unit vectors [sr]. Source: Van Oosterom and Strackee 1983.
+/// The solid angle of a triangle of unit vectors [sr]. Source: Van Oosterom and Strackee 1983.
 double solid_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     return 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
 }
 
-/// The weights of e1 and e2 at p - a, in the least-squares sense.
+/// The weights with which the sum of e1 and e2 is closest to p - a.
 Vec2d barycentric(const Vec3d& a, const Vec3d& e1, const Vec3d& e2, const Vec3d& p) {
     const Vec3d n = e1.cross(e2), d = p - a;
     const double scale = n.squaredNorm();
@@ -78,7 +81,7 @@ Vec3d bilinear(const std::array<Vec3d, 4>& c, const Vec2d& uv) {
     return (1 - uv.y()) * ((1 - uv.x()) * c[0] + uv.x() * c[1]) + uv.y() * ((1 - uv.x()) * c[3] + uv.x() * c[2]);
 }
 
-/// The inverse of bilinear() on a convex quadrilateral, by Newton's method; of a parallelogram in one step.
+/// Inverse of bilinear() on a convex quadrilateral, by Newton's method; a parallelogram takes one step.
 Vec2d bilinear_place(const std::array<Vec3d, 4>& c, const Vec3d& p) {
     Vec2d uv = Vec2d::Constant(0.5);
     for (int step = 0; step < 16; ++step) {
@@ -100,8 +103,8 @@ struct TriangleCorners {
     bool has_area() const { return normal().norm() > least_shape * longest2(); }
 };
 
-/// The quadrilateral that two triangles make up, if they share an edge, turn the same way, lie in a plane and it is
-/// convex.
+/// The quadrilateral that two triangles form; empty unless they share an edge, turn the same way and lie in one
+/// plane, and the quadrilateral is convex.
 std::optional<std::array<Vec3d, 4>> quad_of(const TriangleCorners& a, const TriangleCorners& b) {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -121,6 +124,7 @@ std::optional<std::array<Vec3d, 4>> quad_of(const TriangleCorners& a, const Tria
     return std::nullopt;
 }
 
+/// p as a key that can be ordered.
 std::array<double, 3> coordinates(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
 
 std::uint32_t parts_of(Chart::Kind kind) {
@@ -192,7 +196,7 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
         const auto at = [&](std::size_t k) { return to_scene(mesh.vertex(t[k]).cast<double>(), instance); };
         return TriangleCorners{{at(0), at(1), at(2)}};
     };
-    // The chart that is there already, or the next one.
+    // The number of the first chart with the corners of t, and whether it is the next chart to be made.
     const auto chart_at = [&](const TriangleCorners& t) {
         Outline outline = {coordinates(t.p[0]), coordinates(t.p[1]), coordinates(t.p[2])};
         std::sort(outline.begin(), outline.begin() + 3);
@@ -201,7 +205,10 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
     for (std::size_t i = 0; i < count; ++i) {
         const TriangleCorners here = corners(i);
         if (!here.has_area()) continue;
-        Chart chart{Chart::Kind::triangle, shape, instance, static_cast<std::uint32_t>(i)};
+        Chart chart{.kind = Chart::Kind::triangle,
+                    .shape = shape,
+                    .instance = instance,
+                    .primitive = static_cast<std::uint32_t>(i)};
         chart.corners = {here.p[0], here.p[1], here.p[1], here.p[2]};
         if (const auto [place, is_new] = chart_at(here); !is_new) {
             chart_of_[first + i] = chart_of_twin(chart, place->second);
@@ -229,7 +236,7 @@ void Charts::finish(Chart& chart) const {
     if (chart.kind == Chart::Kind::triangle) {
         chart.lengths = {(chart.corners[1] - chart.corners[0]).norm(), (chart.corners[3] - chart.corners[0]).norm()};
     } else {
-        constexpr int steps = 8;  // along curved lines
+        constexpr int steps = 8;  // chords for the length of a curved line
         for (const double across : {0.0, 0.5, 1.0}) {
             Vec2d length = Vec2d::Zero();
             for (int i = 0; i < steps; ++i) {
@@ -291,7 +298,8 @@ Vec3d Charts::position(const Chart& chart, const Vec2d& uv) const {
 
 SurfaceHit Charts::surface_at(const Chart& chart, const Vec2d& uv) const {
     const Vec3d p = position(chart, uv);
-    Intersection at{chart.shape, chart.primitive, chart.instance, 0.f, 0.f, 0.f};
+    Intersection at{
+        .shape = chart.shape, .primitive = chart.primitive, .instance = chart.instance, .u = 0.f, .t = 0.f, .v = 0.f};
     if (const auto* mesh = std::get_if<Mesh>(&scene_.shapes()[chart.shape])) {
         const auto place = [&](std::uint32_t primitive) {
             const auto& t = mesh->triangles[primitive];
@@ -313,7 +321,7 @@ SurfaceHit Charts::surface_at(const Chart& chart, const Vec2d& uv) const {
         at.v = static_cast<float>(b.y());
     }
     const Vec3 ng = scene_.surface_hit({p.cast<float>(), Vec3::UnitZ()}, at)->ng;
-    return *scene_.surface_hit({p.cast<float>(), ng}, at);  // of a direction about which the normals agree
+    return *scene_.surface_hit({p.cast<float>(), ng}, at);  // hit along ng, about which the normals agree
 }
 
 double Charts::curved_area(const Chart& chart, const ChartPoint& lower, const ChartPoint& upper) const {

@@ -11,13 +11,13 @@ namespace gib {
 namespace {
 
 constexpr std::size_t leaves_per_block = 64;
-/// How far over a patch rays run, in its radii.
+/// The height of rays over a patch, in radii of the patch.
 constexpr float lift = 0.02f;
-/// How far inside a patch its corners are looked at, as a share of the way to its middle: walls at its edges are none
-/// that stand on it.
+/// How far inside a patch the rays between its corners start and end, as a share of the way to its middle: walls
+/// along its edges do not stand on it.
 constexpr double inset = 0.02;
 
-/// Along edges and diagonals: what crosses the patch crosses one of them.
+/// Tests the edges and the diagonals of a leaf: what stands across the patch crosses one of them.
 bool is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchNode& leaf) {
     const PatchSide& side = mesh.sides()[leaf.side];
     const Vec2d middle = mesh.middle_of(leaf);
@@ -41,7 +41,7 @@ bool way_is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchSide& side
         return Vec3(hit.p + (hit.offset + lift * static_cast<float>(reach)) * hit.ng);
     };
     const Vec3 origin = lifted(from), end = lifted(to);
-    return !rays.intersect({origin, end - origin, 0.f, 1.f});
+    return !rays.intersect({.o = origin, .d = end - origin, .t_max = 1.f});
 }
 
 void halve_at_contacts(PatchMesh& mesh, int halvings, std::size_t most_nodes, std::uint64_t& rays) {

@@ -13,13 +13,13 @@ namespace gib {
 namespace {
 
 constexpr std::size_t vertices_per_block = 64;
-/// Rays from a corner to a patch of which something hides a part.
+/// Number of rays from a corner to a patch that is partly hidden.
 constexpr std::uint32_t rays_to_patch = 4;
-/// A patch is halved where irradiance changes over it by this share of the mean.
+/// A patch is halved if irradiance changes over it by more than this share of the mean irradiance.
 constexpr double allowed_change = 0.1;
-/// How far inside a leaf its corners are looked at, as a share of the way to its middle.
+/// How far inside a leaf the rays to its corners end, as a share of the way to its middle.
 constexpr double corner_inset = 0.02;
-/// As often as this at most.
+/// The largest number of such halvings.
 constexpr int extra_halvings = 4;
 
 }  // namespace
@@ -67,8 +67,10 @@ void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& verte
     const PatchSide& side = mesh_.sides()[mesh_.nodes()[vertex.leaf].side];
     const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
     const Viewpoint from{
-        point, mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv), point.ns.cast<double>(),
-        combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at))};
+        .hit = point,
+        .p = mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv),
+        .n = point.ns.cast<double>(),
+        .key = combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at))};
     row.clear();
     for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = mesh_.nodes()[node].parent)
         for (const LinkTable::Entry& link : system_.links().of(node)) {
@@ -86,8 +88,8 @@ void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& verte
         term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
 }
 
-/// A corner that something separates from its leaf's middle, a wall that stands on the surface, has the light of the
-/// other side.
+/// Finds the corners that nothing separates from their leaf's middle. A corner behind a wall that stands on the
+/// surface has the light of the other side, and is left out of the interpolation.
 void RadiosityDisplay::look_at_corners() {
     const auto& nodes = mesh_.nodes();
     const std::size_t first = seen_corners_.size();
@@ -99,7 +101,7 @@ void RadiosityDisplay::look_at_corners() {
             if (!nodes[i].is_leaf()) continue;
             const PatchSide& side = mesh_.sides()[nodes[i].side];
             seen_corners_[i] = 15;
-            if (!mesh_.charts()[side.chart].is_flat()) continue;  // it may bend between the two
+            if (!mesh_.charts()[side.chart].is_flat()) continue;  // a curved leaf may block the ray itself
             seen_corners_[i] = 0;
             const Vec2d middle = mesh_.middle_of(nodes[i]);
             for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
@@ -168,7 +170,7 @@ void RadiosityDisplay::show(const PatchColors& X) {
             Colord sum = Colord::Zero();
             for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t)
                 sum += static_cast<double>(terms_[t].factor) * X[terms_[t].node];
-            // All factors are positive; X is below 0 only by what the solver has left.
+            // All factors are positive; X is below 0 only by the solver's remaining error.
             irradiance_[i] = sum.max(0.0).cast<float>();
         }
     });

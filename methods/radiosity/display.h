@@ -1,8 +1,9 @@
 #pragma once
-// A solution as it is seen: irradiance at the corners of patches, gathered anew over the links, and interpolated
-// between them. Patches of the solution only have means; the corners of a mean's neighbours would be of first order
-// in the patch's size at best, and worse at borders. Source: the second step of Galerkin methods, Lischinski,
-// Tampieri and Greenberg 1993, "Combining Hierarchical Radiosity and Discontinuity Meshing", there by pixel.
+// The display of a solution: irradiance is computed once more over the links, at the corners of patches, and
+// interpolated between them. The solution itself has only the mean of each patch; corners that average the means of
+// their neighbours would be accurate to first order in the patch's size at best, and less at borders. Source:
+// Lischinski, Tampieri and Greenberg 1993, "Combining Hierarchical Radiosity and Discontinuity Meshing", whose second
+// step does this for each pixel.
 
 #include "methods/radiosity/system.h"
 
@@ -11,25 +12,25 @@ namespace gib {
 struct DisplaySettings {
     bool adapt;      ///< halve patches further where irradiance changes over them
     bool normalise;  ///< the scene is closed: rows sum up to 1
-    double links;    ///< allowed error of a link, a share of the mean irradiance
+    double links;    ///< allowed error of a link, as a share of the mean irradiance
     std::uint64_t seed;
-    double most_bytes;  ///< of rows; beyond: InputError
+    double most_bytes;  ///< for the rows; more is an InputError
 };
 
 class RadiosityDisplay {
 public:
-    /// All must outlive this; `mesh` is halved further.
+    /// All arguments must outlive this; `mesh` is halved further.
     RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
                      const DisplaySettings& settings);
 
-    /// Takes X, of all nodes of the solution.
+    /// Computes the irradiance of all corners from X [W/m^2], the radiosity of all nodes of the solution.
     void show(const PatchColors& X);
-    /// Halves patches over which the irradiance shown now changes much, and shows them.
+    /// Halves the patches over which the irradiance changes much, and computes it at the new corners as well.
     void refine(const PatchColors& X);
 
     /// Indirect irradiance [W/m^2] at a hit seen from wo; 0 where there is no patch.
     Color irradiance(const SurfaceHit& hit, const Vec3& wo) const;
-    /// The same with the direct irradiance of the patch there.
+    /// Indirect irradiance at the hit plus the mean direct irradiance of its patch [W/m^2].
     Color whole_irradiance(const SurfaceHit& hit, const Vec3& wo) const;
 
     const PatchMesh& mesh() const { return mesh_; }
@@ -40,6 +41,7 @@ public:
     std::uint64_t rays() const { return rays_; }
 
 private:
+    /// The irradiance of a corner is the sum of factor X over the terms of its row.
     struct Term {
         std::uint32_t node;
         float factor;
@@ -55,8 +57,9 @@ private:
     };
     void add_rows();
     void look_at_corners();
+    /// The form factor from a corner to a node, times the share of light that nothing blocks.
     double factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const;
-    /// Adds terms for a node, or for its halves where its light strays too far over it.
+    /// Adds a term for a node, or terms for its halves if radiosity varies too much over the node.
     void add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
                    std::vector<Term>& row) const;
     void irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
@@ -70,7 +73,7 @@ private:
     std::optional<PatchVertices> vertices_;
     std::vector<Row> rows_;  ///< by vertex
     std::vector<Term> terms_;
-    /// By node: bits of a leaf's corners that nothing separates from its middle.
+    /// By node: a bit for each corner of a leaf that nothing separates from the leaf's middle.
     std::vector<std::uint8_t> seen_corners_;
     std::vector<Color> irradiance_;                              ///< by vertex
     std::vector<std::unordered_map<std::uint64_t, Row>> known_;  ///< by side: rows of corners of earlier meshes

@@ -11,10 +11,10 @@ namespace gib {
 namespace {
 
 constexpr std::size_t leaves_per_block = 64;
-/// Where on a patch a sample lies: past the dimensions of a path's first vertices.
+/// Random dimension that places a sample on a patch, past the dimensions of the path's first vertex.
 constexpr std::uint32_t on_patch = dimension::at_vertex(1, 0);
 
-/// Both sides of a surface that reflects all light diffusely: the radiance that it reflects is irradiance / pi.
+/// A material that reflects all light diffusely on both sides: the radiance that it reflects is irradiance / pi.
 const Bsdf& white() {
     static const Bsdf bsdf(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
     return bsdf;
@@ -34,7 +34,7 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     const Vec3 upright = hit.shading.to_local(normal);
     const float side = upright.z() < 0.f ? -1.f : 1.f;
     if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(side)) return (there * *ideal).cast<double>();
-    // Of evenly distributed light: the mean over sin^2 of the angle.
+    // The reflectance for evenly distributed light: the mean over sin^2 of the angle of incidence.
     constexpr int angles = 8;
     Colord sum = Colord::Zero();
     for (int i = 0; i < angles; ++i) {
@@ -45,7 +45,7 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
-/// Fills the expected radiosity of inner nodes, the mean of their halves, and its spread.
+/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, and its spread.
 void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     for (std::size_t i = nodes.size(); i-- > 0;) {
@@ -60,8 +60,8 @@ void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     }
 }
 
-/// What patches are expected to add up to: reflected light spread evenly over all of them. Source: the ambient term
-/// of Cohen, Chen, Wallace and Greenberg 1988.
+/// Estimates the radiosity that the exchange of light will lead to: light that is reflected more than once is spread
+/// evenly over all patches. Source: the ambient term of Cohen, Chen, Wallace and Greenberg 1988.
 void expect(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     Colord area = Colord::Zero(), absorbed = Colord::Zero(), received = Colord::Zero(), reflected = Colord::Zero();

@@ -12,20 +12,21 @@ namespace gib {
 
 namespace {
 
-/// Rays between two patches, and between groups, or two patches of which the first rays disagree.
+/// Number of rays between two patches; and between groups, or between two patches whose first rays disagree.
 constexpr std::uint32_t few_rays = 4, more_rays = 16;
-/// Of the closed-form factors, relative.
+/// Relative tolerance of form factors between leaves, and between groups.
 constexpr double leaf_tolerance = 1e-4, link_tolerance = 1e-3;
-/// A node that bends by more stands for its own patches only.
+/// The largest angle between normals [rad] over a group that is linked as a whole.
 constexpr double max_link_spread = 0.6;
 constexpr std::size_t pairs_per_block = 256;
 
-/// The largest cosine between `normal` and a way from within `reach` of a point to the other end, which lies at `way`.
+/// The largest cosine between `normal` and a direction to the other end, which lies within `reach` of `way`.
 double largest_cosine(const Vec3d& normal, const Vec3d& way, double distance, double reach) {
     return std::clamp((normal.dot(way) + reach) / distance, 0.0, 1.0);
 }
 
-/// Some of q may lie in front of p: of curved surfaces more than of their chords, by as much as these bend.
+/// Whether part of q may lie in front of p. Curved patches bulge beyond their chord polygons, so both sagittas
+/// are allowed for.
 bool faces(const PatchNode& p, const PatchNode& q) {
     const double slack = 1e-7 * (p.radius + q.radius) - std::abs(p.sagitta) - std::abs(q.sagitta);
     const auto corners = q.polygon.corners();
@@ -42,7 +43,8 @@ public:
     Refinement(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings)
         : mesh_(mesh), nodes_(mesh.nodes()), light_(light), settings_(settings) {}
 
-    /// What one pair becomes: nothing, a link, or pairs of halves.
+    /// Refines one pair, which becomes nothing, a link, or pairs with the halves of one of its nodes (Hanrahan
+    /// et al. 1991).
     void look_at(RayQueries& rays, const Pair& pair, std::vector<PatchLink>& links, std::vector<Pair>& pairs) const {
         const PatchNode& p = nodes_[pair.p];
         const PatchNode& q = nodes_[pair.q];
@@ -59,7 +61,8 @@ public:
         const bool clear = visible == 1;
         if (can_split && !clear && shadow_error_of(pair) > 1) return split(pair, pairs);
         const double exchange = visible * unoccluded(p, q);
-        if (exchange > 0) links.push_back({pair.p, pair.q, static_cast<float>(exchange), clear});
+        if (exchange > 0)
+            links.push_back({.p = pair.p, .q = pair.q, .exchange = static_cast<float>(exchange), .clear = clear});
     }
 
 private:
@@ -72,7 +75,8 @@ private:
             pairs.push_back({n.child, n.child + 1});
         } else if (n.sagitta < 0 && n.area > n.polygon.area) {
             // A hollow patch sees itself in every direction that does not leave through its chords.
-            links.push_back({node, node, static_cast<float>(n.area - n.polygon.area), true});
+            links.push_back(
+                {.p = node, .q = node, .exchange = static_cast<float>(n.area - n.polygon.area), .clear = true});
         }
     }
 
@@ -88,8 +92,8 @@ private:
 
     static bool must_split(const PatchNode& node) { return !node.is_leaf() && node.spread > max_link_spread; }
 
-    /// What q sends to p over the mean irradiance, by a bound of the form factor: its light, and how far that strays
-    /// over q.
+    /// A bound of the irradiance that q causes at p, in mean irradiances: `light` by the radiosity of q, `stray` by
+    /// its standard deviation over q. `nearness` is the size of both over their distance, at most 1.
     struct Carried {
         double light = 0, stray = 0, nearness = 1;
     };
@@ -111,8 +115,9 @@ private:
         return result;
     }
 
-    /// How far the exchange changes over the pair as light sees it, over what is allowed. What strays over the source
-    /// errs alike for many receivers and links, so less of it is allowed.
+    /// The error of a link over the allowed error: a bound of the light that the link carries, times how much the
+    /// exchange changes over the pair (BF refinement of Hanrahan et al. 1991). Stray over the source errs alike for
+    /// many receivers and links, so less of it is allowed.
     double error_of(const Pair& pair) const {
         const bool bent = must_split(nodes_[pair.p]) || must_split(nodes_[pair.q]);
         if (settings_.refine_all || bent) return 2;
@@ -121,7 +126,7 @@ private:
         const double error = std::max({to_p.light, to_q.light, stray_weight * to_p.stray, stray_weight * to_q.stray});
         return error * to_p.nearness / settings_.error;
     }
-    /// The same where something stands between, which no distance smooths.
+    /// The error of a link with something between its nodes, over the allowed error. It does not fall with distance.
     double shadow_error_of(const Pair& pair) const {
         if (!(light_.mean_irradiance > 0)) return 0;
         return 0.5 * std::max(carried(pair.p, pair.q).light, carried(pair.q, pair.p).light) / settings_.error;
@@ -161,14 +166,20 @@ std::vector<Pair> pairs_of_sides(const PatchMesh& mesh, double most_bytes) {
     return pairs;
 }
 
+/// The share of light that passes between two points.
 double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to) {
     const Vec3 target = shadow_ray_target(to, from.p);
     const Vec3 way = target - from.p;
     const float distance = way.norm();
     if (!(distance > 0.f)) return 1;
-    const LightSample end{way / distance, distance, Color::Ones(), 1.f, false, target};
+    const LightSample end{.wi = way / distance,
+                          .distance = distance,
+                          .Le = Color::Ones(),
+                          .pdf_w = 1.f,
+                          .delta = false,
+                          .target = target};
     SurfacePoint start = from;
-    // The ray leaves on the node's side, whatever way the other end lies.
+    // The ray leaves on the node's side, wherever the other end lies.
     start.p += start.offset * start.ng;
     start.offset = 0.f;
     return static_cast<double>(rays.visibility(start, end));
@@ -182,8 +193,8 @@ double area_correction(const PatchNode& node) {
 
 namespace {
 
-/// The mean over rays, each weighed by the light that it would carry: where patches touch, most of it takes the
-/// shortest ways.
+/// The mean visibility of rays, each weighted by the light that it would carry: where patches touch, most light takes
+/// the shortest ways.
 class WeighedRays {
 public:
     WeighedRays(RayQueries& rays, double area) : rays_(rays), area_(area) {}
@@ -194,7 +205,7 @@ public:
         const double cosines =
             std::max(0.0, from.ng.cast<double>().dot(way)) * std::max(0.0, -to.ng.cast<double>().dot(way));
         if (!(cosines > 0)) return;
-        // A kernel without bound would let one ray decide.
+        // The weight is the kernel with a bound: without it one ray could decide.
         const double weight = cosines / (distance2 * (distance2 + least_distance2 * area_));
         total_ += weight;
         const double share = passing(rays_, from, to);
@@ -202,14 +213,14 @@ public:
         passed_ += weight * share;
     }
     bool has_rays() const { return total_ > 0; }
-    /// 0 without rays: bent patches whose chords face each other may be back to back themselves.
+    /// 0 without rays: curved patches may be back to back although their chords face each other.
     double share() const {
         if (!has_rays()) return 0;
         return all_ ? 1.0 : passed_ / total_;
     }
 
 private:
-    static constexpr double least_distance2 = 0.05;  // of the area
+    static constexpr double least_distance2 = 0.05;  // as a share of the area
 
     RayQueries& rays_;
     double area_;
@@ -219,12 +230,13 @@ private:
 
 }  // namespace
 
-constexpr std::uint32_t most_tries = 16;  // times as many points as rays are wanted
+constexpr std::uint32_t most_tries = 16;  // times the number of rays
 
 double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
                           std::uint32_t n, std::uint64_t key) {
     WeighedRays mean(rays, std::min(p.area, q.area));
-    // Points that do not face each other cost no ray: of pairs that do in a small part, more are tried.
+    // Points that do not face each other cost no ray. More are tried if only small parts of the nodes
+    // face each other.
     for (std::uint32_t i = 0; i < n || (i < most_tries * n && !mean.has_rays()); ++i) {
         const Sampler u(PointSet::sobol, key, 0, i);
         mean.add(mesh.point_on(p, u.get_2d(0).cast<double>()), mesh.point_on(q, u.get_2d(1).cast<double>()));

@@ -9,14 +9,15 @@ namespace gib {
 
 namespace {
 
-constexpr double max_spread = 0.5;  // 29 degrees: chords of a sphere lose 2 % of its area, for which `area` makes up
+/// [rad], 29 degrees: chords of a sphere lose 2 % of its area; PatchNode::area is that of the surface itself.
+constexpr double max_spread = 0.5;
 constexpr std::uint8_t max_halvings = 20;
 
 ChartPoint middle(const ChartPoint& a, const ChartPoint& b) { return {(a.u + b.u) / 2, (a.v + b.v) / 2}; }
 
 double shrunk(double length, std::uint8_t halvings) { return std::ldexp(length, -halvings); }
 
-/// The edge i -> i + 1 of a triangle that is halved: the longest in space, of equal ones the first.
+/// The number i of the edge i -> i + 1 at which a triangle is halved: the longest in space, the first of equal ones.
 std::size_t longest_edge(const std::array<Vec3d, 4>& p) {
     std::size_t longest = 0;
     double length2 = 0;
@@ -47,7 +48,7 @@ PatchPolygon polygon_of(const Chart& chart, std::array<Vec3d, 4> p, bool turned)
     return turned ? PatchPolygon::quad(p[0], p[3], p[2], p[1]) : PatchPolygon::quad(p[0], p[1], p[2], p[3]);
 }
 
-/// Twice the area of the triangle a, b, c of chart coordinates.
+/// Twice the area of the triangle a, b, c in chart coordinates; negative if it turns clockwise.
 double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
@@ -220,8 +221,7 @@ std::optional<PatchMesh::Place> PatchMesh::locate(const SurfaceHit& hit, const V
         const auto& c = nodes_[child].corners;
         bool first;
         if (triangle) {
-            // Both halves have the corner m = c[2] and the apex c[0]; a = c[1] is on the first one's side of the line
-            // between.
+            // Both halves have the edge from the apex c[0] to m = c[2]; a = c[1] lies on the first half's side of it.
             const Vec2d apex = uv_of(c[0]), a = uv_of(c[1]), m = uv_of(c[2]);
             first = turn(apex, m, uv) * turn(apex, m, a) >= 0;
         } else {
@@ -248,7 +248,8 @@ std::array<double, 4> PatchMesh::weights(const PatchNode& leaf, const Vec2d& uv)
 
 PatchVertices::PatchVertices(const PatchMesh& mesh) {
     constexpr std::uint32_t none = ~0u;
-    /// How far inside its leaf a vertex on the border of a chart is evaluated: where surfaces meet, irradiance jumps.
+    /// How far inside its leaf a vertex on the border of a chart is evaluated, as a share of the way to the leaf's
+    /// middle: where surfaces meet, irradiance jumps.
     constexpr double inset = 1e-3;
     const auto& nodes = mesh.nodes();
     corners_.assign(nodes.size(), {none, none, none, none});
@@ -287,8 +288,10 @@ void PatchVertices::bind(const PatchMesh& mesh, const std::vector<VertexIndex>& 
         const auto count = static_cast<std::size_t>(nodes[leaf].corner_count());
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t next = (k + 1) % count;
-            edges.push_back(
-                {nodes[leaf].corners[k], nodes[leaf].corners[next], corners_[leaf][k], corners_[leaf][next]});
+            edges.push_back({.a = nodes[leaf].corners[k],
+                             .b = nodes[leaf].corners[next],
+                             .va = corners_[leaf][k],
+                             .vb = corners_[leaf][next]});
             while (!edges.empty()) {
                 const Edge edge = edges.back();
                 edges.pop_back();
@@ -296,12 +299,12 @@ void PatchVertices::bind(const PatchMesh& mesh, const std::vector<VertexIndex>& 
                 const auto found = m == edge.a || m == edge.b ? index.end() : index.find(key_of(m));
                 if (found == index.end()) continue;
                 hanging[found->second] = {found->second, edge.va, edge.vb};
-                edges.push_back({m, edge.b, found->second, edge.vb});
-                edges.push_back({edge.a, m, edge.va, found->second});
+                edges.push_back({.a = m, .b = edge.b, .va = found->second, .vb = edge.vb});
+                edges.push_back({.a = edge.a, .b = m, .va = edge.va, .vb = found->second});
             }
         }
     }
-    // What a vertex takes its value from comes before it. Edges get longer on the way, so it ends.
+    // Both ends of a vertex's edge are put before the vertex. Each step leads to a longer edge, so the loop ends.
     std::vector<std::uint32_t> stack;
     for (std::uint32_t i = 0; i < hanging.size(); ++i) {
         stack.push_back(i);

@@ -1,7 +1,7 @@
 #pragma once
-// Patches: the sides of charts that can reflect diffusely, halved again and again. Halves are a binary tree whose
-// leaves are the patches of a solution; below them a leaf may be halved further for display only. A side is what
-// reflects: of a one-sided material the front, of a two-sided one both, each with its own patches.
+// Patches are made by repeated halving of the sides of charts that can reflect diffusely. The halves form a binary
+// tree whose leaves are the patches of a solution; below them a leaf may be halved further for display only. A
+// one-sided material reflects on its front, a two-sided one on both sides, each of which has its own patches.
 
 #include "common/core/error.h"
 #include "methods/radiosity/chart.h"
@@ -15,14 +15,14 @@ inline constexpr std::uint32_t no_node = ~0u;
 struct PatchNode {
     std::uint32_t side;
     std::uint32_t parent = no_node;
-    std::uint32_t child = no_node;       ///< the first of two; none: a leaf
-    std::array<ChartPoint, 4> corners;   ///< of a triangle three
-    PatchPolygon polygon;                ///< its chords; its front is the side's
-    double area = 0;                     ///< of the surface itself [scene units^2]
-    Vec3d center = Vec3d::Zero();        ///< the polygon's
-    double radius = 0;                   ///< of the polygon's vertices around it
-    double sagitta = 0;                  ///< of the surface's middle over the polygon, positive in front
-    double spread = 0;                   ///< the largest angle between normals of the surface here [rad]
+    std::uint32_t child = no_node;      ///< the first of two; none: a leaf
+    std::array<ChartPoint, 4> corners;  ///< a triangle has three
+    PatchPolygon polygon;               ///< of its chords; its front is the side's
+    double area = 0;                    ///< of the surface itself [scene units^2]
+    Vec3d center = Vec3d::Zero();       ///< of the polygon
+    double radius = 0;                  ///< largest distance of the polygon's vertices from `center` [scene units]
+    double sagitta = 0;  ///< height of the surface's middle over the polygon [scene units], positive in front
+    double spread = 0;   ///< the largest angle between normals of the surface here [rad]
     std::uint8_t across = 0, along = 0;  ///< halvings of u and v so far
 
     bool is_leaf() const { return child == no_node; }
@@ -37,15 +37,15 @@ struct PatchSide {
 
 /// A place at which irradiance is evaluated.
 struct PatchVertex {
-    std::uint32_t leaf;  ///< a patch that it belongs to
+    std::uint32_t leaf;  ///< a patch that has it as a corner
     ChartPoint at;
-    Vec2d uv;  ///< of the place itself: on a border of the chart a little inside
+    Vec2d uv;  ///< where irradiance is evaluated: at a border of the chart a little inside
 };
 
 class PatchMesh {
 public:
-    /// Patches whose edges are at most `size` long [scene units], and which bend by `max_spread` at most. Throws
-    /// InputError if nodes would take more than `most_nodes`.
+    /// Makes patches whose edges are at most `size` long [scene units] and over which normals differ by at most 0.5
+    /// rad. Throws InputError if they take more than `most_nodes` nodes.
     PatchMesh(const Charts& charts, double size, std::size_t most_nodes);
 
     const Charts& charts() const { return charts_; }
@@ -53,28 +53,28 @@ public:
     const std::vector<PatchNode>& nodes() const { return nodes_; }
     std::size_t leaf_count() const;
 
-    /// The point of the node's surface at s in the unit square, uniform but for the chart's distortion; its normals
-    /// on the node's side.
+    /// The point of the node's surface at s in the unit square, with normals on the node's side. Uniform s give
+    /// uniform points, up to the distortion of the chart.
     SurfaceHit point_on(const PatchNode& node, const Vec2d& s) const;
-    /// The same at a place of the side's chart.
+    /// The point at uv of the side's chart, with normals on that side.
     SurfaceHit point_of_side(const PatchSide& side, const Vec2d& uv) const;
     Vec2d middle_of(const PatchNode& node) const;
 
     /// Halves a leaf; its children are the last two nodes.
     void split(std::uint32_t node);
 
-    /// Where a hit that is seen from wo lies; empty where there is no patch.
     struct Place {
         std::uint32_t leaf;
-        Vec2d uv;
+        Vec2d uv;  ///< on the chart
     };
+    /// The patch of a hit that is seen from wo; empty where there is no patch.
     std::optional<Place> locate(const SurfaceHit& hit, const Vec3& wo) const;
-    /// The weights of a leaf's corners at a place.
+    /// The weights of a leaf's corners for linear interpolation at uv (bilinear if it has four corners).
     std::array<double, 4> weights(const PatchNode& leaf, const Vec2d& uv) const;
 
-    /// How many nodes a mesh of this size would have, without making one.
+    /// An estimate of the number of nodes of a mesh with edges of `size` [scene units], without making one.
     static double estimated_nodes(const Charts& charts, double size);
-    /// The side of a chart that reflects, if it does.
+    /// Whether the back or the front of a chart can reflect diffusely.
     static bool reflects(const Charts& charts, const Chart& chart, bool back);
 
 private:
@@ -87,8 +87,8 @@ private:
     std::vector<PatchNode> nodes_;
 };
 
-/// The corners of all leaves, each once in a side. A corner that lies inside an edge of a larger leaf (a T-junction)
-/// is bound to the mean of that edge's ends, so that what is interpolated has no cracks.
+/// The corners of all leaves; leaves of a side share them. A corner that lies inside an edge of a larger leaf (a
+/// T-junction) is bound to the mean of that edge's ends, so that interpolated values have no cracks.
 class PatchVertices {
 public:
     explicit PatchVertices(const PatchMesh& mesh);
@@ -99,7 +99,7 @@ public:
     struct Bound {
         std::uint32_t vertex, first, second;
     };
-    /// In an order in which each takes its value from final ones.
+    /// Sorted, so that both ends of a corner's edge have their final values before the corner takes their mean.
     const std::vector<Bound>& bound() const { return bound_; }
 
 private:
@@ -107,7 +107,7 @@ private:
     void bind(const PatchMesh& mesh, const std::vector<VertexIndex>& of_side);
 
     std::vector<PatchVertex> vertices_;
-    std::vector<std::array<std::uint32_t, 4>> corners_;  ///< by node; unused ones of inner nodes
+    std::vector<std::array<std::uint32_t, 4>> corners_;  ///< by node; unused for inner nodes
     std::vector<Bound> bound_;
 };
 

@@ -15,30 +15,30 @@ namespace gib {
 
 namespace {
 
-/// What is reflected and not yet in the solution, over what was reflected first, at which it has converged.
+/// The residual of a solution that has converged (RadiositySolution::residual()).
 constexpr double converged_residual = 1e-4;
-/// Points on a patch at which direct light is sampled.
+/// Number of points on a patch at which direct light is sampled.
 constexpr std::uint32_t direct_samples = 16;
-/// Rays that tell whether the patches are all that is seen.
+/// Number of rays that test whether the scene is closed.
 constexpr std::size_t closure_rays = 1 << 14;
 constexpr std::size_t rays_per_block = 1024;
-/// Of patches that something stands on: 4 make their edges a quarter as long. Measured with the defaults at 16 samples:
-/// in cornell-box.xml patches become 6 % more, and the relative RMSE of indirect light 1.38 % instead of 1.61 %; in
-/// smits-jensen-forms.xml, whose blocks are smaller than patches, 22 % more, and the mean of indirect light is 8 %
-/// too low instead of 16 %.
+/// Largest number of halvings of a patch on which something stands: 4 make its edges a quarter as long. Measured with
+/// the defaults at 16 samples: cornell-box.xml gets 6 % more patches, and a relative RMSE of indirect light of 1.38 %
+/// instead of 1.61 %; smits-jensen-forms.xml, whose blocks are smaller than patches, gets 22 % more patches, and the
+/// mean of its indirect light is 8 % too low instead of 16 %.
 constexpr int contact_halvings = 4;
 
-/// Bytes that a node takes with its share of vertices, links and rows, by and large: 150 links and terms of rows a
-/// patch.
+/// Approximate memory of a node with its share of vertices, links and rows [bytes]: 150 links and terms of
+/// rows per patch.
 constexpr double bytes_per_node = sizeof(PatchNode) + 3 * sizeof(Colord) + 6 * sizeof(PatchColors::value_type) + 1500;
 
-// Keys that tell the random numbers of the parts apart.
+// Keys that give the parts different random numbers.
 constexpr std::uint64_t light_key = 0x4c49, link_key = 0x4c4b, display_key = 0x4449, closure_key = 0x434c;
 
 bool has_limit(const RadiositySettings& settings) { return settings.max_edges < std::numeric_limits<int>::max(); }
 
-/// Of paths from the camera, which have an edge to the surface that is seen, one for each reflection, and one to the
-/// light.
+/// The number of reflections that the system computes of the longest paths. Such a path has one edge from the camera
+/// to the surface seen, one edge for each reflection, and one to the light; a final gather ray is one edge more.
 int most_reflections(const RadiositySettings& settings) { return settings.max_edges - (settings.gather > 0 ? 3 : 2); }
 
 std::string refusal(double needed, const RadiositySettings& settings, const std::string& what) {
@@ -59,7 +59,7 @@ std::size_t most_nodes(const Charts& charts, const RadiositySettings& settings) 
     if (settings.solver == RadiositySolver::direct && !has_limit(settings)) needed += direct_solver_bytes(patches);
     if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", patches)));
     require_memory(needed, fmt::format("radiosity of {:.0f} patches", patches));
-    // The estimate does not know how curved surfaces are and what shape triangles have.
+    // The estimate ignores the curvature of surfaces and the shape of triangles, so this limits the mesh itself.
     return static_cast<std::size_t>(settings.memory / bytes_per_node);
 }
 
@@ -84,8 +84,10 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
     {
         const auto timer = stages.time("links");
         const PatchLinks links = link_patches(mesh_, light_,
-                                              {settings.links, settings.solver != RadiositySolver::hierarchical,
-                                               combine_keys(seed, link_key), settings.memory},
+                                              {.error = settings.links,
+                                               .refine_all = settings.solver != RadiositySolver::hierarchical,
+                                               .seed = combine_keys(seed, link_key),
+                                               .most_bytes = settings.memory},
                                               &stages);
         rays_ += links.rays;
         link_count_ = links.links.size();
@@ -94,12 +96,16 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
     solution_ = has_limit(settings) ? start_series(*system_, most_reflections(settings))
                                     : start_solution(*system_, settings.solver);
     const auto timer = stages.time("vertices");
-    display_ = std::make_unique<RadiosityDisplay>(
-        mesh_, *system_, light_,
-        DisplaySettings{settings.adapt, closed_, settings.links, combine_keys(seed, display_key), settings.memory});
+    display_ = std::make_unique<RadiosityDisplay>(mesh_, *system_, light_,
+                                                  DisplaySettings{.adapt = settings.adapt,
+                                                                  .normalise = closed_,
+                                                                  .links = settings.links,
+                                                                  .seed = combine_keys(seed, display_key),
+                                                                  .most_bytes = settings.memory});
 }
 
-/// Rays from all patches end on the fronts of patches, so what a patch sends is received.
+/// Whether the scene is closed: all rays from the patches end on the fronts of patches, so all light that a patch
+/// sends is received.
 bool RadiosityModel::is_closed() {
     const Scene& scene = charts_.scene();
     std::vector<std::uint32_t> leaves;

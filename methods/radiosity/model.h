@@ -1,6 +1,6 @@
 #pragma once
-// Everything of radiosity that no camera matters to: patches, links, the system and its solution, and how it is
-// interpolated.
+// The part of radiosity that is the same for all cameras: patches, links, the system, its solution, and the
+// interpolation of the solution.
 
 #include "methods/radiosity/display.h"
 
@@ -9,21 +9,21 @@ namespace gib {
 struct RadiositySettings {
     double patch;  ///< longest edge of a patch [scene diagonals]
     RadiositySolver solver;
-    double links;  ///< allowed error of a link, a share of the mean irradiance
-    bool adapt;
+    double links;     ///< allowed error of a link, as a share of the mean irradiance
+    bool adapt;       ///< halve patches at contacts, and further for display
     int gather;       ///< final gather rays; 0: none
-    double memory;    ///< [bytes]
+    double memory;    ///< limit [bytes]
     std::string ply;  ///< file for the mesh; empty: none
     int max_edges;    ///< of the longest path
 };
 
 class RadiosityModel {
 public:
-    /// Makes patches and links. Throws InputError, with the bytes that are needed, if `settings.memory` does not
-    /// suffice.
+    /// Makes patches and links. Throws InputError, which names the bytes needed, if `settings.memory`
+    /// does not suffice.
     RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed, StageTimes& stages);
 
-    /// One sweep of the solver, unless the solution has converged; true if what is shown has changed.
+    /// One sweep of the solver, unless the solution has converged; true if the displayed solution has changed.
     bool advance();
     bool has_converged() const { return converged_; }
 
@@ -53,8 +53,8 @@ private:
     bool converged_ = false;
 };
 
-/// The mesh as a PLY file (ascii, faces of three or four corners): of each corner position, normal, radiosity B
-/// [W/m^2] and, as red, green and blue, that over the largest one.
+/// The mesh as a PLY file (ascii, faces of three or four corners). Each corner has its position, normal, radiosity B
+/// [W/m^2] and, as red, green and blue, B over the largest value of all corners.
 std::string radiosity_ply(const RadiosityModel& model);
 
 }  // namespace gib

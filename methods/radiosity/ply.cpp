@@ -9,7 +9,8 @@ namespace gib {
 
 namespace {
 
-/// B of a leaf's corner: the irradiance there and the direct irradiance of its patch, reflected.
+/// B [W/m^2] at a leaf's corner: the reflectance of its patch times the sum of the patch's direct irradiance and the
+/// indirect irradiance at the corner.
 Colord radiosity_of(const RadiosityModel& model, std::uint32_t leaf, std::uint32_t vertex) {
     const std::uint32_t patch = model.display().solved_patch(leaf);
     const Colord indirect = model.display().vertex_irradiance()[vertex].cast<double>();
@@ -59,7 +60,8 @@ std::string radiosity_ply(const RadiosityModel& model) {
                        byte(B[i][2]));
     }
     for (const std::uint32_t leaf : leaves) {
-        // As the corners of the chart turn, or the other way round where the side's front is behind it.
+        // Faces turn counter-clockwise seen from the side's front: the corners are in the chart's order or in
+        // the opposite one.
         const PatchSide& side = model.mesh().sides()[nodes[leaf].side];
         const bool turned = model.mesh().charts()[side.chart].reversed != side.back;
         const auto& corners = vertices.of_leaf(leaf);

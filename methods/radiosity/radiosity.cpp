@@ -1,22 +1,25 @@
-// Radiosity: diffuse light as an equation system between patches, solved once for every view.
+// Radiosity: diffuse light between patches as a system of linear equations, solved once for all views.
 //
-// Computes: `emission` and `direct` of what the eye sees, by samples of the pixels; `indirect` from a solution of B =
-// rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another solver is asked for.
-// Where max_depth limits paths, the sum of so many reflections takes the place of every solver.
-// The unknown is what patches reflect; direct light on them is sampled, so lights of every kind serve.
+// Computes: `emission` and `direct` at the surfaces that the eye sees, by samples of the pixels; `indirect` from a
+// solution of B = rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another
+// solver is asked for. Where max_depth limits paths, every solver is replaced by the sum of the reflections that the
+// limit allows. The unknown is the light that patches reflect; direct light on them is sampled, so lights of every
+// kind are allowed.
 // Parameters: patch, solver, links, adapt, gather, memory, ply; spp and max_depth as for all methods.
-// Leaves out: specular surfaces, seen or on the way of light, and media; of other materials it takes the diffuse
-// part, as if it were ideal for indirect light. Reflectances that vary over a surface are taken as the mean of a
-// patch in the exchange of light, and as they are where they are seen.
-// Bias: light is constant over patches and groups of them in the exchange, and linear between their corners where it
-// is seen. Where surfaces stand on patches or shadows cross them, the mean is sent out where only a part can be seen:
-// indirect light is too low by a share that shrinks with the size of patches.
-// A pass: one sweep of the solver, until what is missing is 1e-4 of the light that is reflected first, or as many
-// reflections again as all passes before; a change of the solution starts the samples of indirect light again. Then one
-// sample of every pixel. `facts` say how far the solver came, and how closed the system is. Cost: with S sides of
-// charts S^2 / 2 pairs are looked at first, so meshes of many triangles take long; from there on it grows with the
-// number of patches. Fails: with InputError and the number of bytes if the system would take more memory than the
-// parameter allows, and where paths have no limit and light is shut in among surfaces that absorb none of it.
+// Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
+// materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
+// varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
+// it is exact.
+// Bias: in the exchange light is constant over patches and groups of patches; in the view it is linear between their
+// corners. A patch on which a surface stands, or across which a shadow falls, sends out its mean where only a part of
+// it can be seen: indirect light is too low by a share that shrinks with the size of patches.
+// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (with max_depth:
+// as many reflections again as in all passes before); then one sample of every pixel. A change of the solution starts
+// the samples of indirect light again. `facts` say how far the solver has come, and how closed the system is.
+// Cost: with S sides of charts S^2 / 2 pairs are tested first, so meshes of many triangles take long; after that the
+// cost grows with the number of patches.
+// Fails: with InputError that names the number of bytes if the system would take more memory than the parameter
+// allows; with InputError if paths have no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/radiosity/view.h"
 
 #include <algorithm>
@@ -30,7 +33,7 @@ constexpr std::string_view pass_final_gather = "final gather";
 
 const MethodDescription& description() { return find_method("radiosity"); }
 
-/// Components with paths that are left out here.
+/// Adds the components that have paths which this method leaves out.
 void add_unresolved(Plan& plan) {
     const auto add = [&](Component c) {
         if (std::find(plan.unresolved.begin(), plan.unresolved.end(), c) == plan.unresolved.end())
@@ -83,7 +86,7 @@ public:
         add_light_sampling(plan, settings_.max_edges);
         const bool exchanged = plan.called_for.has(Effect::diffuse_interreflection);
         plan.add(std::string(pass_solution), exchanged && settings_.max_edges >= 3,
-                 exchanged ? "its light has three edges or more, more than the longest path"
+                 exchanged ? "indirect light takes paths of three edges or more, which max_depth leaves out"
                            : "no light is passed between diffuse surfaces");
         plan.add(std::string(pass_final_gather), plan.runs(pass_solution) && settings_.gather > 0,
                  settings_.gather > 0 ? "there is no solution to gather from"
@@ -118,48 +121,67 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
 
 MethodDescription describe_radiosity() {
     return {
-        "radiosity",
-        "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
-        {
-            {"patch", Parameter::Kind::number, "0.04", "scene diagonals", 1e-5, 1, {}, "longest edge of a patch"},
-            choice_parameter(
-                "solver", strings(radiosity_solver_names),
-                "hierarchical: links between groups of patches, by conjugate gradients; the others solve the "
-                "full system, direct by Cholesky's factors; where max_depth limits paths, reflections are summed"),
-            {"links",
-             Parameter::Kind::number,
-             "0.02",
-             "mean irradiances",
-             1e-6,
-             10,
-             {},
-             "error that a link between groups may make where it arrives"},
-            choice_parameter("adapt", {"on", "off"},
-                             "halve patches further where surfaces stand on them, and for images where indirect light "
-                             "changes over them"),
-            {"gather",
-             Parameter::Kind::integer,
-             "0",
-             "rays",
-             0,
-             1e6,
-             {},
-             "final gather rays a sample; 0: indirect light is interpolated between the corners of patches"},
-            {"memory", Parameter::Kind::number, "4", "GiB", 1e-3, 1e6, {}, "refuse systems that take more"},
-            {"ply",
-             Parameter::Kind::text,
-             "",
-             "",
-             0,
-             0,
-             {},
-             "file for the patches with the radiosity of each corner (PLY), written after each sweep; default: none"},
-        },
-        {Effect::direct_light, Effect::diffuse_interreflection, Effect::textures, Effect::smooth_normals,
-         Effect::depth_of_field, Effect::environment_light},
-        {Component::emission, Component::direct, Component::indirect},
-        false,
-        create_radiosity,
+        .name = "radiosity",
+        .sentence = "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
+        .parameters =
+            {
+                {.name = "patch",
+                 .kind = Parameter::Kind::number,
+                 .default_value = "0.04",
+                 .unit = "scene diagonals",
+                 .lower = 1e-5,
+                 .upper = 1,
+                 .choices = {},
+                 .sentence = "longest edge of a patch"},
+                choice_parameter(
+                    "solver", strings(radiosity_solver_names),
+                    "hierarchical: links between groups of patches, solved by conjugate gradients; the others solve "
+                    "the full system of patches, direct by Cholesky factorisation; with max_depth, reflections are "
+                    "summed instead"),
+                {.name = "links",
+                 .kind = Parameter::Kind::number,
+                 .default_value = "0.02",
+                 .unit = "mean irradiances",
+                 .lower = 1e-6,
+                 .upper = 10,
+                 .choices = {},
+                 .sentence = "error of irradiance that a link between groups of patches may make"},
+                choice_parameter(
+                    "adapt", {"on", "off"},
+                    "halve patches further where surfaces stand on them, and for display where indirect light "
+                    "changes over them"),
+                {.name = "gather",
+                 .kind = Parameter::Kind::integer,
+                 .default_value = "0",
+                 .unit = "rays",
+                 .lower = 0,
+                 .upper = 1e6,
+                 .choices = {},
+                 .sentence =
+                     "final gather rays per sample; 0: indirect light is interpolated between the corners of patches"},
+                {.name = "memory",
+                 .kind = Parameter::Kind::number,
+                 .default_value = "4",
+                 .unit = "GiB",
+                 .lower = 1e-3,
+                 .upper = 1e6,
+                 .choices = {},
+                 .sentence = "largest size of the system; a larger one is refused"},
+                {.name = "ply",
+                 .kind = Parameter::Kind::text,
+                 .default_value = "",
+                 .unit = "",
+                 .lower = 0,
+                 .upper = 0,
+                 .choices = {},
+                 .sentence = "PLY file for the patches with the radiosity of each corner, written after each sweep; "
+                             "default: none"},
+            },
+        .simulates = {Effect::direct_light, Effect::diffuse_interreflection, Effect::textures, Effect::smooth_normals,
+                      Effect::depth_of_field, Effect::environment_light},
+        .components = {Component::emission, Component::direct, Component::indirect},
+        .unbiased = false,
+        .create = create_radiosity,
     };
 }
 

@@ -13,7 +13,7 @@ namespace {
         "reflectances below 1");
 }
 
-/// Of a closed scene. Where there is no light there is no such question.
+/// Throws InputError if a closed scene absorbs too little of a channel in which there is light.
 void require_absorption(const RadiositySystem& system, const Colord& first_power) {
     if (!system.is_closed()) return;
     Colord area = Colord::Zero(), absorbed = Colord::Zero();
@@ -25,9 +25,9 @@ void require_absorption(const RadiositySystem& system, const Colord& first_power
         if (first_power[c] > 0 && absorbed[c] < least_absorption * area[c]) refuse_to_reflect_for_ever();
 }
 
-/// Conjugate gradients on (A / rho - G) X = A E_direct, three channels at once, with the diagonal as a
-/// preconditioner. Source: Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1. Where nothing is
-/// reflected in a channel, X is 0 there.
+/// Conjugate gradients on (A / rho - G) X = A E_direct, three channels at once, with the diagonal A / rho as a
+/// preconditioner. Source: Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1. X is 0 in the
+/// channels in which a patch reflects nothing.
 class ConjugateGradient final : public RadiositySolution {
 public:
     explicit ConjugateGradient(const RadiositySystem& system) : RadiositySolution(system) {
@@ -68,14 +68,15 @@ private:
         const Colord& rho = system_.reflectance(leaf);
         return (rho > 0).select(system_.area(leaf) / rho.max(1e-300), Colord(Colord::Zero()));
     }
-    /// z holds rho / A times the residual: its product with the residual is the sum of A / rho z^2.
+    /// The sum of A / rho a b. As z is rho / A times the residual, dot(z, z) is the product of z and the residual.
     Colord dot(const PatchColors& a, const PatchColors& b) const {
         Colord sum = Colord::Zero();
         for (const std::uint32_t leaf : system_.leaves())
             sum += weight(leaf) * a[leaf] * b[leaf];
         return sum;
     }
-    /// Along no direction is the system flatter than by what is absorbed there.
+    /// In every direction d the curvature d (A / rho - G) d is at least the absorbed share times d (A / rho) d.
+    /// Throws InputError if it shows that less than least_absorption is absorbed.
     void require_curvature(const Colord& curvature) const {
         const Colord length = dot(direction_, direction_);
         for (int c = 0; c < 3; ++c)
@@ -89,7 +90,7 @@ private:
     Colord product_;
 };
 
-/// Gathering: each patch in turn takes what the others send it now.
+/// Gauss-Seidel iteration: each patch in turn takes the light that the others send it at that moment.
 class GaussSeidel final : public RadiositySolution {
 public:
     explicit GaussSeidel(const RadiositySystem& system) : RadiositySolution(system) {}
@@ -107,9 +108,9 @@ public:
     }
 };
 
-/// Progressive shooting: the patch with the most power that is not yet sent out sends it, as many times a sweep as
-/// there are patches (Southwell's choice). Source: Cohen, Chen, Wallace and Greenberg 1988, "A Progressive Refinement
-/// Approach to Fast Radiosity Image Generation". Shown with their ambient estimate.
+/// Progressive refinement: the patch with the most power that is not yet shot shoots it (Southwell's choice); a sweep
+/// does this as many times as there are patches. Source: Cohen, Chen, Wallace and Greenberg 1988, "A Progressive
+/// Refinement Approach to Fast Radiosity Image Generation". For display their ambient estimate is added.
 class Shooting final : public RadiositySolution {
 public:
     explicit Shooting(const RadiositySystem& system) : RadiositySolution(system), unshot_(first_) {}
@@ -164,7 +165,7 @@ private:
     PatchColors unshot_;
 };
 
-/// The series of reflections, cut off.
+/// The Neumann series B1 + rho K B1 + ..., cut off after a number of reflections.
 class Series final : public RadiositySolution {
 public:
     Series(const RadiositySystem& system, int reflections)
@@ -194,7 +195,7 @@ private:
     PatchColors term_;
 };
 
-/// Cholesky's factors of the whole symmetric matrix, one channel after another.
+/// Solves with Cholesky's factors of the whole matrix A / rho - G, one channel after another.
 class Direct final : public RadiositySolution {
 public:
     explicit Direct(const RadiositySystem& system) : RadiositySolution(system) {}

@@ -9,8 +9,9 @@ namespace gib {
 namespace {
 
 constexpr std::size_t nodes_per_block = 1024;
-/// Rounds of scaling; each about squares what is left of a small error.
+/// The largest number of rounds of scaling; each about squares a small error.
 constexpr int scaling_rounds = 40;
+/// The largest distance of a row sum from 1 at which scaling ends.
 constexpr double scaled_enough = 1e-7;
 
 }  // namespace
@@ -49,13 +50,14 @@ std::vector<double> RadiositySystem::row_sums() const {
     return sums;
 }
 
+/// Scales rows and columns alike by s, so that G stays symmetric, until all row sums of K are 1.
 void RadiositySystem::normalise_rows() {
     scales_.assign(node_count_, 1.0);
     for (int round = 0; round < scaling_rounds; ++round) {
         const std::vector<double> sums = row_sums();
         double worst = 0;
         for (const std::uint32_t leaf : leaves_) {
-            if (!(sums[leaf] > 0)) continue;  // it sees nothing at all
+            if (!(sums[leaf] > 0)) continue;  // the patch sees nothing
             scales_[leaf] /= std::sqrt(sums[leaf]);
             worst = std::max(worst, std::abs(sums[leaf] - 1));
         }
@@ -63,6 +65,7 @@ void RadiositySystem::normalise_rows() {
     }
 }
 
+/// Hanrahan et al. 1991: values are pulled up from the leaves to the groups.
 void RadiositySystem::pull(PatchColors& X) const {
     for (std::size_t i = node_count_; i-- > 0;) {
         const std::uint32_t a = children_[i];
@@ -72,6 +75,8 @@ void RadiositySystem::pull(PatchColors& X) const {
     }
 }
 
+/// Hanrahan et al. 1991: X is pulled up to the groups and multiplied over the links; the irradiance of groups is then
+/// pushed down to their leaves.
 PatchColors RadiositySystem::irradiance(PatchColors X) const {
     if (!scales_.empty())
         for (const std::uint32_t leaf : leaves_)

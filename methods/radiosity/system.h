@@ -1,15 +1,15 @@
 #pragma once
-// The equation system of radiosity and its solvers.
+// The system of linear equations of radiosity (Goral et al. 1984), and its solvers.
 //
-// Unknown is what patches reflect: X = B1 + rho K X with B1 = rho E_direct, and (K X)_i = 1 / A_i sum_j G_ij X_j over
-// the links of leaf i and of the groups that it is in, of which X is the mean (pushing and pulling). E = K X is the
-// indirect irradiance. G is symmetric, so multiplied by A / rho the system is symmetric and positive definite: (A /
-// rho - G) X = A E_direct.
+// The unknown X is the radiosity that patches reflect [W/m^2]: X = B1 + rho K X with B1 = rho E_direct. The transport
+// operator K gives indirect irradiance E = K X: (K X)_i = 1 / A_i sum_j G_ij X_j over the links of leaf i and of all
+// groups that contain it. The X of a group is the mean over the group (push and pull of Hanrahan et al. 1991). G is
+// symmetric, so the system times A / rho is symmetric and positive definite: (A / rho - G) X = A E_direct.
 //
-// Light of at most n reflections is the start of the Neumann series, B1 + rho K B1 + ... + (rho K)^(n - 1) B1, which
-// exists where the system has no solution: in a closed scene that absorbs nothing. So it is summed, not solved for; a
-// solution less its longer paths, X - (rho K)^n X, would take one product more, and be that sum only once X has
-// converged.
+// Light of at most n reflections is a partial sum of the Neumann series, B1 + rho K B1 + ... + (rho K)^(n - 1) B1. It
+// exists even where the system has no solution, in a closed scene that absorbs nothing. It is therefore summed and
+// not derived from a solution X: X - (rho K)^n X, the solution less its longer paths, takes one product more and is
+// that sum only once X has converged.
 
 #include "methods/radiosity/links.h"
 
@@ -23,14 +23,14 @@ enum class RadiositySolver { hierarchical, gauss_seidel, shooting, conjugate_gra
 inline constexpr std::array<std::string_view, 5> radiosity_solver_names = {"hierarchical", "gauss_seidel", "shooting",
                                                                            "conjugate_gradient", "direct"};
 
-/// By node of the mesh; the values of leaves count, those of groups are their means.
+/// Values by node of the mesh; those of leaves count, those of groups are means over their leaves.
 using PatchColors = std::vector<Colord>;
 
 class RadiositySystem {
 public:
-    /// `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise`: the scene is
-    /// closed, so that a row of K sums up to 1 but for errors of visibility and quadrature; these are scaled away,
-    /// symmetrically.
+    /// `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise` says that the
+    /// scene is closed. A row of K then sums up to 1 except for errors of visibility and quadrature, which a
+    /// symmetric scaling removes.
     RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                     bool normalise);
 
@@ -43,15 +43,14 @@ public:
     Colord first_reflection(std::uint32_t leaf) const { return light_.reflectance[leaf] * light_.irradiance[leaf]; }
     const LinkTable& links() const { return table_; }
 
-    /// E = K X [W/m^2] of all leaves; the values of groups in X do not count.
+    /// E = K X [W/m^2] of all leaves; the values of groups in X are ignored.
     PatchColors irradiance(PatchColors X) const;
     /// Fills the values of groups with the means of their halves.
     void pull(PatchColors& X) const;
     /// Power [W] of |values| over the leaves, by channel.
     Colord power(const PatchColors& values) const;
 
-    /// How far sums of rows of K are from 1 before they were scaled: the mean and the largest distance, weighted by
-    /// area.
+    /// How far the row sums of K were from 1 before scaling: the mean, weighted by area, and the largest distance.
     struct Closure {
         double mean = 0, largest = 0;
     };
@@ -69,7 +68,7 @@ private:
     std::vector<std::uint32_t> leaves_;
     std::vector<std::uint32_t> parents_, children_;
     LinkTable table_;
-    std::vector<double> scales_;  ///< of leaves: G_ij counts as s_i G_ij s_j
+    std::vector<double> scales_;  ///< s by leaf: s_i G_ij s_j takes the place of G_ij
     Closure closure_;
 };
 
@@ -78,11 +77,12 @@ public:
     virtual ~RadiositySolution() = default;
     /// One sweep: about as much work as one product with K.
     virtual void sweep() = 0;
-    /// X so far; of all nodes.
+    /// X of all nodes after the sweeps so far.
     const PatchColors& radiosity() const { return X_; }
-    /// X as it should be shown: while power is not yet shot, with an estimate of what it will add.
+    /// X for display: while there is power not yet shot, it includes an estimate of the light that this
+    /// power will add.
     virtual PatchColors shown() const { return X_; }
-    /// What X lacks to solve the system, over what is reflected first: power, the largest of the channels.
+    /// The power of the residual B1 + rho K X - X over that of B1, the largest of the channels.
     double residual() const { return residual_; }
     int sweeps() const { return sweeps_; }
 
@@ -98,17 +98,19 @@ protected:
     int sweeps_ = 0;
 };
 
-/// `system` must outlive it. Throws InputError where light is reflected for ever, absorbed by less than
-/// least_absorption: of a closed scene at once, where conjugate gradients or Cholesky's factors find it in a sweep.
+/// Starts a solver. `system` must outlive the solution. Throws InputError if light is reflected for ever, because
+/// less than least_absorption is absorbed: at once for a closed scene, else in the sweep in which conjugate gradients
+/// or Cholesky's factors find it.
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver);
-/// The light of at most `reflections` reflections. A sweep doubles how many are summed; the residual is 0 once all are.
+/// Starts the sum of the light of at most `reflections` reflections. Each sweep doubles the number of reflections in
+/// the sum; the residual is 0 once all are summed.
 std::unique_ptr<RadiositySolution> start_series(const RadiositySystem& system, int reflections);
 
-/// The share of reflected light that has to be lost on its way to the next patch, at least. Rows of K are known to
-/// 1e-7, by which the share is in doubt, and with it the solution: by a tenth at ten times as much.
+/// The least share of light that has to be absorbed at a reflection. The row sums of K are known to 1e-7, so this
+/// share is uncertain by 1e-7, and the solution, which is in proportion to its reciprocal, by a tenth at this limit.
 inline constexpr double least_absorption = 1e-6;
 
-/// [bytes] that the direct solver's matrix takes.
+/// The memory of the direct solver's matrix [bytes].
 double direct_solver_bytes(double patches);
 
 }  // namespace gib

@@ -9,11 +9,11 @@ namespace gib {
 
 namespace {
 
-/// A gather ray's own numbers, as methods/parts/gathering/final_gather.cpp has them.
+/// Random dimensions of a gather ray, as in methods/parts/gathering/final_gather.cpp.
 constexpr std::uint32_t gather_direction = dimension::film, gather_lobe = dimension::lens;
 constexpr std::uint64_t gather_tag = 0;
 
-/// What a final gather ray sees: light that the patches reflect.
+/// Sums the light that patches reflect along a final gather ray.
 class GatherRayVisitor {
 public:
     static constexpr bool wants_emission = false;
@@ -33,7 +33,7 @@ private:
     Color radiance_ = Color::Zero();
 };
 
-/// What a path from the eye meets, up to the first surface; specular ones are left out.
+/// Samples a path from the eye up to the first surface; specular surfaces are left out.
 class EyeVisitor {
 public:
     static constexpr bool wants_emission = true;
@@ -94,7 +94,7 @@ struct Films {
             PixelSample other;
             std::swap(other[Component::indirect], sample[Component::indirect]);
             if (other[Component::indirect].isFinite().all()) indirect->add(pixel, pass, other);
-            else sample[Component::emission] += other[Component::indirect];  // where it is counted
+            else sample[Component::emission] += other[Component::indirect];  // this film counts it
         }
         direct.add(pixel, pass, sample);
     }

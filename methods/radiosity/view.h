@@ -1,5 +1,5 @@
 #pragma once
-// A radiosity solution seen by a camera: samples of pixels. Any camera can look at one solution.
+// A camera's view of a radiosity solution, by samples of the pixels. One solution serves any number of cameras.
 
 #include "common/images/film.h"
 #include "methods/radiosity/model.h"
@@ -9,18 +9,18 @@ namespace gib {
 struct RadiosityViewSettings {
     int max_edges;
     bool samples_lights;
-    int gather;  ///< final gather rays a sample; 0: interpolation
+    int gather;  ///< final gather rays per sample; 0: interpolation
 };
 
 class RadiosityView {
 public:
     /// `scene` holds the camera, and the same surfaces as the model's own scene; both outlive this. `model` is null
-    /// where there is no indirect light to show.
+    /// if there is no indirect light to show.
     RadiosityView(const Scene& scene, const Effects& effects, const RadiosityModel* model,
                   const RadiosityViewSettings& settings, std::uint64_t seed, StageTimes& stages);
 
-    /// One sample of every pixel. `restart`: the solution has changed, so that earlier samples of indirect light do
-    /// not count.
+    /// Takes one sample of every pixel. `restart` says that the solution has changed, so earlier samples of indirect
+    /// light are dropped.
     void sample(std::uint32_t pass, bool restart);
 
     ComponentImages image() const;
@@ -34,7 +34,7 @@ private:
     std::uint64_t seed_;
     StageTimes& stages_;
     Film direct_;                   ///< emission and direct light, which no solution changes; all non-finite samples
-    std::optional<Film> indirect_;  ///< since the solution changed last
+    std::optional<Film> indirect_;  ///< samples since the last change of the solution
     bool shows_indirect_;
     std::uint32_t passes_ = 0, first_pass_ = 0;
     std::uint64_t rays_ = 0;

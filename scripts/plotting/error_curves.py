@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from plotting.result_tables import is_number, select, unique
 
-# By name: column of curves.csv, whether the root of its mean is shown, factor, name on the axis.
+# For each metric: column of curves.csv, whether the root of its mean is shown, factor, name on the axis.
 METRICS = {
     "rel_rmse": ("rel_mse", True, 100, "relative RMSE [%]"),
     "rel_mse": ("rel_mse", False, 1, "relative MSE"),
@@ -35,7 +35,7 @@ def two_sided_t(t, degrees):
 
 
 def t_quantile(degrees):
-    """Of Student's t, for a 95 % interval."""
+    """The quantile of Student's t for a two-sided 95 % interval."""
     low, high = 1.0, 16.0
     for _ in range(60):
         middle = (low + high) / 2
@@ -44,8 +44,8 @@ def t_quantile(degrees):
 
 
 def mean_and_band(values):
-    """Mean, low, high. Symmetric in the logarithm, as the intervals of table.csv are, which have the reference's
-    uncertainty in them too."""
+    """(mean, low, high); low and high are None with one value or if the mean is 0. The band is symmetric in the
+    logarithm, like the intervals of table.csv; those also contain the uncertainty of the reference."""
     n = len(values)
     mean = math.fsum(values) / n
     if n < 2 or mean <= 0:
@@ -56,7 +56,7 @@ def mean_and_band(values):
 
 
 def shown(metric, mean_square):
-    """In the unit of the axis."""
+    """A mean square, or None, in the unit of the axis."""
     _, root, factor, _ = METRICS[metric]
     if mean_square is None:
         return None
@@ -64,7 +64,7 @@ def shown(metric, mean_square):
 
 
 def error_curve(rows, metric):
-    """`rows`: those of one scene and method. Points at the passes that all seeds have."""
+    """The points at the passes that all seeds have; `rows`: those of one scene and method."""
     column = METRICS[metric][0]
     rows = [row for row in rows if is_number(row[column]) and is_number(row["seconds"])]
     seeds = len(unique(row["seed"] for row in rows))
@@ -75,14 +75,15 @@ def error_curve(rows, metric):
             continue
         seconds = math.fsum(row["seconds"] for row in at) / seeds
         band = mean_and_band([row[column] for row in at])
-        if band[0] > 0 and seconds > 0:  # nothing else has a place on logarithmic axes
+        if band[0] > 0 and seconds > 0:  # logarithmic axes have no place for other points
             points.append(CurvePoint(seconds, *(shown(metric, value) for value in band)))
     return points
 
 
 def reference_error(rows, metric):
-    """The reference's own error, None if unknown; `rows`: those of table.csv for one scene, component total. It is the
-    difference of the error with and without it; least is lost to rounding where the error is smallest."""
+    """The reference's own error, None if unknown; `rows`: those of table.csv for one scene, component total. It is
+    the difference between the plain and the corrected error in the row with the smallest error, because rounding loses
+    least of it there."""
     value, corrected, power = (("rel_mse", "rel_mse_corrected", 1) if METRICS[metric][0] == "rel_mse"
                                else ("rmse", "rmse_corrected", 2))
     both = [row for row in rows if is_number(row[value]) and is_number(row[corrected])]

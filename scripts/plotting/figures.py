@@ -1,5 +1,6 @@
-"""The figures, in matplotlib: readable in print, in black and white and by the colour-blind; the same data give the
-same bytes. Lengths are in inches, as the width of a journal's column is given; nothing is cropped or scaled later."""
+"""Draws the figures with matplotlib. They are readable in print, in black and white and by the colour-blind, and the
+same data give the same bytes. Lengths are in inches, as for the width of a journal's column; nothing is cropped or
+scaled later."""
 import io
 import math
 import textwrap
@@ -7,7 +8,7 @@ import textwrap
 import matplotlib
 
 matplotlib.use("agg")
-from matplotlib import ticker  # noqa: E402  the backend is chosen first
+from matplotlib import ticker  # noqa: E402  the backend has to be chosen first
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
@@ -16,18 +17,19 @@ STYLE = {
     "font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7, "ytick.labelsize": 7, "legend.fontsize": 7,
     "axes.linewidth": 0.6, "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True,
     "hatch.linewidth": 0.5, "path.simplify": False,
-    # Text stays text: searchable, and in the fonts of PDF and SVG.
+    # Text stays text in PDF and SVG, so that it can be searched.
     "pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "gibench",
 }
 METADATA = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
-# Okabe and Ito's colours, without their yellow, which is too light for lines. The three cycles have no common divisor.
+# Okabe and Ito's colours, without their yellow, which is too light for lines. The lengths of the three lists have no
+# common divisor, so that combinations repeat late.
 COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
 DASHES = ((), (5, 1.5), (1.5, 1), (5, 1.5, 1, 1.5), (8, 1.5))
 HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oooo")
 REFERENCE_GREY = "#d4d4d4"
 LEFT, RIGHT, TOP, AXIS_TEXT, LINE = 0.52, 0.1, 0.08, 0.36, 0.13
-CHARACTER = 0.058  # mean width of a letter
+CHARACTER = 0.058  # mean width of a letter [inches]
 
 
 def line_style(index):
@@ -42,7 +44,7 @@ def power_text(value, _):
 
 
 def log_ticks(axis, low, high):
-    """Powers of ten, and multiples of them with numbers where there are few."""
+    """Puts numbers at powers of ten and, if there are few of these, at multiples of them."""
     decades = math.log10(high / low)
     digits = (1, 2, 5) if decades < 1.7 else (1, 3) if decades < 2.6 else (1,)
     digits = range(1, 10) if decades < 0.5 else digits
@@ -60,7 +62,7 @@ def log_limits(values, margin=0.06):
 
 
 class Sheet:
-    """A figure `width` wide: plots of the given heights above each other, below them the legend."""
+    """A figure of width `width`: plots of the given heights above each other, and the legend below them."""
 
     def __init__(self, width, heights, handles, heading, left=LEFT, handle_length=3.4):
         self.width, self.handles, self.heading, self.handle_length = width, handles, heading, handle_length
@@ -79,7 +81,7 @@ class Sheet:
             axes.tick_params(labelbottom=False)
 
     def legend_lines(self):
-        """Wraps the labels to the width, in the most columns that fit; how many lines that takes."""
+        """Wraps the labels to the width, in as many columns as fit. Returns the number of lines."""
         labels = [label for _, label in self.handles]
         for columns in (3, 2, 1):
             letters = int((self.width - 0.2) / columns / CHARACTER - 1.7 * self.handle_length - 2)
@@ -155,7 +157,7 @@ def error_figure(curves, labels, shared, reference, y_label, width):
 
 
 def draw_spectra(axes, spectra, methods, kind, lines=()):
-    """Estimates that are not positive have no place on a logarithmic axis: they stand at its lower end, hollow."""
+    """A logarithmic axis has no place for estimates that are not positive: they are hollow marks at its lower end."""
     positive = [power for curve in spectra.values() for _, power in curve if power > 0]
     axes.set_yscale("log")
     axes.set_ylim(*log_limits(positive + list(lines) or [0.1, 1]))
@@ -197,7 +199,7 @@ def seconds_text(value):
 
 
 def row_sheet(labels, handles, shared, width):
-    """One row a method: its label, below it what belongs to it."""
+    """A sheet with a row for each method: its label, and below it space for its data."""
     heading = f"all methods: {shared}" if shared else ""
     sheet = Sheet(width, [0.31 * len(labels) + 0.08], handles, heading, left=0.14, handle_length=2.2)
     axes = sheet.axes[0]
@@ -211,8 +213,8 @@ def row_sheet(labels, handles, shared, width):
 
 
 def stages_figure(stages, labels, shared, width):
-    """`stages`: mean seconds by stage, by method. Bars are shares of the method's time: methods that take a hundred
-    times as long as others are common."""
+    """`stages`: for each method the mean seconds of each stage. Bars show shares of a method's own time, because one
+    method often takes a hundred times as long as another."""
     names = list(dict.fromkeys(name for each in stages.values() for name in each))
     looks = {name: {"facecolor": (COLORS[1:] + ("#f0e442", "#bbbbbb"))[i % 8], "hatch": HATCHES[i % len(HATCHES)]}
              for i, name in enumerate(names)}
@@ -238,7 +240,7 @@ def stages_figure(stages, labels, shared, width):
 
 
 def draw_interval(axes, y, value, low, high, name, row, style):
-    """An interval that reaches 0 runs to the axis' end; an estimate that is not positive is an upper limit."""
+    """An interval that reaches 0 runs to the end of the axis; an estimate that is not positive is an upper limit."""
     end = axes.get_xlim()[0]
     color = style["color"]
     if value > 0:
@@ -252,7 +254,7 @@ def draw_interval(axes, y, value, low, high, name, row, style):
 
 
 def split_figure(rows, labels, shared, width):
-    """bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both."""
+    """Draws bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both."""
     looks = {"bias2": {"color": COLORS[2], "marker": "s"},
              "variance": {"color": COLORS[1], "marker": "o", "fillstyle": "none"}}
     handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias$^2$"),
@@ -276,5 +278,5 @@ def split_figure(rows, labels, shared, width):
 
 
 def style():
-    """The context in which figures are made and saved; the user's own settings do not count."""
+    """The context in which figures are made and saved; it ignores the user's own settings of matplotlib."""
     return matplotlib.rc_context({**matplotlib.rcParamsDefault, **STYLE, "backend": "agg"})

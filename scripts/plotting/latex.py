@@ -1,4 +1,4 @@
-"""A LaTeX table of one scene, to be put into a document by \\input. It needs the package booktabs."""
+"""Makes a LaTeX table of one scene, which a document reads by \\input. It needs the package booktabs."""
 import math
 
 from plotting.result_tables import is_number, short_labels
@@ -15,7 +15,7 @@ def escaped(text):
 
 
 def number(value):
-    """Three digits; powers of ten where table.md has them."""
+    """Three significant digits, with powers of ten where table.md has them."""
     if value == 0:
         return "0"
     size = abs(value)
@@ -31,7 +31,7 @@ def optional(value):
 
 
 def clipped(value):
-    """bias^2 is an unbiased estimate, which may be negative; the CSV keeps it."""
+    """0 for a negative number: bias^2 is an unbiased estimate, which may be negative. The CSV file keeps it."""
     return number(max(0.0, value)) if is_number(value) else NONE
 
 
@@ -57,7 +57,7 @@ def table_row(row, label, with_missing):
 
 
 def latex_table(rows, scene, component):
-    """`rows`: those of table.csv for one scene and component."""
+    """The table as text; `rows`: those of table.csv for one scene and component."""
     labels, shared = short_labels([row["method"] for row in rows])
     with_missing = any(row["effects_missing"] for row in rows)
     columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")

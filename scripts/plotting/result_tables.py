@@ -1,10 +1,10 @@
-"""The CSV files of a result folder, read whole and checked before anything is drawn."""
+"""Reads the CSV files of a result folder whole and checks them before anything is drawn."""
 import csv
 import math
 import os
 from dataclasses import dataclass
 
-# The columns that are used; a result folder has more.
+# The columns that are used; the files have more.
 CURVES = ("scene", "method", "seed", "pass", "seconds", "mse", "rmse", "rel_mse")
 TABLE = ("scene", "method", "component", "seconds", "rmse", "rel_mse", "rel_mse_lo", "rel_mse_hi", "bias2", "bias2_lo",
          "bias2_hi", "variance", "variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
@@ -15,12 +15,12 @@ TEXT = {"scene", "method", "component", "effects_missing", "kind", "stage", "see
 
 
 class InputError(Exception):
-    """What is wrong with a file, with its name."""
+    """Names a file and says what is wrong with it."""
 
 
 @dataclass
 class Results:
-    """Rows are dicts by column: text, or a number, None where the file has nothing."""
+    """Lists of rows. A row is a dict by column of texts and numbers; None if the field is empty."""
     curves: list
     table: list
     spectra: list
@@ -70,7 +70,7 @@ def read_table(path, columns):
 
 
 def read_results(folder):
-    """Raises InputError. spectra.csv may have no rows: with fewer than 3 seeds there is nothing to put there."""
+    """Raises InputError. spectra.csv may have no rows, because spectra need at least 3 seeds."""
     if not os.path.isdir(folder):
         raise InputError(f"{folder}: there is no such folder")
 
@@ -98,7 +98,7 @@ def is_number(value):
 
 
 def short_labels(methods):
-    """What tells methods apart, and the words that all of them share: (label by method, shared words)."""
+    """(label by method, shared words): labels without the words that all methods share, and these words."""
     words = {method: method.split(" ") for method in methods}
     if len(methods) > 1:
         shared = [word for word in words[methods[0]] if all(word in of for of in words.values())]

@@ -1,7 +1,8 @@
-// Time to load a scene of one large mesh beside what nobody can avoid: reading the mesh's file once and Embree's own
-// build of it.
+// Benchmarks the time to load a scene of one large mesh, beside the least that loading must do: read the mesh's file
+// once, and let Embree build its tree.
 #include "common/core/files.h"
 #include "common/reader/scene_file.h"
+#include "common/scene/scene.h"
 #include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>
@@ -18,7 +19,7 @@
 namespace gib {
 namespace {
 
-/// With Embree's default settings.
+/// Builds Embree's scene of the mesh with Embree's default settings.
 void build_bare(const Mesh& mesh) {
     const RTCDevice device = rtcNewDevice(nullptr);
     const RTCScene scene = rtcNewScene(device);

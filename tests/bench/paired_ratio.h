@@ -1,6 +1,6 @@
 #pragma once
-// What benchmarks share that compare two pieces of work: both in turn within each iteration, so that a machine whose
-// speed drifts cannot favour one, and the median ratio of the pairs.
+// Functions for benchmarks that compare two pieces of work. Both run in turn within each iteration, so that a machine
+// whose speed drifts favours neither, and the median ratio of the pairs is reported.
 
 #include <benchmark/benchmark.h>
 
@@ -12,10 +12,10 @@
 
 namespace gib {
 
-/// Of a file in scenes/.
+/// The path of a file in scenes/.
 inline std::string path_of(const std::string& file) { return std::string(GIB_SOURCE_DIR) + "/scenes/" + file; }
 
-/// A scene whose mesh has to be made first may be missing; then the case says so.
+/// Whether the mesh file exists, which has to be made before; if not, the benchmark ends with an error that says so.
 inline bool is_there(benchmark::State& state, const std::string& mesh) {
     if (std::filesystem::exists(path_of(mesh))) return true;
     state.SkipWithError("its mesh is not there: run scripts/meshes");

@@ -1,6 +1,6 @@
-// The photon map beside nanoflann on the same photons and queries: the rates of their k-nearest searches on one thread,
-// and of building them (nanoflann's on one thread, as its version here can; ours on two). `ratio` is ours over
-// nanoflann's.
+// Benchmarks the photon map beside nanoflann on the same photons and queries: the rates of their k-nearest searches
+// on one thread, and of building them (nanoflann's on one thread, because the version here has no other; ours on
+// two). `ratio` is our rate over nanoflann's.
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
 #include "methods/parts/photons/photon_map.h"
@@ -22,13 +22,13 @@ struct Workload {
     test::NanoflannCloud cloud;
     PhotonMap map;
     std::unique_ptr<test::NanoflannTree> yardstick;
-    std::vector<Vec3> queries;  ///< at stored photons: where a renderer looks
+    std::vector<Vec3> queries;  ///< at stored photons, where a renderer looks up
 };
 
 /// Exactly `count` photons of the Cornell box's global map.
 std::vector<Photon> stored_photons(std::size_t count) {
     const auto scene = load_scene(path_of("cornell-box.xml"));
-    // A little more than one photon is stored for each emitted.
+    // A little more than one photon is stored for each emitted one.
     auto walk = trace_photons(*scene.scene, PhotonMapKind::global, count, std::numeric_limits<int>::max(), 1);
     if (walk.photons.size() < count) throw std::runtime_error("too few photons were stored");
     walk.photons.resize(count);
@@ -73,7 +73,7 @@ void look_up_all_with_nanoflann(const Workload& w, std::size_t k) {
     }
 }
 
-/// Median seconds of ours, as work per second, beside the ratio.
+/// Reports our median rate (`items` over seconds) beside the median ratio.
 void report_rates(benchmark::State& state, std::vector<double> ours, std::vector<double> ratios, std::size_t items) {
     const auto middle = ours.begin() + static_cast<std::ptrdiff_t>(ours.size() / 2);
     std::nth_element(ours.begin(), middle, ours.end());

@@ -1,5 +1,5 @@
-// Rays per second of a method's estimator beside those of bare Embree on the same rays: what everything but ray queries
-// costs.
+// Benchmarks the rays per second of a method's estimator beside those of bare Embree on the same rays. The difference
+// is the cost of everything but ray queries.
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
 #include "common/sampling/warp.h"
@@ -30,12 +30,12 @@ constexpr std::uint32_t passes = 8;
 
 struct Workload {
     LoadedScene scene;
-    std::vector<RayLog> chunks;  ///< of `passes` passes over the image, in the order of the path tracer
+    std::vector<RayLog> chunks;  ///< the rays of `passes` passes over the image, in the path tracer's order
     std::size_t rays = 0;
 };
 
 PathSettings settings_of(const LoadedScene& scene) { return {scene.max_edges, true, features_of(*scene.scene)}; }
-/// Of the code that can do everything, as scenes with media get it.
+/// The settings of the code for every feature, which scenes with media use.
 PathSettings general_settings_of(const LoadedScene& scene) { return {scene.max_edges, true, {true, true, true}}; }
 
 std::size_t chunks_per_pass(const Scene& scene) {
@@ -44,7 +44,7 @@ std::size_t chunks_per_pass(const Scene& scene) {
     return (pixels + pixels_per_chunk - 1) / pixels_per_chunk;
 }
 
-/// The path tracer over chunk number `chunk`; `log` may be null.
+/// Runs the path tracer over chunk number `chunk` and returns the number of rays; `log` may be null.
 std::uint64_t trace_chunk(const LoadedScene& scene, const PathSettings& settings, std::size_t chunk, RayLog* log) {
     const std::size_t per_pass = chunks_per_pass(*scene.scene);
     const auto pixels = static_cast<std::size_t>(scene.scene->sensor().width()) *
@@ -117,7 +117,7 @@ void BM_PathTracer(benchmark::State& state, const std::string& file) {
     report(state, w.rays);
 }
 
-/// The same rays in the same order, on the same threads, with nothing but Embree's calls.
+/// Traces the path tracer's rays in the same order and on the same threads, with nothing but Embree's calls.
 void BM_BareEmbree(benchmark::State& state, const std::string& file) {
     const Workload& w = workload(file);
     const auto scene = static_cast<RTCScene>(w.scene.scene->accelerator().native_handle());
@@ -129,7 +129,7 @@ void BM_BareEmbree(benchmark::State& state, const std::string& file) {
     report(state, w.rays);
 }
 
-/// The time of `other` over that of `measured`, each the work of one chunk.
+/// Reports the time of `other` over that of `measured`; each is called with every chunk.
 void report_ratio(benchmark::State& state, std::size_t chunks, const std::function<void(std::size_t)>& measured,
                   const std::function<void(std::size_t)>& other) {
     const auto seconds_of = [&](const std::function<void(std::size_t)>& chunk) {
@@ -155,12 +155,13 @@ void BM_PathTracerOverBareEmbree(benchmark::State& state, const std::string& fil
         [&](std::size_t c) { replay(scene, w.chunks[c]); });
 }
 
-/// The same with a mesh file that the scene needs.
+/// BM_PathTracerOverBareEmbree for a scene that needs the mesh file `mesh`, which may be missing.
 void BM_PathTracerOverBareEmbreeOnMesh(benchmark::State& state, const std::string& file, const std::string& mesh) {
     if (is_there(state, mesh)) BM_PathTracerOverBareEmbree(state, file);
 }
 
-/// What a scene without media, dispersion, masks and glossy lobes would pay for them, had it not code of its own.
+/// The cost of the code for media, dispersion, masks and glossy lobes in a scene without them, which is traced by
+/// code of its own instead.
 void BM_PathTracerOverGeneralPathTracer(benchmark::State& state, const std::string& file) {
     const Workload& w = workload(file);
     const PathSettings settings = settings_of(w.scene), general = general_settings_of(w.scene);
@@ -169,8 +170,8 @@ void BM_PathTracerOverGeneralPathTracer(benchmark::State& state, const std::stri
         [&](std::size_t c) { trace_chunk(w.scene, general, c, nullptr); });
 }
 
-/// Closest-hit rays from random points in the box of the scene into random directions: the rate by which figures
-/// measured on other machines are scaled.
+/// Traces closest-hit rays from random points in the box of the scene into random directions. Figures that were
+/// measured on other machines are scaled by this rate.
 void BM_BareEmbreeIncoherent(benchmark::State& state) {
     const Workload& w = workload("cornell-box.xml");
     const auto scene = static_cast<RTCScene>(w.scene.scene->accelerator().native_handle());

@@ -1,5 +1,5 @@
-// Irradiance records and their cache where formulas end: distances of 0, dark edges, values near the ends of floats,
-// corners and needles.
+// Irradiance records and their cache at the limits of their formulas: distances of 0, dark edges, values near the
+// ends of the range of floats, corners and needles.
 
 #include "common/core/float_traps.h"
 #include "methods/parts/gathering/irradiance_cache.h"
@@ -14,7 +14,8 @@ namespace {
 const Vec3 up(0, 0, 1);
 constexpr float accuracy = 0.1f;
 
-/// Of radiance L in even strata and 3 L in odd ones, all seen at the same distance but those in `near`.
+/// A record with radiance L in even strata and 3 L in odd ones. All strata are
+/// seen at `distance`, except those in `near`.
 IrradianceRecord striped_record(float L, float distance, const std::vector<int>& near, float near_distance) {
     const auto strata = HemisphereStrata::of(64);
     std::vector<HemisphereSample> samples;
@@ -30,8 +31,8 @@ float mean_striped(float L) {
     return pi * L * static_cast<float>(1 * ((n + 1) / 2) + 3 * (n / 2)) / static_cast<float>(n);
 }
 
-// The harmonic mean with a distance of 0 is 0; irradiance knows no distances, and what touches the point moves out of a
-// stratum at once, so that it says nothing about the motion of edges.
+// The harmonic mean with a distance of 0 is 0. Irradiance does not depend on distances. A surface that touches the
+// point leaves its stratum at once when the point moves, so it says nothing about the motion of edges.
 TEST(DegenerateRecord, ThatTouchesASurfaceIsFiniteAndServesNothingElse) {
     const int n = HemisphereStrata::of(64).count();
     std::vector<int> all;
@@ -51,7 +52,7 @@ TEST(DegenerateRecord, ThatTouchesASurfaceIsFiniteAndServesNothingElse) {
 }
 
 TEST(DegenerateRecord, OfWhatIsNoRadianceIsNotFinite) {
-    const FloatTrapsPaused paused;  // what is not finite is given
+    const FloatTrapsPaused paused;  // values that are not finite are passed below
     for (const float bad : {infinity, std::numeric_limits<float>::quiet_NaN()}) {
         const auto strata = HemisphereStrata::of(16);
         std::vector<HemisphereSample> samples(static_cast<std::size_t>(strata.count()), {Color::Ones(), 1.f});
@@ -67,7 +68,7 @@ Bounds box_of(float size) {
     return bounds;
 }
 
-/// Along x, by halving.
+/// How far the cache serves points along x [scene units], at most `most`, by bisection.
 float reach_of(const IrradianceCache& cache, float most) {
     float inside = 0.f, outside = most;
     if (!cache.covers(Vec3::Zero(), up)) return 0.f;
@@ -93,7 +94,7 @@ struct ClampCase {
     std::string name;
     IrradianceRecord record;
     RecordSpacing spacing;
-    float reach;  ///< by theory; 0: it is not kept
+    float reach;  ///< by theory; 0: the record is not kept
     std::string reason;
 };
 
@@ -128,7 +129,7 @@ TEST_P(GradientClamp, HasTheReachOfTheory) {
     EXPECT_NEAR(reach_of(cache, 20.f), c.reach, 1e-5f * c.reach);
     EXPECT_EQ(cache.interpolate(Vec3::Zero(), up).has_value(), c.reach > 0.f);
     if (c.reach == 0.f) return;
-    // Within its reach E changes by the accuracy, of itself, at most, and is never below 0.
+    // Within its reach, E changes by at most the share `accuracy` of itself and is never below 0.
     for (const float x : {-0.9f, 0.f, 0.9f})
         for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
             const auto E = cache.interpolate(x * c.reach * axis, up);
@@ -139,7 +140,8 @@ TEST_P(GradientClamp, HasTheReachOfTheory) {
         }
 }
 
-// Sums over records weigh each by up to 1e6 / accuracy where it lies, which times its irradiance may be no float.
+// Sums over records weigh each by up to 1e6 / accuracy at its own place;
+// multiplied by its irradiance, this may overflow.
 TEST(DegenerateCache, BrightRecordsDoNotOverflowWhereTheyLie) {
     IrradianceCache cache(box_of(1.f), accuracy);
     cache.insert(plain_record(3e38f, Vec3::Zero(), 1), {0.f, 1.f});
@@ -148,7 +150,8 @@ TEST(DegenerateCache, BrightRecordsDoNotOverflowWhereTheyLie) {
     EXPECT_NEAR((*E)[0] / 3e38f, 1.f, 1e-6f);
 }
 
-// The clamp follows the mean of the channels; one that has little light beside its slope may be extrapolated below 0.
+// The clamp follows the mean of the channels. A channel with little light and a
+// large slope may be extrapolated below 0.
 TEST(DegenerateCache, ADarkChannelStaysAboveZero) {
     IrradianceRecord record = plain_record(1, Vec3::Zero(), 1);
     record.irradiance[1] = 1e-3f;
@@ -162,7 +165,7 @@ TEST(DegenerateCache, ADarkChannelStaysAboveZero) {
     EXPECT_NEAR((*E)[0], 1.f, 1e-6f);
 }
 
-// A hundred records in one place, of which each says something else: their mean, at the place and around it.
+// A hundred records in one place differ in irradiance; their mean is served, at the place and around it.
 TEST(DegenerateCache, RecordsInOnePlaceAreAveraged) {
     IrradianceCache cache(box_of(1.f), accuracy);
     for (int i = 0; i <= 100; ++i)
@@ -172,7 +175,7 @@ TEST(DegenerateCache, RecordsInOnePlaceAreAveraged) {
     EXPECT_FALSE(cache.covers(Vec3(0.11f, 0, 0), up));
 }
 
-// A scene without extent: a point, or flat along one axis.
+// The bounds of a scene may have no extent: a point, or flat along one axis.
 TEST(DegenerateCache, BoundsWithoutVolumeHoldRecords) {
     Bounds point, flat = box_of(1.f);
     point.add(Vec3::Zero());
@@ -185,15 +188,15 @@ TEST(DegenerateCache, BoundsWithoutVolumeHoldRecords) {
     }
 }
 
-/// A furnace in the form of a cube, of side 2: its walls reflect a half and emit a half, so that the radiance is 1
-/// everywhere.
+/// A furnace in the form of a cube of side 2. Its walls reflect a half and emit a
+/// half, so that the radiance is 1 everywhere.
 std::string furnace_cube(const std::string& view, const std::string& things) {
     const std::string half = diffuse_bsdf(0.5) + area_emitter(0.5);
     return scene_xml(camera(view, 8, 8) + shape("cube", "", "<boolean name='flip_normals' value='true'/>" + half) +
                      things);
 }
 
-/// A strip along the diagonal of the floor, of white triangles a millionth as wide as long.
+/// White triangles a millionth as wide as long, in a strip along the diagonal of the floor.
 std::string needles(const TemporaryFolder& folder) {
     std::string obj;
     constexpr int count = 8;
@@ -210,10 +213,10 @@ std::string needles(const TemporaryFolder& folder) {
            diffuse_bsdf(1) + "</bsdf></shape>";
 }
 
-// Of the radiance 1 in the furnace's corner, where walls are seen at distances down to 0, a half is emitted and a
-// quarter is light that comes straight from the walls: a quarter is left. White needles send on all of it, of which a
-// half comes straight. Records are made of paths, so that only their noise is left: of eight seeds the mean deviates
-// by 5.4 of its standard errors in one of a thousand (Student's t of 7).
+// In the furnace's corner, walls are seen at distances down to 0. Half of the radiance 1 is emitted and a quarter is
+// light that comes straight from the walls; the remaining quarter is indirect. White needles reflect all light, half
+// of which comes straight from the walls. Records are made of paths, so that only their noise is left: the mean of
+// eight seeds deviates by 5.4 of its standard errors once in a thousand times (Student's t of 7).
 TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
     const TemporaryFolder folder;
     struct Seen {

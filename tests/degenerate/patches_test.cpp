@@ -1,4 +1,4 @@
-// Radiosity where its system is nearly singular or singular, and on patches that are degenerate.
+// Radiosity with a system that is singular or nearly so, and with degenerate patches.
 
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/hard_cases.h"
@@ -14,9 +14,9 @@ namespace gib::test {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
-/// Rows of a closed system sum up to 1 but for this (methods/radiosity/system.cpp).
+/// Rows of a closed system sum up to 1 within this (methods/radiosity/system.cpp).
 constexpr double row_rounding = 1e-7;
-/// At which a solution has converged: power that is missing over what is reflected first.
+/// A solution has converged if the missing power is at most this share of the power that is reflected first.
 constexpr double converged = 1e-4;
 
 double power_of(const PatchedScene& scene, const PatchColors& values) { return scene.system.power(values)[0]; }
@@ -52,11 +52,11 @@ std::string name_of_solver(const testing::TestParamInfo<SolverCase>& test) {
 class EverySolver : public testing::TestWithParam<SolverCase> {};
 INSTANTIATE_TEST_SUITE_P(Table, EverySolver, testing::ValuesIn(solver_cases()), name_of_solver);
 
-// All light that a closed room's walls send arrives, so that the power of all reflections is that of the first over
-// 1 - rho. What has converged lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by 1e-7
-// change the share that is lost by as much. The number of sweeps: each of Gauss and Seidel's, or of as many shots as
-// there are patches, leaves at most rho of what is not reflected yet; conjugate gradients take no more steps than there
-// are patches, Cholesky's factors one.
+// All light that the walls of a closed room send arrives, so the power of all reflections is that of the first over
+// 1 - rho. A converged solution lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by
+// 1e-7 change the share that is lost by as much. The number of sweeps is bounded: a sweep of Gauss and Seidel, or of
+// as many shots as there are patches, leaves at most rho of the light that is not reflected yet; conjugate gradients
+// take no more steps than there are patches, Cholesky's factors one.
 TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
     const bool iterates =
         GetParam().solver == RadiositySolver::gauss_seidel || GetParam().solver == RadiositySolver::shooting;
@@ -81,7 +81,7 @@ TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
     }
 }
 
-// Nor where walls reflect more than arrives, so that the system has no solution for any light.
+// Without light the solution is black, even if walls reflect more than arrives, so that light would have no solution.
 TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
     for (const double rho : {0.0, 0.5, 1.0, 1.2}) {
         const std::string material = one_sided(exact(std::min(rho, 1.0)));
@@ -97,7 +97,7 @@ TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
     }
 }
 
-// Absorbed by nothing, light that is shut in has no finite power.
+// Light that is shut in and absorbed by nothing has no finite power.
 TEST_P(EverySolver, RefusesAClosedRoomThatAbsorbsNothing) {
     const PatchedScene white(closed_room(GetParam().shape, 1.0), 1.3);
     try {
@@ -110,7 +110,8 @@ TEST_P(EverySolver, RefusesAClosedRoomThatAbsorbsNothing) {
     EXPECT_NO_THROW(start_solution(nearly.system, GetParam().solver));
 }
 
-// A room that is not known to be closed, whose rows sum up to more than 1: found while it is solved, where that can be.
+// The room is not known to be closed, and its rows sum up to more than 1. Solvers
+// that can notice this do so while they solve.
 TEST_P(EverySolver, RefusesASystemThatGainsLight) {
     PatchedScene scene(closed_room(GetParam().shape, 0.5), 1.3, 0, false);
     for (Colord& rho : scene.light.reflectance)
@@ -131,7 +132,8 @@ TEST_P(EverySolver, RefusesASystemThatGainsLight) {
     }
 }
 
-// n reflections in a closed room of albedo 1 have n times the power of the first: each is off by what rows are.
+// n reflections in a closed room of albedo 1 have n times the power of the first;
+// each may be off by the error of the rows.
 TEST(RadiositySeries, OfWhiteWallsGrowsByAsMuchWithEachReflection) {
     for (const char* shape : {"cube", "sphere"}) {
         const PatchedScene scene(closed_room(shape, 1.0), 1.3);
@@ -156,9 +158,9 @@ std::string furnace_sphere(double rho, double emission, int max_depth) {
                   "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(emission)));
 }
 
-// L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples a patch,
-// of a relative deviation below 1, on the 96 patches and more of a sphere; and as many in the pixels. Five standard
-// errors.
+// L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples
+// a patch, with a relative deviation below 1, on at least 96 patches of the sphere. Pixels have as many
+// samples. The bound is five standard errors.
 TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
     const double noise = 5 / std::sqrt(16.0 * 96);
     for (const std::string_view solver : radiosity_solver_names) {
@@ -168,7 +170,7 @@ TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
             EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, depth < 2 ? 1e-6 : noise)
                 << label << ' ' << depth;
         }
-        if (solver == "gauss_seidel") continue;  // 16 sweeps are few
+        if (solver == "gauss_seidel") continue;  // 16 sweeps are too few
         const LoadedScene scene = scene_of(furnace_sphere(0.9999, 1e-4, -1));
         EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, noise) << label;
     }
@@ -189,7 +191,7 @@ TEST(RadiosityLabel, RefusesLightThatIsShutInForEver) {
         EXPECT_THROW(render(scene, "radiosity patch=0.2 solver=" + std::string(solver), 1), InputError) << solver;
 }
 
-/// A floor of albedo a half below a ceiling that reflects 0.8, both of side 2 and one apart, lit from between.
+/// A floor of albedo 0.5 and side 2 below `ceiling`, with a point light at z = 0.5.
 std::string floor_and(const std::string& ceiling) {
     return "<shape type='rectangle'>" + one_sided("0.5") + "</shape>" + ceiling + point_light("0.1 0.2 0.5", 1);
 }
@@ -204,7 +206,7 @@ Colord indirect_power(const PatchedScene& scene) {
     return scene.system.power(solution->radiosity());
 }
 
-// A ray meets the first of surfaces in the same place only, so that the others neither reflect nor send light.
+// A ray meets only the first of several surfaces in the same place, so the others neither reflect nor send light.
 TEST(DegeneratePatches, DuplicatesAddNoLight) {
     const std::string
         one = plate(1, one_sided("0.8")),
@@ -218,14 +220,14 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
             EXPECT_EQ(indirect_power(both)[0], indirect_power(alone)[0]);
         }
     }
-    // The other way round they are seen from their backs, which reflect nothing.
+    // If the copy faces the other way, it is seen from its back, which reflects nothing.
     std::string back = one;
     back.insert(back.find('>') + 1, "<boolean name='flip_normals' value='true'/>");
     const PatchedScene turned(floor_and(one + back), 0.71, 0, false);
     EXPECT_EQ(turned.system.size(), PatchedScene(floor_and(one), 0.71, 0, false).system.size());
 }
 
-// Which of two surfaces in the same place a ray meets is chance: both show the light of that place.
+// A ray meets either of two surfaces in the same place by chance; both show the light of that place.
 TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
     const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, one_sided("0.7"));
     const std::string rod =
@@ -236,7 +238,7 @@ TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
         const PatchedScene scene(floor_and(thing + thing), 0.71, 0, false);
         RayQueries rays(*scene.loaded.scene);
         const Vec3 up = Vec3::UnitZ();
-        // From the middle of the scene, which is the origin once it is loaded.
+        // The ray starts in the middle of the scene, which is the origin once the scene is loaded.
         auto hit = rays.intersect(Ray{Vec3(0.03f, 0.02f, 0.f), up});
         ASSERT_TRUE(hit);
         std::vector<std::uint32_t> leaves;
@@ -251,7 +253,7 @@ TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
     }
 }
 
-// A sphere whose radius is an ulp of its place has no patches.
+// A sphere whose radius is an ulp of its position has no patches.
 TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
     const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, one_sided("0.5"));
     const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
@@ -264,7 +266,8 @@ std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, c
     return "<shape type='obj'><string name='filename' value='" + folder / name + "'/>" + material + "</shape>";
 }
 
-// The ceiling as a mesh, and with triangles of no area in it: two corners the same, all three, on a line.
+// The ceiling is a mesh, first plain, then with triangles of no area: two equal
+// corners, three equal corners, corners on a line.
 TEST(DegeneratePatches, TrianglesWithoutAreaAreNoPatches) {
     const TemporaryFolder folder;
     const std::string corners = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nv 0 0 1\n";
@@ -289,7 +292,7 @@ std::string wall(double x, double y) {
 }
 std::string open_cube() { return wall(1, 0) + wall(-1, 0) + wall(0, 1) + wall(0, -1) + plate(1, one_sided("0.5")); }
 
-/// The floor z = -1 of a cube of side 2 in strips along x that end at these y.
+/// The floor z = -1 of a cube of side 2, in strips along x that end at these values of y.
 std::string strips(const std::vector<double>& ends) {
     std::string obj = "v -1 -1 -1\nv 1 -1 -1\n";
     for (const double y : ends)
@@ -302,10 +305,10 @@ std::string strips(const std::vector<double>& ends) {
     return obj;
 }
 
-// Strips and triangles a millionth as wide as long, in the floor of a closed cube, and a strip a ten-thousandth as wide
-// as the patches beside it. Whatever the patches, rows of a closed system sum up to 1: each factor of leaves is right
-// to 1e-4, and those to neighbours in a nearly equal plane to 1e-6 of the smaller (methods/radiosity/form_factors/polygon_form_factor.h). And
-// the power is that of the series.
+// The floor of a closed cube has strips and triangles a millionth as wide as long, or a strip a ten-thousandth as
+// wide as the patches beside it. Rows of a closed system sum up to 1 with any patches: each factor of leaves is right
+// to 1e-4, and those to neighbours in a nearly equal plane to 1e-6 of the smaller patch
+// (methods/radiosity/form_factors/polygon_form_factor.h). The power is that of the series.
 TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     const TemporaryFolder folder;
     std::vector<double> fine = {-2e-6, -1e-6, 0, 1e-6, 2e-6, 1};
@@ -340,7 +343,7 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     }
 }
 
-// A tile a ten-thousandth as long as the cube, in its middle, sees the upper half of the walls alone: all that it
+// A tile in the middle of the cube, a ten-thousandth as long, sees only the upper half of the walls. All that it
 // receives comes from patches 1e8 times as large, in factors that are right to 1e-4.
 TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
     const PatchedScene scene(open_cube() +

@@ -1,4 +1,5 @@
-// Density estimates where their formulas end: no photons, too few, all in one place, of no power or of too much.
+// Density estimates at the limits of their formulas: no photons, too few, all in
+// one place, without power or with too much.
 
 #include "methods/parts/density/place_rounding.h"
 #include "methods/parts/density/volume_estimate.h"
@@ -14,10 +15,10 @@ namespace {
 
 constexpr double pi_d = std::numbers::pi;
 const Vec3 up(0, 0, 1);
-/// Stored powers are rounded to 16 bits; distances, the weights of kernels and the result to 24.
+/// Stored powers are rounded to 16 bits; distances, kernel weights and the result to 24 bits.
 constexpr double power_rounding = 0x1p-16, float_rounding = 16 * 0x1p-24;
 
-/// The kernels as their papers have them, over the disc and over the ball (methods/parts/density/kernel.h,
+/// The kernels of the papers, over the disc and over the ball (methods/parts/density/kernel.h,
 /// methods/parts/density/volume_estimate.cpp): the profile of s = d / r over its own integral.
 double kernel_on_disc(Kernel kernel, double d, double r) {
     const double s = d / r, area = pi_d * r * r;
@@ -58,9 +59,10 @@ struct PhotonCase {
     float radius = 0.5f;
 };
 
-/// What the estimate is by theory. All photons within the radius count, over the kernel's own radius: asked for, or
-/// because there are fewer than k. Of k or more the k - 1 nearest do, and the k-th sets the radius
-/// (methods/parts/density/density_estimate.h). Is that below what rounding knows of the place, all within `known` count, over it.
+/// The estimate by theory. If all photons are asked for, or fewer than k lie within `c.radius`, all within that
+/// radius count. Otherwise the k - 1 nearest count and the k-th sets the radius
+/// (methods/parts/density/density_estimate.h). If that radius is below `known`, the rounding of the place, all
+/// photons within `known` count over the radius `known`.
 double theory(const PhotonCase& c, Kernel kernel, std::size_t k, double known, KernelFormula weight) {
     std::vector<std::pair<double, double>> near;  // distance, power
     for (const Photon& photon : c.photons)
@@ -135,10 +137,10 @@ const LoadedScene& floor_scene() {
     return scene;
 }
 
-/// What rounding knows of places on it.
+/// The rounding of places on the floor [scene units].
 double known_at(const Vec3& p) { return static_cast<double>(place_rounding(*floor_scene().scene, p)); }
 
-/// At the very place, which a ray meets but for rounding.
+/// A hit on the floor at exactly p, which a ray would meet only up to rounding.
 SurfaceHit floor_at(const Vec3& p) {
     SurfaceHit hit = *floor_scene().scene->intersect(down_at(p.x(), p.y()));
     hit.p = p;
@@ -158,7 +160,7 @@ protected:
         double power = 0;
         for (const Photon& p : c.photons)
             power += static_cast<double>(p.power()[0]);
-        // Rounded distances move a photon's weight by as much of the kernel's largest.
+        // Rounded distances change a photon's weight by as much of the kernel's largest weight.
         EXPECT_NEAR(found, expected, float_rounding * (expected + steepest * power));
     }
 };
@@ -173,7 +175,7 @@ TEST_P(DegeneratePhotons, EstimateOnASurfaceIsWhatTheoryHas) {
         for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
             for (const DiscArea area : {DiscArea::surface, DiscArea::rejected, DiscArea::plain})
                 for (const bool compensation : {false, true}) {
-                    // Below 17 photons nothing is compensated; beyond, which disc is taken is a test of noise.
+                    // Below 17 photons nothing is compensated; beyond, a test of noise chooses the disc.
                     if (compensation && (k != 4 && k != 1)) continue;
                     SCOPED_TRACE(testing::Message() << kernel_names[kernel] << " k " << k << " area "
                                                     << static_cast<int>(area) << " compensation " << compensation);
@@ -200,10 +202,10 @@ Color scattered(const VolumeEstimator& e, const PhotonMap& map, const Vec3& p) {
                                 Sampler(PointSet::independent, 1, 0, 0), 0, neighbours);
 }
 
-// The same in a medium, whose isotropic phase function is 1 / (4 pi).
+// The cases in a medium whose isotropic phase function is 1 / (4 pi).
 TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
     PhotonCase c = GetParam();
-    // 1 / r^3 of the smallest ball is beyond floats: of no light that is one.
+    // 1 / r^3 of the smallest radius is beyond floats, whatever the light.
     if (c.name == "RadiusBelowTheRootOfFloats") c.radius = 1e-14f;
     const PhotonMap map(c.photons, 1);
     const double known = static_cast<double>(place_rounding(*empty_space().scene, c.query));
@@ -219,9 +221,9 @@ TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
             }
 }
 
-// The estimate with a fixed radius is each photon's power spread by a kernel of integral 1: over the plane it
-// integrates to the power, wherever the photons are; at a focus too. By midpoints, whose error of second order is below
-// 1e-6 of it; the rim lies between two of them.
+// The estimate with a fixed radius spreads each photon's power by a kernel of integral 1. Its integral over the plane
+// is the power, wherever the photons are, also at a focus. The midpoint rule has an error of second order, below 1e-6
+// of the integral; the rim lies between two midpoints.
 TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
     constexpr int steps = 2000;
     const std::vector<Photon> photons = copies(10, photon(0, 0, 0.5f));
@@ -243,9 +245,10 @@ TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
         }
 }
 
-// Of n >= k photons in one place the k nearest lie on the rim everywhere: (k - 1) P / (pi d^2) from d = delta, what
-// rounding knows of places, to the largest radius. Its integral grows with the logarithm of their ratio, for which only
-// a fixed radius helps; within delta it is n P / (pi delta^2), so that it has a bound, and the n P are there.
+// n >= k photons lie in one place, so the k nearest are on the rim everywhere. The estimate is (k - 1) P / (pi d^2)
+// from d = delta, the rounding of places, to the largest radius. Its integral grows with the logarithm of their
+// ratio, which only a fixed radius would avoid. Within delta the estimate is n P / (pi delta^2): it is bounded, and
+// the power n P is there.
 TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     constexpr std::size_t n = 100, k = 20;
     const PhotonMap map(copies(n, photon(0, 0)), 1);
@@ -267,7 +270,8 @@ TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     EXPECT_NEAR(inside * pi_d * delta * delta / n, 1, 1e-5);
 }
 
-// Forty photons at the point are more than the 16 of the smallest disc that compensation looks at, whose area is 0.
+// The 40 photons at the point are more than the 16 of the smallest disc that
+// compensation looks at, so that disc has no area.
 TEST(FocusedPhotons, CompensationKeepsTheFocus) {
     const PhotonMap map(photon_cases()[19].photons, 1);
     ASSERT_EQ(photon_cases()[19].name, "AtThePointAndBesideIt");
@@ -277,8 +281,8 @@ TEST(FocusedPhotons, CompensationKeepsTheFocus) {
     EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) * pi_d * pi_d * delta * delta / 40, 1, 1e-5);
 }
 
-// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may be no float;
-// the estimate, over a large disc, is one.
+// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may overflow a
+// float. The estimate, over a large disc, does not.
 TEST(BrightPhotons, DoNotOverflowOnTheWay) {
     SurfaceHit hit = floor_at(Vec3::Zero());
     hit.ns = Vec3(1, 0, 1).normalized();
@@ -295,7 +299,7 @@ TEST(BrightPhotons, DoNotOverflowOnTheWay) {
     EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) / expected, 1, float_rounding);
 }
 
-// 2^24 and 4096 times 1/2: single precision would keep none of the halves.
+// The sum of 2^24 and 4096 times 1/2 would keep none of the halves in single precision.
 TEST(ManyPhotons, OfSmallPowerBesideALargeOneCount) {
     std::vector<Photon> photons = copies(4097, photon(0, 0, 0.5f));
     photons.front().set_power(Color::Constant(0x1p24f));
@@ -351,8 +355,9 @@ TEST(DegeneratePlaces, OfNoPhotonsServeNothing) {
     EXPECT_EQ(Places({}, 4, 0.5f).at(Vec3::Zero()), std::nullopt);
 }
 
-// E = n P / (pi r^2) where the n photons that are no places, each raised by 8 / 7, lie within r: r is the largest
-// radius if they are all asked for or too few, and what rounding knows of the place if they are more than k.
+// E = n P / (pi r^2), where n photons that are no places, each with 8 / 7 of its power, lie
+// within r. r is the largest radius if all photons are asked for or they are too few, and the
+// rounding of the place if they are more than k.
 TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
     for (const float power : {0.f, 1e-20f, 1.f, 1e20f})
         for (const std::size_t k : {std::size_t{4}, std::size_t{1000}, all_photons}) {
@@ -363,14 +368,14 @@ TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
             const double expected = n * 8 / 7 * static_cast<double>(power) / (pi_d * r * r);
             const auto E = places.at(Vec3::Zero());
             ASSERT_TRUE(E);
-            // Powers are rounded when stored, raised and stored as irradiance.
+            // Powers are rounded when they are stored, raised and stored as irradiance.
             EXPECT_NEAR(static_cast<double>((*E)[0]), expected, 3 * power_rounding * expected) << power << ' ' << k;
-            // It is served as far as the estimate's own disc reaches.
+            // The place serves points as far away as its own disc reaches.
             EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)).has_value(), k != 4);
         }
 }
 
-// What radius 0 finds has no area; the places' estimates are 0, and they reach nowhere but to themselves.
+// A disc of radius 0 has no area. The places' estimates are 0, and they serve only their own points.
 TEST(DegeneratePlaces, OfRadiusZeroAreBlack) {
     const Places places(copies(64, photon(0, 0)), 4, 0.f);
     const auto E = places.at(Vec3::Zero());

@@ -1,4 +1,5 @@
-// Statistics where their formulas end: a black reference, images of one pixel, fireflies, sums of very many samples.
+// Statistics at the limits of their formulas: a black reference, images of one
+// pixel, fireflies, sums of very many samples.
 
 #include "common/core/error.h"
 #include "common/images/film.h"
@@ -44,7 +45,7 @@ struct OutlierCase {
     double median, trimmed, share;  ///< NaN: undefined
 };
 
-/// Against a reference of 1, with epsilon 0.01: the error of a pixel of value x is (x - 1)^2 / 1.01.
+/// The relative error of a pixel of value x against a reference of 1, with epsilon 0.01: (x - 1)^2 / 1.01.
 double error_of(double x) { return sqr(x - 1) / 1.01; }
 
 std::vector<OutlierCase> outlier_cases() {
@@ -117,9 +118,9 @@ TEST_P(Outliers, AreLeftOutAsTheFormulasSay) {
     EXPECT_EQ(is_decided_by_outliers(found), few);
 }
 
-// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)) at the z0 = 3.2905 of which Q is 0.0005: the worst thousandth of normal
-// noise holds 1.27 % of its error. Of 2.5e5 pixels these are 250 with squares of 12.7 +- 1.9, and as many but for 16
-// had they been drawn: 1.27 % to a twentieth is 5 standard deviations.
+// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)), where Q is 0.0005 at z0 = 3.2905: the worst thousandth of normal noise
+// holds 1.27 % of its error. These are 250 of 2.5e5 pixels, with squares of 12.7 +- 1.9; the number of pixels beyond
+// z0 varies by 16. A twentieth of 1.27 % is 5 standard deviations.
 TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
     std::mt19937_64 random(5);
     std::normal_distribution<float> normal;
@@ -131,8 +132,8 @@ TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
     const double z0 = 3.290527, q = 0.0005, phi = std::exp(-z0 * z0 / 2) / std::sqrt(2 * M_PI);
     EXPECT_NEAR(found.share, 2 * (z0 * phi + q), 0.05 * 2 * (z0 * phi + q));
     EXPECT_FALSE(is_decided_by_outliers(found));
-    // The median of z^2 is 0.4549; the standard error of a median is 1 / (2 f sqrt(n)) with the density f = 0.4705
-    // there.
+    // The median of z^2 is 0.4549. The standard error of a median is 1 / (2 f
+    // sqrt(n)), with the density f = 0.4705 there.
     EXPECT_NEAR(found.median * 1.01 / 0.01, 0.4549, 5 / (2 * 0.4705 * 500));
 }
 
@@ -142,7 +143,7 @@ TEST(RobustErrors, WantPixelsOfOneSize) {
     EXPECT_THROW(robust_error({constant(1, 2, 2)}, constant(1), constant(1), epsilon), std::invalid_argument);
 }
 
-/// Of one scene with one method.
+/// The analysis of one scene with one method.
 Analysis analysis_with(const RobustError& robust) {
     Analysis analysis;
     analysis.index.title = "T";
@@ -175,7 +176,7 @@ TEST(RobustErrors, StandInTheTableAndAreFlaggedWhereTheyDecide) {
     EXPECT_EQ(value(analysis_with({0, 0, none}), "rel_mse_top_share"), "") << "nothing to share";
 }
 
-/// compare on image files, as JSON.
+/// Compares image files by `compare` and reads its JSON.
 class DegenerateImages : public testing::Test {
 protected:
     std::string file(const std::string& name, const Image& image) const {
@@ -197,7 +198,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-// The denominator is epsilon alone; equal replicates have neither variance nor noise.
+// The denominator of the relative error is epsilon alone. Equal replicates have neither variance nor noise.
 TEST_F(DegenerateImages, AReferenceOfZeroGivesNumbers) {
     for (const std::size_t seeds : {1u, 3u}) {
         const auto result = json(std::vector<Image>(seeds, constant(0.5f)), constant(0));
@@ -231,7 +232,7 @@ TEST_F(DegenerateImages, OneFireflyLeavesTheRobustNumbers) {
     EXPECT_NEAR(result["rel_mse_trimmed"], 0.25 / 1.01, 1e-12);
     EXPECT_NEAR(result["rel_mse_top_share"], 1, 1e-9);
     EXPECT_LE(result["flip"], 1);
-    // In the reference too, whose exposures then span 27 stops.
+    // Here the firefly is in the reference, whose exposures then span 27 stops.
     const auto of_reference = json({constant(1)}, with_pixel(constant(1), 20, 1e8f));
     EXPECT_EQ(of_reference["rel_mse_median"], 0);
     EXPECT_EQ(of_reference["rel_mse_trimmed"], 0);
@@ -243,7 +244,7 @@ TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {
                                       constant(1.3f, 1, 1)};
     const auto result = json(seeds, constant(1, 1, 1));
     EXPECT_NEAR(result["mse"], (0.01 + 0 + 0.04 + 0.09) / 4, 1e-7);
-    // The mean is 1.1, the squared deviations 0.04 + 0.01 + 0.01 + 0.04.
+    // The mean is 1.1; the squared deviations are 0.04 + 0.01 + 0.01 + 0.04.
     EXPECT_NEAR(result["variance"], 0.1 / 3, 1e-7);
     EXPECT_NEAR(result["bias2"], 0.01 - 0.1 / 3 / 4, 1e-7);
     EXPECT_TRUE(result["noise_centroid"].is_null());
@@ -258,7 +259,7 @@ TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {
         EXPECT_TRUE(std::isfinite(point.frequency) && std::isfinite(point.power));
 }
 
-// Lines of pixels, in both directions.
+// Images are lines of pixels in either direction.
 TEST(DegenerateSpectra, OfALineOfPixelsAreFinite) {
     for (const auto& [width, height] : {std::pair(2, 1), std::pair(1, 2), std::pair(64, 1), std::pair(1, 64)}) {
         std::mt19937_64 random(3);
@@ -294,7 +295,7 @@ TEST(DegenerateRuns, AnImageOfOnePixelHasAllItsTablesAndItsReport) {
     EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("</html>"));
 }
 
-// Every sum of samples holds 1e8 of them: 0.5 each is exact in double, where single precision stops at 2^24 of them.
+// The sum of 1e8 samples of 0.5 is exact in double; single precision would stop at 2^24 samples.
 TEST(Accumulation, OfAHundredMillionSamplesLosesNothing) {
     Film film(1, 1, {Component::direct}, {});
     PixelSample sample;
@@ -305,11 +306,11 @@ TEST(Accumulation, OfAHundredMillionSamplesLosesNothing) {
     const Image mean = *film.mean(n)[Component::direct];
     EXPECT_EQ(mean.rgb[0], 0.5f);
     EXPECT_EQ(mean.rgb[1], 0.5f);
-    // Rounded sums: (n - 1) 2^-53 of the sum at most, 1.1e-8, less than half a unit of the result.
+    // Rounding of the sums errs by (n - 1) 2^-53 of the sum at most, 1.1e-8, less than half a unit of the result.
     EXPECT_NEAR(static_cast<double>(mean.rgb[2]), static_cast<double>(1.f / 3), (1.1e-8 + 0x1p-25) / 3);
 }
 
-// 2^20 samples of 2^10 in turn with 2^-8: the sum has 39 bits.
+// 2^20 samples of 2^10 alternate with 2^20 of 2^-8, so the sum has 39 bits.
 TEST(Accumulation, OfSamplesOfMixedMagnitudeIsExact) {
     Film film(1, 1, {Component::indirect}, {});
     constexpr std::uint32_t n = 1 << 21;
@@ -324,7 +325,7 @@ TEST(Accumulation, OfSamplesOfMixedMagnitudeIsExact) {
     EXPECT_EQ(mean.rgb[2], 0x1p10f);
 }
 
-/// One batch for each of the reference's groups, alike.
+/// Equal batches, one for each of the reference's groups.
 std::vector<ComponentImages> batches_of(float value) {
     ComponentImages batch;
     batch.width = batch.height = 1;
@@ -332,9 +333,9 @@ std::vector<ComponentImages> batches_of(float value) {
     return std::vector<ComponentImages>(reference_groups, batch);
 }
 
-// A reference's means are kept in single precision and updated by each round, mean += share (batch - mean), which
-// rounds by half a unit: after rounds of equal length the i-th rounding counts i / n of it, all together (n + 1) / 4
-// units of the largest mean at most; a mean that every batch has is exact.
+// A reference's means are kept in single precision. Each round updates them by mean += share (batch - mean), which
+// rounds by half a unit. After n rounds of equal length the i-th rounding counts i / n of that, in all (n + 1) / 4
+// units of the largest mean at most. A mean that every batch has is exact.
 TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
     ReferenceGroups even, mixed;
     constexpr int rounds = 2000;

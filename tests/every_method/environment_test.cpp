@@ -34,11 +34,12 @@ const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' 
 
 std::string ball(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>"; }
 
-// A convex diffuse body of albedo rho under a sky of radiance L scatters rho L, whatever its shape; with 1 it vanishes.
+// A convex diffuse body of albedo rho under a sky of radiance L has the radiance rho L,
+// whatever its shape. With rho = 1 it vanishes.
 TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
     if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
-    const std::string label = method().name + " max_depth=3";  // what the ball would light itself with is black
+    const std::string label = method().name + " max_depth=3";  // a convex ball does not light itself
     for (const std::string& sky :
          {constant_sky, envmap_xml(folder, image_of(5, 4, [](int, int) { return Color(Color::Ones()); }))}) {
         const auto scene = test::scene_of(scene_xml(sensor + sky + ball(test::diffuse(1))));
@@ -56,7 +57,7 @@ TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
     }
 }
 
-// Lossless bodies under a sky of radiance 1 all have radiance 1, in sight of each other and through each other.
+// Lossless bodies under a sky of radiance 1 all have radiance 1, also where one is seen in or through another.
 TEST_P(EveryMethodUnderTheSky, LosslessBodiesVanish) {
     if (!simulates_sky() || !method().simulates.has(Effect::caustics)) GTEST_SKIP();
     const std::string glass =
@@ -71,12 +72,12 @@ TEST_P(EveryMethodUnderTheSky, LosslessBodiesVanish) {
         "<bsdf type='twosided'><bsdf type='conductor'/></bsdf></shape>";
     const auto scene = test::scene_of(scene_xml(sensor + constant_sky + ball(glass) + floor + mirror));
     const auto image = render(scene, method().name, method().unbiased ? 128 : 8);
-    // The map's estimates are blurred over edges, but not wrong on the whole.
+    // Estimates from photon maps are blurred over edges, but right in the mean.
     EXPECT_NEAR(mean_of(image.total()).mean(), 1.0, method().unbiased ? 0.006 : 0.02);
     EXPECT_GT(mean_of(*image[Component::caustic]).mean(), 0.01);
 }
 
-// Light that a specular chain alone brings from the sky is emission: E S* L.
+// Light that comes from the sky by a specular chain alone is emission: E S* L.
 TEST_P(EveryMethodUnderTheSky, TheSkyInAMirrorIsEmission) {
     if (!simulates_sky() || !method().simulates.has(Effect::specular_reflection)) GTEST_SKIP();
     const auto scene = test::scene_of(scene_xml(sensor + constant_sky + ball("<bsdf type='conductor'/>")));
@@ -87,7 +88,7 @@ TEST_P(EveryMethodUnderTheSky, TheSkyInAMirrorIsEmission) {
         << "the mirror's edge is the second one";
 }
 
-/// A floor of reflectance 0.5 at the origin, seen from above, and what lies above it.
+/// A floor of reflectance 0.5 at the origin, seen from above, with `light` over it.
 LoadedScene floor_under(const std::string& light) {
     return test::scene_of(
         scene_xml("<sensor type='orthographic'><transform name='to_world'><scale value='0.001'/><lookat origin='0,0,1' "
@@ -107,7 +108,7 @@ TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
                                "name='irradiance' value='2'/></emitter>",
                                1),
                 2 * 0.8 * 0.5 / pi_d, 1e-5);
-    // A spot at height 2 that looks 14 degrees past the origin: half way down from 8 to 20 degrees.
+    // A spot at height 2 looks 14 degrees past the origin: the fall-off from 8 to 20 degrees has reached a half.
     const std::string aim = "<rotate x='1' angle='14'/><rotate x='1' angle='180'/><translate z='2'/>";
     EXPECT_NEAR(floor_radiance(method(),
                                "<emitter type='spot'><rgb name='intensity' value='3'/><float name='cutoff_angle' "
@@ -118,8 +119,8 @@ TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
     EXPECT_EQ(floor_radiance(method(), "<emitter type='directional'/>", 1), 0.0) << "from below, on a two-sided floor";
 }
 
-// Under a map with a sun and a black half, both ways of finding it together give the integral of L cos over the
-// hemisphere.
+// The map has a sun and a black half. Light sampling and bsdf sampling together give
+// the integral of L cos over the hemisphere.
 TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
     if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
@@ -132,11 +133,11 @@ TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
     const double E = test::sphere_integral(90, 180, 4, [&](const Vec3& w) {
         return static_cast<double>(scene.scene->environment_radiance(w)[1] * std::max(w.z(), 0.f));
     });
-    // 64 pixels x 1024 samples whose deviation is below 3 times their mean: 1.2 %.
+    // 64 pixels x 1024 samples, whose deviation is below 3 times their mean: standard error 1.2 %.
     EXPECT_NEAR(floor_radiance(method(), sky, 1024) / (0.5 * E / pi_d), 1, 0.03);
 }
 
-// A plate keeps the light of infinity off the floor, as near ones do.
+// A plate hides lights at infinity from the floor, as it hides near ones.
 TEST_P(EveryMethodUnderTheSky, PlatesHideLightsAtInfinity) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string plate =

@@ -1,4 +1,4 @@
-// What must hold for every method and every material: the registry is walked, no method is named.
+// Laws for every method and every material; the registry is walked, no method is named.
 #include "common/sampling/sampler.h"
 #include "tests/support/scene_fixtures.h"
 
@@ -75,8 +75,9 @@ LoadedScene plate_in_furnace(const std::string& material, double degrees) {
         rgb("reflectance", "0") + "</bsdf><emitter type='area'>" + rgb("radiance", "1") + "</emitter></shape>"));
 }
 
-/// The share of uniform light that the front of a material sends towards wo, straight through included: the mean weight
-/// of its samples, which the laws of bsdf_laws_test.cpp tie to the integral of f.
+/// The share of uniform light that the front of a material sends towards wo, including light that passes
+/// straight through. It is the mean weight of the material's samples, which the laws of
+/// bsdf_laws_test.cpp tie to the integral of f.
 Colord albedo(const Material& material, const Vec3& wo) {
     constexpr std::uint32_t n = 1 << 16;
     const MaterialPoint point{
@@ -118,8 +119,8 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
     }
 }
 
-// The sun above two black masks, a floor below them, and the camera in between: a shadow ray is dimmed by both. Nothing
-// is left to chance, so the tolerance is rounding alone.
+// The sun is above two black masks, a floor below them and the camera between masks and floor. A shadow ray is dimmed
+// by both masks. Nothing is left to chance, so the tolerance is rounding alone.
 TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
     const auto sheet = [](double z, double opacity) {
         return fmt::format(
@@ -142,8 +143,8 @@ TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
 INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(names_of_comparable_methods()),
                          [](const auto& name) { return name.param; });
 
-/// Light on a grey floor seen from above, by way of a wall whose normals point steeply up: the floor sees those of the
-/// wall's upper part from behind. A spot light grazes the wall from the side.
+/// Light on a grey floor, seen from above, that comes by way of a wall. The wall's normals point steeply up, so from
+/// the floor those of its upper part are seen from behind. A spot light grazes the wall from the side.
 double light_by_way_of_a_wall(const std::string& method, std::uint32_t passes, int seeds, bool flip, bool shadow) {
     const std::string wall =
         bsdf("normalmap", rgb("normalmap", "0.933 0.5 0.75") + boolean("flip_invalid_normals", flip) +
@@ -165,9 +166,9 @@ double light_by_way_of_a_wall(const std::string& method, std::uint32_t passes, i
     return sum / seeds;
 }
 
-// The shadowing belongs to the light's direction and the turned normal to the eye's, whichever end a path is followed
-// from: each of them changes this light by 30 % or more. Tolerance: the standard error of eight photon maps is 4 to 6
-// %.
+// The shadowing belongs to the light's direction and the turned normal to the eye's, from whichever end a path is
+// followed. Each of them changes this light by 30 % or more. The tolerance allows for the standard error of eight
+// photon maps, 4 to 6 %.
 TEST(PerturbedNormals, LookAlikeToPathsAndPhotons) {
     double before = 0;
     for (bool both : {false, true}) {

@@ -21,7 +21,7 @@ using test::TemporaryFolder;
 using test::volume_bytes;
 
 constexpr double pi_d = std::numbers::pi;
-constexpr double sigmas = 5;  ///< of means of seeds
+constexpr double sigmas = 5;  ///< allowed errors, in standard errors of means over seeds
 
 const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
 const std::string no_surface = "<bsdf type='null'/>";
@@ -57,9 +57,9 @@ void expect_mean(const std::array<Moments, 3>& found, const Colord& expected, co
     }
 }
 
-// A medium that absorbs nothing under a sky of radiance 1 cannot be seen, whatever its density, phase function and
-// boundary. The rough one is nearly smooth: light that is scattered twice between its microfacets, which is not
-// modelled, is some alpha^2 of all, 1e-4 of the image with 0.01.
+// A medium that absorbs nothing is invisible under a sky of radiance 1, whatever its density, phase function and
+// boundary. The rough boundary is nearly smooth: light that is scattered twice between microfacets is not modelled;
+// it is some alpha^2 of all light, 1e-4 of the image with alpha = 0.01.
 TEST(MediumFurnace, WhiteMediaVanish) {
     const TemporaryFolder folder;
     const std::string cloud =
@@ -85,7 +85,7 @@ TEST(MediumFurnace, WhiteMediaVanish) {
                     name);
 }
 
-/// A lamp at z = 4 behind a slab of thickness 2, seen through it from the front.
+/// A camera looks through a slab of thickness 2 at a lamp at z = 4 behind it.
 std::string slab_before_lamp(const std::string& medium) {
     return camera(4, 0.1) + "<shape type='cube'><transform name='to_world'><scale x='3' y='3'/></transform>" +
            no_surface + medium +
@@ -94,7 +94,7 @@ std::string slab_before_lamp(const std::string& medium) {
            "z='4'/></transform><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";
 }
 
-// Lambert and Beer's law; nothing is sampled where nothing is scattered, so every pixel is exact.
+// Lambert and Beer's law. Without scattering nothing is sampled, so every pixel is exact.
 TEST(MediumAbsorption, FollowsTheExponentialLaw) {
     for (const Color& sigma : {Color(0.1f, 0.5f, 2.f), Color(0.f, 4.f, 0.f)}) {
         const auto scene = scene_of(scene_xml(slab_before_lamp(interior(
@@ -107,7 +107,7 @@ TEST(MediumAbsorption, FollowsTheExponentialLaw) {
     }
 }
 
-// The slab's own light is left out: with two edges nothing that was scattered comes back.
+// Paths of one edge show the lamp only, without light that the slab scatters.
 TEST(MediumAbsorption, OfAScatteringMediumTakesWhatItScatters) {
     const auto scene =
         scene_of(scene_xml(slab_before_lamp(homogeneous(0.7, 0.6)) + "<integrator type='path'><integer "
@@ -127,16 +127,16 @@ TEST(MediumAbsorption, FillsTheExteriorAndTheCamerasSpace) {
         EXPECT_NEAR(image.total().at(5)[c], std::exp(-0.4f * static_cast<float>(c + 1)), 1e-4f);
 }
 
-/// Radiance scattered once in a homogeneous medium between z = -1 and 1 that fills x, y, towards a camera at (0, 0, -4)
-/// along z, from a point light of intensity 1 at (x, 0, z) in the medium: integral of sigma_s p I / r^2 exp(-sigma_t (t
-/// + r)) dt.
+/// Radiance that is scattered once towards a camera at (0, 0, -4), which looks along z. A homogeneous medium fills
+/// the space between z = -1 and 1; a point light of intensity 1 lies in it at (x, 0, z). The radiance is the integral
+/// of sigma_s p I / r^2 exp(-sigma_t (t + r)) dt.
 double single_scattering(double sigma, double albedo, double g, double x, double z) {
     double sum = 0;
     constexpr int steps = 200000;
     for (int i = 0; i < steps; ++i) {
         const double at = -1 + 2 * (i + 0.5) / steps;
         const double r2 = x * x + (at - z) * (at - z), r = std::sqrt(r2);
-        // Light comes along (at - z) / r on the axis and goes on along -z.
+        // The cosine between the light's direction, (at - z) / r on the axis, and the direction to the camera, -z.
         const double turned = -(at - z) / r;
         const double phase = (1 - g * g) / (4 * pi_d * std::pow(1 + g * g - 2 * g * turned, 1.5));
         sum += sigma * albedo * phase / r2 * std::exp(-sigma * ((at + 1) + r)) * 2 / steps;
@@ -156,7 +156,7 @@ TEST(MediumScattering, OnceIsItsIntegral) {
     }
 }
 
-// The same density given as a number and as a grid: all orders of scattering, lit from a side.
+// The density is given once as a number and once as a grid. All orders of scattering count, with light from one side.
 TEST(MediumScattering, OnAGridIsThatOfTheSameMediumWithout) {
     const TemporaryFolder folder;
     const std::string one = folder.write("d.vol", volume_bytes({2, 2, 2}, 1, std::vector<float>(8, 1.f)));
@@ -178,7 +178,7 @@ TEST(MediumScattering, OnAGridIsThatOfTheSameMediumWithout) {
     }
 }
 
-// What the lamp's light meets on its way to a surface is taken off, by light sampling and by following the bsdf alike.
+// A medium dims the light on its way to a surface, both for light sampling and for bsdf samples.
 TEST(MediumAbsorption, ActsOnDirectLight) {
     const std::string floor =
         "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='180'/><translate z='3'/></transform>" +
@@ -188,7 +188,7 @@ TEST(MediumAbsorption, ActsOnDirectLight) {
         "value='2'/></emitter>";
     const auto scene = scene_of(scene_xml(camera(4, 1) + sun + floor + "<shape type='cube'>" + no_surface +
                                           interior("homogeneous", "<float name='sigma_a' value='0.5'/>") + "</shape>"));
-    // Down through the slab of 2 and back up.
+    // The light passes the slab of thickness 2 on its way down and on its way back up.
     EXPECT_NEAR(mean_of(render(scene, "path", 1).total())[0], 0.5 * 2 / pi_d * std::exp(-2.0), 1e-4);
 }
 

@@ -1,4 +1,4 @@
-// What must hold for every method; the registry is walked, no method is named.
+// Laws for every method; the registry is walked, no method is named.
 #include "tests/support/scene_fixtures.h"
 
 #include <array>
@@ -19,7 +19,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(names_of_compa
 
 std::string fixed(double x) { return std::to_string(x); }
 
-// In a closed box of albedo rho whose walls emit 1 - rho, radiance is 1 at every point and in every direction.
+// In a closed box of albedo rho whose walls emit 1 - rho, the radiance is 1 at every point and in every direction.
 void expect_furnace(const std::string& scene_file, double rho, const MethodDescription& method) {
     const auto scene = test::shipped_scene(scene_file, {{{"rho", fixed(rho)}, {"emission", fixed(1 - rho)}}, {}});
     const std::uint32_t passes = method.unbiased ? 512 : 64;
@@ -45,8 +45,8 @@ TEST_P(EveryMethod, FurnaceHasTheAnalyticRadiance) {
     }
 }
 
-/// Lambert's formula: irradiance at `p` with normal n from a polygon of radiance 1, E = 1/2 sum of angle_i n . gamma_i.
-/// Source: Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources", eq. 3.
+/// Irradiance at `p` with the normal n from a polygon of radiance 1 by Lambert's formula, E = 1/2 sum of angle_i n .
+/// gamma_i. Source: Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources", eq. 3.
 double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::array<Vec3d, 4>& polygon) {
     double E = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -81,8 +81,8 @@ TEST_P(EveryMethod, DirectLightFromAPolygonFollowsLambertsFormula) {
     }
 }
 
-/// The radiance of a floor of reflectance 0.5 in z = 0, `size` wide, straight under what `light` describes at the
-/// origin's zenith.
+/// The radiance, at the origin, of a floor of reflectance 0.5 in z = 0 that is `size` wide; `light` describes a light
+/// at the origin's zenith.
 double floor_radiance(const MethodDescription& method, const std::string& light, double size, std::uint32_t passes) {
     const std::string view = std::to_string(1e-3 * size);
     const auto scene = test::scene_of(test::scene_xml(
@@ -93,8 +93,8 @@ double floor_radiance(const MethodDescription& method, const std::string& light,
     return mean_of(*render(scene, method.name + " max_depth=2", passes)[Component::direct])[1];
 }
 
-// A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. The floor is
-// lowered by a second, distant plate, so that the recentred lamp lies at the scene's middle.
+// A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. A second,
+// distant plate lowers the floor, so that the lamp lies in the middle of the recentred scene.
 TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string ceiling =
@@ -106,8 +106,8 @@ TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
     for (double r : {1e-4, 1e-2, 0.1}) {
         const std::string size = std::to_string(r);
         const double L = 1e6 * 0.5;  // radiance of the lamp times the floor's reflectance
-        // Form factors straight below at height 10: sphere (r/h)^2, disk r^2 / (r^2 + h^2), small square 4 r^2 / (pi
-        // h^2).
+        // Form factors straight below at height 10: sphere (r/h)^2, disk
+        // r^2 / (r^2 + h^2), small square 4 r^2 / (pi h^2).
         EXPECT_NEAR(floor_radiance(method(),
                                    ceiling +
                                        "<shape type='sphere'><point name='center' x='0' y='0' z='10'/>"
@@ -134,7 +134,7 @@ TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
     }
 }
 
-// A bright lamp that faces away takes most of the light samples, not all of them.
+// A bright lamp that faces away takes most of the light samples, but not all of them.
 TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string lights =
@@ -146,8 +146,8 @@ TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
     EXPECT_NEAR(floor_radiance(method(), lights, 1, 4096) / (0.5 / std::numbers::pi / 4), 1.0, 0.027);
 }
 
-// A plate just above a wide floor hides the lamp: rays must not start beyond it, whatever the size of the floor's
-// triangles.
+// A plate just above a wide floor hides the lamp. Rays from the floor must not start beyond the plate, whatever the
+// size of the floor's triangles.
 TEST_P(EveryMethod, NoLightLeaksUnderAPlateOnAVastFloor) {
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string plate_and_lamp =
@@ -197,8 +197,8 @@ TEST_P(EveryMethod, ShowsEveryComponentThatItSimulatesAndNoOther) {
     }
 }
 
-// Depth counts edges: 1 shows lights, 2 adds direct light, 3 the first indirect light. 0 in a label means unlimited, in
-// XML black.
+// Depth counts edges: 1 shows lights, 2 adds direct light, 3 the first indirect light. Depth 0 means unlimited in a
+// label, but black in XML.
 TEST_P(EveryMethod, DepthLimitsCutWholeComponents) {
     const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
     const auto mean = [&](int depth, Component c) {
@@ -222,7 +222,8 @@ TEST_P(EveryMethod, ASceneWithoutLightIsBlackAndFinite) {
     EXPECT_EQ(mean_of(render(scene, method().name, 2).total()).sum(), 0.0);
 }
 
-// A lossless slab of glass in a furnace is invisible: radiance stays 1 through refraction in, total reflection and out.
+// A lossless slab of glass in a furnace is invisible: radiance stays 1 through
+// refraction, total reflection and the way out.
 TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
     if (!method().simulates.has(Effect::refraction)) GTEST_SKIP();
     const std::string furnace =
@@ -242,8 +243,9 @@ TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
     EXPECT_NEAR(mean_of(image).mean(), 1.0, 0.005);
 }
 
-// A disc that emits 1, out of focus on the axis of a lens: the rays of the film's middle reach it from the lens points
-// within R / |1 - z / f|, so its image has the radiance (R / (A |1 - z / f|))^2 there.
+// A disc of radius R that emits 1 lies out of focus, at the distance z on the axis of a lens of radius A focused
+// at f. Rays of the film's middle reach the disc from the lens points within R / |1 - z / f|, so its image has
+// the radiance (R / (A |1 - z / f|))^2 there.
 TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
     const double radius = 0.1, z = 3, aperture = 0.5;
     for (const double focus : {2.0, 6.0}) {

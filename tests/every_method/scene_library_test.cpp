@@ -1,5 +1,5 @@
-// The scenes of scenes/: that they load and are lit as they say, and that what is known of them in closed form is what
-// the path tracer finds.
+// The scenes of scenes/ load and are lit as their comments say; where a closed
+// form is known, the path tracer finds it.
 #include "common/core/files.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
@@ -20,7 +20,7 @@ constexpr double pi = std::numbers::pi;
 
 std::string scene_path(const std::string& name) { return source_path("scenes/" + name) + ".xml"; }
 
-/// Those that need no mesh of scripts/meshes, by name.
+/// The names of the scenes that need no mesh of scripts/meshes.
 std::vector<std::string> scene_names() {
     std::vector<std::string> names;
     for (const auto& file : std::filesystem::directory_iterator(source_path("scenes")))
@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Library, EveryScene, testing::ValuesIn(scene_names()), 
     return identifier;
 });
 
-/// The scene at about 32 pixels a side, in its own shape.
+/// The scene at about 32 pixels a side, with its own aspect ratio.
 LoadedScene small_scene(const std::string& name) {
     const LoadedScene whole = shipped_scene(name + ".xml");
     const Sensor& sensor = whole.scene->sensor();
@@ -90,15 +90,15 @@ Moments radiance_at(const LoadedScene& scene, Component component, const std::st
     return radiance;
 }
 
-/// Within 5 standard errors: Student's t of 15 degrees of freedom passes that once in 6000 times, and there are 15 such
-/// comparisons. The error must be small enough to show a mistake of 2 %.
+/// Expects the mean within 5 standard errors: by Student's t of 15 degrees of freedom, chance exceeds that once in
+/// 6000 times, and there are 15 such comparisons. The error must be small enough to show a mistake of 2 %.
 void expect_radiance(const Moments& found, double expected) {
     EXPECT_NEAR(found.mean(), expected, 5 * found.standard_error() + 2e-4 * expected);
     EXPECT_LT(found.standard_error(), 0.004 * expected);
 }
 
-/// Lambert's formula for radiance 1 (Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources",
-/// eq. 3).
+/// Irradiance from a polygon of radiance 1 by Lambert's formula (Arvo 1994, "The Irradiance Jacobian for Partially
+/// Occluded Polyhedral Sources", eq. 3).
 double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::vector<Vec3d>& polygon) {
     double E = 0;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -108,7 +108,7 @@ double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::vector<Vec3
     return std::abs(E);
 }
 
-/// A rectangle with its middle and its half edges.
+/// The rectangle with this middle and these half edges.
 std::vector<Vec3d> rectangle(const Vec3d& middle, const Vec3d& s, const Vec3d& t) {
     return {middle - s - t, middle + s - t, middle + s + t, middle - s + t};
 }
@@ -121,7 +121,7 @@ double integral(int steps, const std::function<double(double)>& f) {
     return sum / steps;
 }
 
-/// Fresnel's, of glass of index 1.5, for the sine of the angle in air.
+/// The Fresnel reflectance of glass of index 1.5 for unpolarised light; `sine` is that of the angle in air.
 double glass_reflectance(double sine) {
     const double ci = std::sqrt(1 - sine * sine), ct = std::sqrt(1 - sine * sine / 2.25);
     const double rs = (ci - 1.5 * ct) / (ci + 1.5 * ct), rp = (1.5 * ci - ct) / (1.5 * ci + ct);
@@ -157,8 +157,8 @@ TEST(SceneLibrary, UncoveredFloorFollowsLambertsFormula) {
                             Vec3d(-2.2, 0, -1.5));
 }
 
-/// The part of a coffer's lamp that p on the floor sees through the coffer's mouth, which as seen from there is a
-/// square 1 wide at 2.5, 3.98 / 2.5 times as large in the lamp's plane.
+/// The part of a coffer's lamp that p on the floor sees through the coffer's mouth. The mouth is a square 1 wide at
+/// height 2.5; its projection from p into the lamp's plane is 3.98 / 2.5 times as large.
 std::optional<std::vector<Vec3d>> lamp_through_coffer(const Vec3d& p, double x, double z) {
     constexpr double height = 3.98, scale = height / 2.5;
     const auto seen = [&](double from, double middle) {
@@ -172,7 +172,8 @@ std::optional<std::vector<Vec3d>> lamp_through_coffer(const Vec3d& p, double x, 
     return rectangle(Vec3d(mx, height, mz), Vec3d(sx, 0, 0), Vec3d(0, 0, sz));
 }
 
-// By guided light sampling: one in ten lamps is seen, so the path tracer would need a hundred times as many samples.
+// Light sampling is guided: one in ten lamps is visible, so the path tracer
+// would need a hundred times as many samples.
 TEST(SceneLibrary, TheFloorUnderManyLampsSeesThemThroughTheirCoffers) {
     for (const Vec3d& p : {Vec3d(-4.1, 0, 2.7), Vec3d(-3.5, 0, 3.5), Vec3d(4, 0, -4.3)}) {
         SCOPED_TRACE(std::to_string(p.x()) + ", " + std::to_string(p.z()));
@@ -191,7 +192,7 @@ TEST(SceneLibrary, SecondaryLightIsTheIntegralOverTheCard) {
     const std::vector<Vec3d> lamp = rectangle(Vec3d(-1.45, -0.6, 0), Vec3d(0, 0.4, 0), Vec3d(0, 0, 0.4));
     for (const Vec3d& p : {Vec3d(-0.8, 0, 0), Vec3d(-0.5, 0, -1), Vec3d(0.5, 0, 1.2)}) {
         SCOPED_TRACE(std::to_string(p.x()) + ", " + std::to_string(p.z()));
-        // The half of the card that is above the table, 1.5 x 3; both surfaces reflect 0.5.
+        // Only the half of the card above the table counts, 1.5 x 3; both surfaces reflect 0.5.
         const double E = 1.5 * 3 * integral(100, [&](double v) {
                              return integral(200, [&](double w) {
                                  const Vec3d card(-2.6, 1.5 * v, 3 * w - 1.5), to_card = card - p;
@@ -234,9 +235,10 @@ TEST(SceneLibrary, AHollowSphereIsLitEvenly) {
     }
 }
 
-// A ray that leaves the axis 1.8 below the centre of a glass sphere of radius 1 under the angle t passes the centre at
-// the distance p = 1.8 sin t, on its way in as on its way out, and is turned by 2 (i - r) with sin i = p = 1.5 sin r.
-// It meets the lamp, a sphere of radius 0.4 whose centre lies 4.5 above, if it passes that centre at less than 0.4.
+// A ray leaves the axis at the angle t, 1.8 below the centre of a glass sphere of radius 1. Before and
+// after the sphere, it passes the centre at the distance p = 1.8 sin t, and it is turned by 2 (i - r) with
+// sin i = p = 1.5 sin r. It meets the lamp, a sphere of radius 0.4 whose centre lies 4.5 above, if it
+// passes the lamp's centre at less than 0.4.
 TEST(SceneLibrary, TheGlassSpheresCausticOnItsAxisIsAnIntegral) {
     const double below = 1.8, above = 4.5, widest = std::asin(1 / below);
     const double E = 2 * pi * 700 * widest * integral(100000, [&](double u) {
@@ -246,7 +248,7 @@ TEST(SceneLibrary, TheGlassSpheresCausticOnItsAxisIsAnIntegral) {
                          return std::pow(1 - glass_reflectance(p), 2) * std::cos(t) * std::sin(t);
                      });
     const LoadedScene scene = scene_seen_at("glass-sphere", Vec3d(0, 0.3, -0.3), Vec3d::Zero());
-    EXPECT_NEAR(0.5 / pi * E, 63.1, 0.05);  // the scene's comment
+    EXPECT_NEAR(0.5 / pi * E, 63.1, 0.05);  // the value in the scene's comment
     // Light that glass reflects twice inside adds less than 0.1 %.
     const Moments found = radiance_at(scene, Component::caustic, "path max_depth=8", 2048);
     EXPECT_NEAR(found.mean(), 0.5 / pi * E, 5 * found.standard_error() + 1e-3 * 0.5 / pi * E);

@@ -1,6 +1,7 @@
-// Experiment files. Their scenes are looked for, not read.
+// The fuzz target of experiment files. Their scenes must exist but are not read.
 
 #include "experiments/plan/experiment_file.h"
+#include "methods/method.h"
 #include "tests/fuzz/harness.h"
 
 #include <cmath>
@@ -19,7 +20,7 @@ void check_experiment(const Experiment& experiment) {
     std::set<std::string> labels;
     for (const MethodLabel& label : experiment.methods) {
         require(labels.insert(label.text()).second, "labels are different");
-        // Cells and references are found again by their label.
+        // Cells and references are found by their label when an experiment is resumed.
         require(MethodLabel::parse(label.text()).values == label.values, "a label is read as it was written");
         const auto& method = find_comparable_method(label.name);
         method.create(ParameterValues(all_parameters(method), label), MethodDefaults{});

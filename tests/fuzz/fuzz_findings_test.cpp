@@ -1,10 +1,11 @@
-// What fuzzing and reading with its eyes found: short files that asked for too much memory, time or depth, and values
-// that passed the readers' checks. Each is refused with its place, or has a defined result.
+// Findings of fuzzing and of reading the code for such inputs: short files that ask for too much memory, time or
+// depth, and values that would pass the readers' checks. Each is refused with its place or has a defined result.
 
 #include "common/core/error.h"
 #include "common/images/image_file.h"
 #include "common/images/linear_file.h"
 #include "common/mesh_files/mesh_ms3d.h"
+#include "common/scene/scene.h"
 #include "experiments/plan/experiment_file.h"
 #include "tests/support/input_error.h"
 #include "tests/support/scene_text.h"
@@ -30,7 +31,8 @@ std::string ply(const std::string& vertex_properties, const std::string& body) {
 }
 
 TEST(FuzzFindings, PlyElementsStandOnce) {
-    // Normals for the first three of six vertices: the others' were read from behind the array.
+    // The file has normals for the first three of six vertices; those of the others would
+    // be read from beyond the array.
     const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
     const std::string text =
         ply(normals + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", "");
@@ -46,7 +48,7 @@ TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
             << index;
 }
 
-/// Of one triangle whose first vertex has these values, as text.
+/// The error of an OBJ file with one triangle and `statement`.
 std::string obj_error(const std::string& statement) {
     return test::input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
 }
@@ -88,7 +90,7 @@ TEST(FuzzFindings, Ms3dNormalsFitFloat) {
     EXPECT_EQ(error("0 0 1e38"), "no error");
 }
 
-/// A triangle in doubles with normals and uv.
+/// A serialized mesh of a triangle in doubles, with these values in its normals and uv.
 std::string serialized(double normal, double uv) {
     std::string raw;
     const auto put = [&](auto value) { raw.append(reinterpret_cast<const char*>(&value), sizeof value); };
@@ -120,7 +122,7 @@ TEST(FuzzFindings, SerializedNormalsAndUvFitFloat) {
 }
 
 TEST(FuzzFindings, NormalsSurviveScalesWhoseProductsDoNot) {
-    // Determinants of 0, of infinity and of 0 again in double.
+    // The scales have determinants of 0, of infinity and of 0 again in double.
     MeshData mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.triangles = {{0, 1, 2}};
@@ -155,7 +157,7 @@ TEST(FuzzFindings, NormalsOfFacesOfNearlyNoArea) {
 }
 
 TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
-    // Along its axis a disk has no extent: any scale there leaves it as it is.
+    // A disk has no extent along its axis, so any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {
         const LoadedScene loaded =
             test::load(std::string("<shape type=\"disk\"><transform name=\"to_world\"><scale z=\"") + z +
@@ -248,15 +250,15 @@ TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
     EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
     EXPECT_EQ(scene_error(ball("1e-18")), "no error");
     EXPECT_EQ(scene_error(ball("1e17")), "no error");
-    // 6 sides of 4e36.
+    // The six sides have an area of 4e36 each.
     EXPECT_THAT(scene_error("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e18\"/></transform>\n"
                             "<emitter type=\"area\"/></shape>"),
                 StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
 }
 
 TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
-    // y = 1.5e308 * 8 - 1.5e308 * 8, the difference of two infinities. The other coordinates are near the second mesh,
-    // so that nothing is too far from the scene's centre.
+    // The transformed y is 1.5e308 * 8 - 1.5e308 * 8, the difference of two infinities. The other coordinates are
+    // near the second mesh, so that nothing is too far from the scene's centre.
     const TemporaryFolder folder;
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
@@ -286,7 +288,7 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 TEST(FuzzFindings, DevicesAreNoFiles) {
     EXPECT_THAT(test::input_error_of([] { read_file("/dev/zero"); }),
                 StartsWith("/dev/zero:1:1: cannot read the file: it is a device"));
-    // As good as /dev/zero, of which the libraries of images find no end.
+    // /dev/null stands here for /dev/zero, whose end the image libraries never find.
     const std::string refused = "/dev/null:1:1: cannot read the file: it is a device";
     EXPECT_EQ(test::input_error_of([] { read_image("/dev/null"); }), refused);
     EXPECT_EQ(test::input_error_of([] { LinearFile("/dev/null", false); }), refused);
@@ -309,7 +311,7 @@ protected:
 };
 
 TEST_F(ExperimentFindings, SweepsDoNotMultiplyWithoutBound) {
-    // 10^9 labels.
+    // The sweep has 10^9 labels.
     std::string method = "[[method]]\nname = \"photon_mapper\"\n";
     for (const char* key : {"photons", "caustic_photons", "volume_photons", "k", "gather", "spp", "max_depth",
                             "shadow_photons", "shadow_k"})

@@ -11,7 +11,7 @@ namespace gib::fuzz {
 
 namespace {
 
-/// What Embree takes, and so a scene: beyond it the shape is refused (scene_shape.cpp).
+/// The largest coordinate that Embree, and so a scene, accepts; scene_shape.cpp refuses shapes beyond it.
 constexpr double largest_coordinate = 1.8e18;
 
 bool in_range(const MeshData& mesh) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a fuzz target is: one reader, fed with any bytes. The same functions run under libFuzzer (preset `fuzz`) and, in
+// A fuzz target feeds one reader with arbitrary bytes. The same functions run under libFuzzer (preset `fuzz`) and, in
 // every other build, over the files of tests/fuzz/corpus (the tests FuzzCorpus.*).
 
 #include "common/core/error.h"
@@ -10,11 +10,11 @@
 
 namespace gib::fuzz {
 
-/// Each target's program has its own. Reads the input, which may be refused; whatever else is thrown, and whatever
-/// require() finds in what was read, is a finding.
+/// Reads the input; the program of each target defines its own run_input(). The reader may refuse the input. Any
+/// other exception, and any require() that fails on the result, is a finding.
 void run_input(std::string_view input);
 
-/// Runs it. InputError is a refusal and ends here.
+/// Calls `read` and ends an InputError, by which a reader refuses its input.
 template <typename Read>
 void unless_refused(const Read& read) {
     try {
@@ -23,11 +23,12 @@ void unless_refused(const Read& read) {
     }
 }
 
-/// Throws std::logic_error, which no reader throws on purpose.
+/// Throws std::logic_error, which no reader throws on purpose, unless `holds`.
 void require(bool holds, const std::string& what);
 
-/// What every mesh must be that a reader returns: finite, with as many normals and uv as vertices or none, indices in
-/// range; and after the steps that follow a file's reading under a few transforms: normals unit or zero, areas finite.
+/// Requires what is true of every mesh that a reader returns: finite positions, as many normals and uv as vertices or
+/// none, and indices in range; and, after the steps that follow reading, under a few transforms: normals of unit
+/// length or zero, and finite areas.
 void check_mesh(const MeshData& mesh);
 
 /// A folder in memory, removed when the program ends.
@@ -39,7 +40,7 @@ public:
     ScratchFolder& operator=(const ScratchFolder&) = delete;
 
     std::string operator/(const std::string& name) const { return path_ + "/" + name; }
-    /// Replaces the file's content in place: no sync, thousands of inputs a second are written.
+    /// Replaces the file's content in place and without sync, because thousands of inputs are written per second.
     void write(const std::string& name, std::string_view content) const;
     void remove(const std::string& name) const;
 

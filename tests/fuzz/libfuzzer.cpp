@@ -1,4 +1,4 @@
-// libFuzzer's entry: it has the main() and the loop.
+// The function that libFuzzer calls for each input; libFuzzer has the main() and the loop.
 
 #include "tests/fuzz/harness.h"
 

@@ -1,4 +1,4 @@
-// MilkShape 3D ASCII models.
+// The fuzz target of MilkShape 3D ASCII models.
 
 #include "common/mesh_files/mesh_ms3d.h"
 #include "tests/fuzz/harness.h"

@@ -1,4 +1,4 @@
-// OBJ meshes.
+// The fuzz target of OBJ meshes.
 
 #include "tests/fuzz/harness.h"
 

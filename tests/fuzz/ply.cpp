@@ -1,4 +1,4 @@
-// PLY meshes.
+// The fuzz target of PLY meshes.
 
 #include "tests/fuzz/harness.h"
 

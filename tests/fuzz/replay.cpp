@@ -1,4 +1,5 @@
-// Feeds files to a target where there is no libFuzzer: gib_fuzz_NAME FILE_OR_FOLDER... Exit code 1 if one is a finding.
+// Feeds files to a target in builds without libFuzzer: gib_fuzz_NAME FILE_OR_FOLDER... The exit code is 1 if a file
+// is a finding or there is no file.
 
 #include "common/core/files.h"
 #include "tests/fuzz/harness.h"
@@ -35,6 +36,6 @@ int main(int argc, char** argv) {
             }
         }
     std::printf("%d inputs, %d findings\n", inputs, findings);
-    // A folder that is empty, or lost, tests nothing.
+    // An empty or missing folder tests nothing, so it counts as a failure.
     return findings > 0 || inputs == 0 ? 1 : 0;
 }

@@ -1,6 +1,7 @@
-// Scene files. An input is the scene, and after a line `%% name` another file of its folder: an include, a mesh, a
-// spectrum, a volume. What loads is planned by every method and rendered in a few pixels.
+// The fuzz target of scene files. An input is the scene; each line `%% name` begins another file of its folder: an
+// include, a mesh, a spectrum, a volume. A scene that loads is planned by every method and rendered in a few pixels.
 
+#include "common/scene/scene.h"
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
 #include "methods/method.h"
@@ -14,17 +15,17 @@ namespace gib::fuzz {
 
 namespace {
 
-/// Whether no name in an XML text can lead out of its folder: they have no slash, no two dots, and no escapes that
-/// become one.
+/// Whether no name in an XML text can lead out of its folder: names have no slash, no two dots, and no escapes that
+/// become one of these.
 bool stays_in_folder(std::string_view text) {
     if (text.find("..") != text.npos || text.find("&#") != text.npos) return false;
-    // Only those of tags: </name> and <name/>.
+    // The only slashes allowed are those of tags: </name> and <name/>.
     for (std::size_t i = text.find('/'); i != text.npos; i = text.find('/', i + 1))
         if (!(i > 0 && text[i - 1] == '<') && !(i + 1 < text.size() && text[i + 1] == '>')) return false;
     return true;
 }
 
-/// The files of an input, in a folder as long as this lives.
+/// Writes the files of an input to `folder`; the destructor removes them.
 class SceneInput {
 public:
     SceneInput(std::string_view input, const ScratchFolder& folder) : folder_(folder) {
@@ -51,14 +52,14 @@ private:
         const std::size_t end = std::min(part.find('\n'), part.size());
         const std::string name(part.substr(0, end));
         const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.'; };
-        // The images stay what they are: their readers are OpenImageIO's.
+        // Inputs cannot replace the images, because the readers of images are OpenImageIO's and not the target.
         if (name.empty() || name.size() > 32 || name[0] == '.' || name.starts_with("image") ||
             !std::all_of(name.begin(), name.end(), is_plain))
             return;
         write(name, part.substr(std::min(end + 1, part.size())));
     }
     void write(const std::string& name, std::string_view content) {
-        // Any file can be included.
+        // Any file can be included by the scene, whatever its name, so each is checked as XML.
         const bool may_be_xml = content.find('<') != content.npos;
         folder_.write(name, may_be_xml && !stays_in_folder(content) ? std::string_view() : content);
         written_.push_back(name);
@@ -101,7 +102,8 @@ void render(const Scene& scene, int max_edges) {
         require(std::isfinite(value), "pixels are finite");
 }
 
-/// Projection maps are left out: a caustic's takes 0.3 s in a release, and here more than an input may.
+/// Switches projection maps off: that of a caustic map takes 0.3 s in a release build, and in a fuzzing build more
+/// time than an input may take.
 ParameterValues quick_to_plan(const MethodDescription& method) {
     const auto parameters = all_parameters(method);
     MethodLabel label{method.name, {}};
@@ -129,7 +131,7 @@ void run_input(std::string_view input) {
     with_threads(1, [&] {
         unless_refused([&] {
             check_scene(load_scene(files.path()));
-            // A film may be of any size that is allowed: here it has four pixels.
+            // A film may have any size that is allowed, so the scene is rendered with four pixels instead.
             const LoadedScene small = load_scene(files.path(), {{}, std::pair(2, 2)});
             render(*small.scene, small.max_edges);
         });

@@ -1,4 +1,4 @@
-// Mitsuba's serialized meshes. Of a file with several the second is read too.
+// The fuzz target of Mitsuba's serialized meshes. The second mesh of a file is read too.
 
 #include "tests/fuzz/harness.h"
 

@@ -1,5 +1,5 @@
-// Changes what is inside the compressed part of a serialized mesh: changed from outside, nearly every input would end
-// at zlib's checksum.
+// Mutates the uncompressed content of a serialized mesh and compresses it again. If the compressed bytes were
+// mutated, nearly every input would end at zlib's checksum.
 
 #include <zlib.h>
 #include <algorithm>
@@ -17,10 +17,10 @@ constexpr std::size_t header_size = 4, largest_content = 1 << 14;
 
 struct Unpacked {
     Bytes content;
-    std::size_t consumed = 0;  ///< bytes of the stream; what follows is the dictionary
+    std::size_t consumed = 0;  ///< bytes of the stream; the dictionary follows
 };
 
-/// As far as the stream can be read.
+/// Decompresses the stream as far as it can be read.
 Unpacked unpack(const std::uint8_t* data, std::size_t size) {
     Unpacked result;
     result.content.resize(largest_content);
@@ -49,7 +49,7 @@ Bytes packed(const Bytes& content) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned int seed) {
-    // Now and then the file itself: its header, a damaged stream, the dictionary.
+    // One in eight mutations changes the file itself: its header, a damaged stream, the dictionary.
     if (size <= header_size || seed % 8 == 0) return LLVMFuzzerMutate(data, size, max_size);
     Unpacked unpacked = unpack(data + header_size, size - header_size);
     if (unpacked.content.empty()) return LLVMFuzzerMutate(data, size, max_size);

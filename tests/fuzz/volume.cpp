@@ -1,4 +1,4 @@
-// Values on a grid (.vol).
+// The fuzz target of values on a grid (.vol files).
 
 #include "common/media/grid_volume.h"
 #include "tests/fuzz/harness.h"
@@ -9,7 +9,7 @@ namespace {
 
 void check_volume(const GridVolume& volume) {
     require((volume.lowest() <= volume.highest()).all(), "bounds are in order");
-    // Between values of either sign the interpolation's differences can overflow; a scene takes none below 0.
+    // The interpolation's differences between values of either sign can overflow; a scene accepts no values below 0.
     if (!(volume.lowest() >= 0.f).all()) return;
     for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.5f, 0.3f, 0.9f), Vec3(-1e30f, 7, 1e30f)})
         require(volume.at(p).allFinite(), "values are finite");

@@ -1,4 +1,5 @@
-// Floating-point exceptions end the program, in whichever thread they happen: only in builds with GIB_FLOAT_TRAPS.
+// Floating-point exceptions end the program, in whichever thread they happen. These
+// tests need a build with GIB_FLOAT_TRAPS.
 
 #include "common/core/float_traps.h"
 
@@ -16,7 +17,7 @@
 namespace gib::test {
 namespace {
 
-/// Wrong operations that the compiler cannot work out beforehand.
+/// Operands that are volatile, so that the compiler cannot evaluate the invalid operations beforehand.
 volatile double zero = 0, one = 1;
 volatile double result = 0;
 
@@ -28,7 +29,7 @@ void subtract_infinities() {
     result = infinite - infinite;
 }
 
-/// Runs it in a thread of the pool that is not the one that calls.
+/// Runs `body` in a thread of the pool that is not the calling thread.
 void in_worker(const std::function<void()>& body) {
     with_threads(2, [&] {
         std::latch both_run(2);
@@ -40,7 +41,8 @@ void in_worker(const std::function<void()>& body) {
     });
 }
 
-/// Dies by SIGFPE and nothing else: sanitizers would catch the signal and end the program in a way of their own.
+/// Expects `body` to die by SIGFPE. The default handler is restored, because sanitizers would catch the signal and
+/// end the program in a way of their own.
 void expect_sigfpe(const std::function<void()>& body) {
     EXPECT_EXIT(
         {
@@ -53,7 +55,7 @@ void expect_sigfpe(const std::function<void()>& body) {
 
 class FloatTraps : public ::testing::Test {
 protected:
-    // The child starts anew: threads do not survive a fork.
+    // The child process starts anew, because threads do not survive a fork.
     FloatTraps() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
 };
 
@@ -89,7 +91,7 @@ TEST_F(FloatTraps, LetPassWhatIsPausedAndWhatIsExact) {
                 in_worker(divide_by_zero);
             }
             result = zero / one;
-            // Too large, too small and rounded are no mistakes.
+            // Overflow, underflow and rounding are no mistakes.
             result = std::numeric_limits<double>::max() * (one + one);
             result = std::numeric_limits<double>::min() * 0.1 * one;
             result = one / 3;

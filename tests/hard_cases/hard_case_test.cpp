@@ -1,4 +1,4 @@
-// experiments/hard-cases.toml as a table of tests, one for each case and method; and how verdicts are reached.
+// The cases of experiments/hard-cases.toml as tests, one for each case and method, and the rules of their verdicts.
 
 #include "experiments/hard_cases/hard_case.h"
 
@@ -61,8 +61,8 @@ TEST_P(HardCaseTable, Holds) {
     EXPECT_EQ(gib::name_of(verdict.verdict), "holds") << hard->reason << ": " << verdict.why;
 }
 
-// The mean over the image of (1 + cos a) / 2, a being the angle between the interpolated normal and the triangles': the
-// answer that leaning-normals.xml is judged by.
+// The expected value of leaning-normals.xml: the mean over the image of (1 + cos a) / 2, where a is the angle between
+// the interpolated normal and the triangles' normal.
 TEST(HardCaseAnswers, LeaningNormals) {
     const double sine = std::sqrt(0.75);
     const Vec3d normals[] = {{sine, 0, -0.5}, {0, sine, -0.5}, {-sine, 0, -0.5}, {0, 0, 1}};
@@ -82,8 +82,8 @@ TEST(HardCaseAnswers, LeaningNormals) {
     EXPECT_NEAR(sum / (steps * steps), leaning->expected, 1e-6);
 }
 
-// 1e4 lamps, all but one of them facing away from the floor below. One sample in 1e4 finds the one that matters, so the
-// others are dimmer by 1e8: their share of the power is 1e-4.
+// All but one of 1e4 lamps face away from the floor below. A choice without regard to power finds the lamp that
+// matters once in 1e4 times. The others are dimmer by 1e8, so their share of the power is 1e-4.
 TEST(HardLight, OneOfTenThousandLampsMatters) {
     const auto lamp = [](double half, double x, double y, double z, bool down, double radiance) {
         return shape("rectangle",
@@ -99,7 +99,7 @@ TEST(HardLight, OneOfTenThousandLampsMatters) {
     for (int i = 0; i < 9999; ++i)
         body += lamp(0.01, i % 100 * 0.05 - 2.5, i / 100 * 0.05 - 2.5, 2, false, 1e-4);
     const LoadedScene scene = scene_of(scene_xml(body + lamp(5e-3, 0, 0, 1, true, 1e4)));
-    const double expected = 0.5 / std::numbers::pi;  // E = L A / h^2, but for A / h^2 = 1e-4 of it
+    const double expected = 0.5 / std::numbers::pi;  // E = L A / h^2, up to a relative error of A / h^2 = 1e-4
     for (const HardMethod& method : hard_methods()) {
         std::vector<double> means;
         for (std::uint64_t seed = 1; seed <= 4; ++seed)
@@ -114,7 +114,7 @@ TEST(HardLight, OneOfTenThousandLampsMatters) {
     }
 }
 
-/// A case that expects 1, and images whose means are these.
+/// The verdict on a case that expects 1, for images with these means.
 HardCaseVerdict judged(const std::vector<double>& means, Relation relation = Relation::equal) {
     HardCase hard{};
     hard.relation = relation;
@@ -127,7 +127,7 @@ HardCaseVerdict judged(const std::vector<double>& means, Relation relation = Rel
     return judge(hard, images, 0.01, 0.05);
 }
 
-// Four seeds of standard deviation 0.01: the half width is t_3(0.01) 0.01 / 2 = 5.8409 0.005 = 0.0292.
+// Four seeds have the standard deviation 0.01, so the half width is t_3(0.01) 0.01 / 2 = 5.8409 x 0.005 = 0.0292.
 TEST(HardCaseVerdicts, RestOnTheScatterOfSeeds) {
     const double d = 0.01 * std::sqrt(3.0) / 2;
     const auto around = [&](double mean) { return std::vector<double>{mean - d, mean + d, mean - d, mean + d}; };

@@ -1,5 +1,5 @@
-// Hard cases of geometry that are no single image: the same image in other units and elsewhere, rays to edges and
-// vertices.
+// Hard cases of geometry that no single image shows: the same image in other units and at another place, rays to
+// edges and vertices, cameras on surfaces.
 
 #include "common/shapes/shape.h"
 #include "tests/support/hard_cases.h"
@@ -16,7 +16,7 @@ using namespace test;
 
 std::string number_text(double x) { return fmt::format("{}", x); }
 
-/// The furnace of radiance 1 with everything in it that loses no light, put elsewhere.
+/// The furnace of radiance 1 with lossless objects, in the unit 10^`exponent` and around the place `at`.
 LoadedScene placed_furnace(int exponent, const Vec3d& at) {
     return shipped_scene("hard/furnace.xml", {{{"e", std::to_string(exponent)},
                                                {"x", number_text(at.x())},
@@ -25,8 +25,8 @@ LoadedScene placed_furnace(int exponent, const Vec3d& at) {
                                               std::nullopt});
 }
 
-// The image of a scene in other units and at another place is the same image: no path but those that pass an edge
-// within rounding takes another way.
+// A scene in other units and at another place has the same image: only paths that
+// pass an edge within rounding may differ.
 TEST(HardGeometryOfEveryMethod, ImagesDependNeitherOnUnitsNorOnThePlace) {
     const Vec3d aside(1.1, -2.3, 1.7);
     for (const HardMethod& method : hard_methods()) {
@@ -48,7 +48,7 @@ TEST(HardGeometryOfEveryMethod, ImagesDependNeitherOnUnitsNorOnThePlace) {
     }
 }
 
-// Rays from within a closed mesh to its vertices, the middles of its edges and points on them.
+// Rays go from inside a closed mesh to its vertices, the middles of its edges and points on them.
 TEST(HardGeometryRays, EdgesAndVerticesOfAClosedMeshAreHit) {
     for (const double scale : {1e-9, 1.0, 1e9}) {
         const LoadedScene loaded = scene_of(
@@ -74,7 +74,7 @@ TEST(HardGeometryRays, EdgesAndVerticesOfAClosedMeshAreHit) {
     }
 }
 
-/// A shape and a camera on it at `from`, in the shape's own coordinates, under a sky of radiance 1.
+/// A shape and a camera on it, at `from` in the shape's own coordinates, under a sky of radiance 1.
 LoadedScene camera_on(const std::string& shape_text, const Place& place, const Vec3d& from, const Vec3d& towards) {
     return scene_of(scene_xml("<sensor type='perspective'><float name='fov' value='90'/>" +
                               place.view(from, from + towards) + box_film(8) + "</sensor>" + shape_text +
@@ -92,9 +92,9 @@ std::pair<float, float> range_of(const LoadedScene& scene) {
     return {least, most};
 }
 
-// A camera that looks away from the lamp that it lies on, to either side, sees the sky.
-// A ray that leaves a point beyond the neighbouring face would start outside: of points on the edges of a turned cube,
-// about half would lie there without being kept off, and one in ten million of a closed room's paths leaks.
+// If a point lies beyond the neighbouring face, a ray that leaves it starts outside. Unless points
+// are kept off edges, about half of those on the edges of a turned cube lie outside, and one in
+// ten million paths leaks from a closed room.
 TEST(HardGeometryRays, PointsOnTheEdgesOfAConvexMeshLieWithin) {
     Random random(5);
     for (int turn = 0; turn < 200; ++turn) {
@@ -124,7 +124,7 @@ TEST(HardGeometryRays, PointsOnTheEdgesOfAConvexMeshLieWithin) {
     }
 }
 
-// Kept off both long edges of a needle, points near its ends would move along it.
+// If points were kept off both long edges of a needle, those near its ends would move along it.
 TEST(HardGeometryRays, PointsOfNeedlesStayWhereTheyAre) {
     for (const float height : {1e-3f, 1e-5f, 1e-6f, 1e-7f}) {
         Mesh needle;
@@ -152,7 +152,7 @@ TEST(FrameAlong, IsOrthonormalForEveryDirection) {
     Random random(6);
     for (int i = 0; i < 10000; ++i) {
         const Vec3 n = random.direction(), other = random.direction();
-        // Along n all that is left across it is rounding.
+        // If the direction is along n, its part across n is only rounding.
         for (const Vec3& direction :
              {other, n, Vec3(-n), Vec3(3.f * n), Vec3(n + 1e-7f * other), Vec3(1e-30f * other)}) {
             const Frame frame = frame_along(n, direction);
@@ -163,6 +163,7 @@ TEST(FrameAlong, IsOrthonormalForEveryDirection) {
     }
 }
 
+// A camera that lies on a lamp and looks away from it, to either side, sees the sky.
 TEST(CameraOnASurface, SeesWhatIsBeyond) {
     const std::string bright = diffuse_bsdf(0.5) + area_emitter(100);
     const Vec3d up = Vec3d::UnitZ(), at(0.3, -0.2, 0), on_ball = Vec3d(1, 2, 2) / 3;
@@ -183,9 +184,9 @@ TEST(CameraOnASurface, SeesWhatIsBeyond) {
         }
 }
 
-// Close above a large sphere, or close under its surface, the camera is not on it. In roundings of the radius: from the
-// front 2 count, those of its own place, and it is 8 away; from behind the sphere's 24 (common/shapes/shape.cpp) too, and it
-// is 30 away.
+// A camera close above a large sphere, or close under its surface, is not on it. Distances are counted in roundings
+// of the radius. From the front, the camera counts as on the surface within 2, the rounding of its own place, and it
+// is 8 away. From behind, the sphere's own 24 are added (common/shapes/shape.cpp), and it is 30 away.
 TEST(CameraOnASurface, SeesWhatItIsCloseTo) {
     const Vec3d on_ball = Vec3d(1, 2, 2) / 3;
     for (const double radius : {1e-3, 1.0, 1e3}) {
@@ -197,7 +198,7 @@ TEST(CameraOnASurface, SeesWhatItIsCloseTo) {
     }
 }
 
-// What loses no light is invisible under an even sky, from its surface too.
+// A lossless body is invisible under an even sky, also from its own surface.
 TEST(CameraOnASurface, IsOutsideOfGlass) {
     const Vec3d on_ball = Vec3d(1, 2, 2) / 3;
     for (const double side : {-1.0, 1.0}) {

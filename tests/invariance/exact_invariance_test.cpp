@@ -1,15 +1,16 @@
-// Transformations of random scenes that leave every rounding as it was, so that images agree bit for bit with every
-// method.
+// Transformations of random scenes that leave every rounding as it was: the images of every method agree bit for bit.
 //
-// Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum,
-// product, quotient and root of them; comparisons of lengths with lengths, densities of random choices and angles are
-// as before. Only a constant length or power in the code, or a product outside float's range, could tell the
-// difference. With lengths times s, densities of area, squared distances and Embree's determinants range over s^2 to
-// s^3; for 2^20 these stay in range. Translation: positions are dyadic (random_scenes.h), so that moving them and the
-// recentring of the scene, by the middle of bounds that are dyadic too, are exact. Order of shapes: what is hit, and
-// where, does not depend on the numbers of shapes unless two are hit at the same distance; materials and media go with
-// the shapes, and lights keep their numbers. Radiosity numbers its patches by shapes and sums over them in that order:
-// equal only up to rounding and to what its solver leaves, 1e-4 of the light that is reflected first.
+// - Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum,
+//   product, quotient and root of them. Comparisons of lengths with lengths, densities of random choices and angles
+//   stay the same. Only a constant length or power in the code, or a product outside float's range, could tell the
+//   difference. If lengths are multiplied by s, densities of area, squared distances and Embree's determinants change
+//   by s^2 to s^3, which stays in range for s = 2^20.
+// - Translation: positions are dyadic (random_scenes.h), so that moving them is exact. So is the recentring of the
+//   scene, because the middle of its bounds is dyadic, too.
+// - Order of shapes: the hit of a ray does not depend on the numbers of shapes unless two are hit at the same
+//   distance. Materials and media go with the shapes, and lights keep their numbers. Radiosity numbers its patches by
+//   shapes and sums over them in that order: it is equal only up to rounding and to the residual of its solver, 1e-4
+//   of the light that is reflected first.
 
 #include "tests/invariance/scene_transforms.h"
 #include "tests/support/hard_cases.h"
@@ -37,7 +38,7 @@ const std::vector<HardMethod>& exact_methods() {
 struct ExactInvariance {
     std::string name;
     std::function<RandomScene(const RandomScene&, std::uint64_t)> transform;
-    double factor = 1;         ///< of the image
+    double factor = 1;         ///< the image is multiplied by this
     std::string without = {};  ///< the method for which it does not hold exactly
 };
 

@@ -1,24 +1,26 @@
-// Transformations of random scenes after which the pictures are other random numbers of the same law: independent
-// seeds of both sides, compared by t-tests of means.
+// Transformations of random scenes after which images are other random numbers of the same distribution. Independent
+// seeds of both sides are compared by t-tests of means.
 //
-// Why the law of the biased methods stays, so that differences must vanish within noise there, too:
+// The distribution of the biased methods stays the same, too, so that their differences must vanish within noise:
 // - A density estimate over all photons within a fixed radius (k=all) has the mean of the true light, blurred by the
-//   kernel: how many photons there are, and which light sent them with what power, does not matter. `radius` is in
-//   diagonals of the scene's box, which a rotation changes; it is given so that the length stays.
-// - With k nearest photons the radius, and with it the bias, follows the photons' density. The density stays if lights
-//   are chosen alike and send photons alike: under quarter turns (the box, and the ball around it that lights at
-//   infinity are sampled on, turn with the scene), in another order, and with triangles split, as long as no projection
-//   map is used, whose cells follow the frames of lights. General rotations change that ball, and splitting a light
-//   changes the choice among lights (a tenth goes to all alike): no k nearest photons there. Precomputed irradiance
-//   lies at photons, so the same holds for it.
-// - What a density estimate divides by depends on the surface around a point (methods/parts/density/surface_disc.h), found by rays
-//   that are turned at random: on geometry, not on triangles.
-// - Radiosity: patches follow the shapes' own parameters, and are the same under quarter turns and in another order.
-//   Left out: split triangles (each has patches of its own, so that the refinement error of the mesh changes, which has
-//   no bound below the error itself), split lamps (they, too, are patches), and the general rotation (the direction of
-//   patches' edges stays, but their longest edge is given in diagonals: the quarter turns have tested the rest).
-// - The irradiance cache is left out: its gradients are differences between strata of a hemisphere, whose azimuth
-//   follows an arbitrary frame, and so does their error. It is compared bit for bit in exact_invariance_test.cpp.
+//   kernel. The number of photons, and which light sent them with what power, does not matter. `radius` is in
+//   diagonals of the scene's box, which a rotation changes; it is set so that the length stays.
+// - With k nearest photons the radius, and with it the bias, follows the photons' density. The density stays if
+//   lights are chosen alike and send photons alike: under quarter turns (the box turns with the scene, and so does
+//   the ball around it on which lights at infinity are sampled), in another order, and with triangles split, provided
+//   that there is no projection map, whose bins follow the frames of lights. General rotations change that ball, and
+//   splitting a light changes the choice among lights (a tenth goes to all alike), so k nearest photons are left out
+//   there. Precomputed irradiance lies at photons, so the same holds for it.
+// - The area that a density estimate divides by depends on the surface around a point
+//   (methods/parts/density/surface_disc.h). Randomly turned rays find this area, so it depends on geometry, not on
+//   how the geometry is cut into triangles.
+// - Radiosity's patches follow the shapes' own parameters, and are the same under quarter turns and in another order.
+//   Left out are split triangles (each has patches of its own, so that the refinement error of the mesh changes,
+//   which has no bound below the error itself), split lamps (which are patches, too), and the general rotation (the
+//   direction of patches' edges stays, but their longest edge is given in diagonals; all else is tested by the
+//   quarter turns).
+// - The irradiance cache is left out: its gradients are differences between strata of a hemisphere whose azimuth
+//   follows an arbitrary frame, and so does their error. exact_invariance_test.cpp compares it bit for bit.
 
 #include "tests/invariance/scene_transforms.h"
 #include "tests/support/image_samples.h"
@@ -28,8 +30,8 @@ namespace {
 
 using namespace test;
 
-/// Of the whole table; half for single numbers (Bonferroni), half for each pair of a method and an invariance over all
-/// scenes (Fisher, Bonferroni).
+/// The probability of a false alarm of the whole table: half for single numbers (Bonferroni), half for each pair of a
+/// method and an invariance over all scenes (Fisher, Bonferroni).
 constexpr double alpha = 1e-3;
 constexpr std::uint64_t most_scenes = 24, seeds = 8;
 
@@ -78,7 +80,7 @@ RandomScene changed(const RandomScene& scene, Change change, std::uint64_t seed)
     return scene;
 }
 
-/// Whether there is anything in the scene for it to change.
+/// Whether the scene has anything that the transformation changes.
 bool changes(const RandomScene& scene, Change change) {
     const auto any_shape = [&](const auto& condition) {
         return std::any_of(scene.shapes.begin(), scene.shapes.end(), condition);
@@ -93,7 +95,7 @@ bool changes(const RandomScene& scene, Change change) {
            any_shape([](const SceneShape& s) { return s.emits() && s.kind == SceneShape::Kind::rectangle; });
 }
 
-/// What of the method must not change.
+/// The property of a scene that a transformation must preserve for a method to be compared.
 enum class Needs { nothing, same_photons, same_patches };
 
 struct ComparedMethod {
@@ -103,7 +105,7 @@ struct ComparedMethod {
     std::vector<std::pair<std::string, double>> lengths;  ///< parameters in diagonals of the scene
     Needs needs = Needs::nothing;
 
-    /// With lengths that are what they were in a scene of the diagonal `original`.
+    /// The label with lengths [scene units] as in a scene of the diagonal `original`.
     std::string label_for(double original, double diagonal) const {
         std::string text = label;
         for (const auto& [parameter, length] : lengths)
@@ -166,7 +168,7 @@ TEST_P(Invariances, HoldInDistribution) {
             EXPECT_GT(welch_probability(a[i], b[i]), least)
                 << "number " << i << ": " << a[i].mean() << " +- " << a[i].standard_error() << ", then " << b[i].mean()
                 << " +- " << b[i].standard_error();
-        probabilities.push_back(welch_probability(a[1], b[1]));  // of green
+        probabilities.push_back(welch_probability(a[1], b[1]));  // of the green channel
     }
     const double together = fisher_probability(probabilities);
     RecordProperty("probability", std::to_string(together));

@@ -1,4 +1,4 @@
-// Random scenes as files.
+// Writes random scenes as scene files and meshes.
 #include "tests/invariance/random_scenes.h"
 #include "tests/support/hard_cases.h"
 
@@ -18,7 +18,7 @@ std::string matrix_xml(const Mat4d& m) {
     return text + "'/></transform>";
 }
 
-/// The colour `name`, even or as a checkerboard of it and its half.
+/// The colour `name`: an even one, or a checkerboard of the colour and half of it.
 std::string textured(const std::string& name, const SceneMaterial& m) {
     if (m.tiles == 0) return color_xml(name, m.color);
     return "<texture type='checkerboard' name='" + name + "'>" + color_xml("color0", m.color) +

@@ -1,4 +1,4 @@
-// Random scenes with every method: images are finite and not negative, and no sample was dropped.
+// Random scenes with every method: images are finite and not negative, and no sample is dropped.
 
 #include "tests/invariance/random_scenes.h"
 #include "tests/support/hard_cases.h"
@@ -10,13 +10,13 @@ namespace {
 
 using namespace test;
 
-/// Scenes of the sweep; the environment may ask for more.
+/// The scenes of the sweep; GIB_SWEEP_FIRST and GIB_SWEEP_SCENES in the environment may ask for others.
 std::uint64_t first_scene() { return std::getenv("GIB_SWEEP_FIRST") ? std::stoull(std::getenv("GIB_SWEEP_FIRST")) : 0; }
 std::uint64_t scene_count() {
     return std::getenv("GIB_SWEEP_SCENES") ? std::stoull(std::getenv("GIB_SWEEP_SCENES")) : 200;
 }
 
-/// Options that find little light quickly.
+/// Methods with options that are fast and noisy.
 const std::vector<std::pair<std::string, std::string>>& swept_methods() {
     static const std::vector<std::pair<std::string, std::string>> methods = {
         {"path", "path"},
@@ -35,7 +35,7 @@ SceneMood mood_of(std::uint64_t scene) {
     return scene % 4 == 0 ? SceneMood::polygons : SceneMood::any;
 }
 
-/// A part of the sweep.
+/// The sweep in parts, so that they can run in parallel.
 class RandomScenes : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomScenes, AreFiniteAndNotNegative) {

@@ -1,3 +1,4 @@
+// Makes random scenes from seeds.
 #include "tests/invariance/random_scenes.h"
 
 #include "common/sampling/sampler.h"
@@ -47,7 +48,8 @@ bool transmits(MaterialKind kind) {
 
 bool is_matt(SceneMood mood) { return mood == SceneMood::matt || mood == SceneMood::polygons; }
 
-/// Of a surface with two sides in the same space (`closed` false), or one that holds something.
+/// A random kind of material. If the surface is not `closed`, both of its sides lie
+/// in the same space, so it cannot refract.
 MaterialKind random_kind(Dice& dice, SceneMood mood, bool closed) {
     using enum SceneMaterial::Kind;
     if (is_matt(mood) || dice.chance(0.35)) return diffuse;
@@ -72,7 +74,7 @@ SceneMaterial random_material(Dice& dice, MaterialKind kind) {
     return m;
 }
 
-/// Closed: an octahedron with unequal corners. Open: a height field.
+/// A closed mesh is an octahedron with unequal corners, an open one a height field.
 SceneMesh random_mesh(Dice& dice, bool closed) {
     SceneMesh mesh;
     const auto vertex = [&](double x, double y, double z) {
@@ -138,7 +140,7 @@ public:
     }
 
 private:
-    /// The middle of a cell of 27 that nothing else is in, moved a little.
+    /// The middle of a free one of the box's 27 cells, moved a little.
     Vec3d free_place() {
         const int cell = cells_.back();
         cells_.pop_back();
@@ -160,7 +162,7 @@ private:
         return material;
     }
 
-    /// The rectangle of the room's side along `axis`, front inwards.
+    /// The rectangle on the room's side along `axis`; its front faces inwards.
     SceneShape wall(int axis, double sign) const {
         SceneShape shape;
         shape.kind = ShapeKind::rectangle;
@@ -190,8 +192,8 @@ private:
         room.material = wall_material();
         scene_.shapes.push_back(room);
     }
-    /// A floor, perhaps a wall behind, and a small screen as high as the scene goes, so that all bounds are those of
-    /// rectangles.
+    /// A floor, perhaps a wall behind it, and a small screen at the scene's greatest height, so
+    /// that all bounds are those of rectangles.
     void add_ground() {
         add_wall(1, -1);
         if (dice_.chance(0.5)) add_wall(2, 1);
@@ -245,7 +247,7 @@ private:
         }
         scene_.shapes.push_back(shape);
         if (!hollow || shape.kind != ShapeKind::sphere || !dice_.chance(0.5)) return;
-        shape.to_world.topLeftCorner<3, 3>() *= 0.5;  // something inside the glass
+        shape.to_world.topLeftCorner<3, 3>() *= 0.5;  // a shape inside the glass
         shape.interior = -1;
         shape.material = add_material(random_kind(dice_, mood_, false));
         scene_.shapes.push_back(shape);
@@ -272,7 +274,7 @@ private:
         lamp.flip_normals = !is_closed(lamp.kind) && dice_.chance(0.3);
         scene_.shapes.push_back(lamp);
     }
-    /// Two rectangles that look towards the middle, small enough for their cells.
+    /// Two rectangles that face the middle and are small enough for their cells.
     void add_patches() {
         const Vec3d first = free_place(), second = free_place();
         const bool in_glass = dice_.chance(0.4);

@@ -1,9 +1,9 @@
 #pragma once
-// Random scenes as data: made from a seed, transformed by tests, written as scene files.
+// Random scenes as data: they are made from a seed, transformed by tests and written as scene files.
 //
 // All positions are dyadic: the entries of matrices are multiples of 2^-26, positions of 2^-20 and vertices of meshes
-// of 2^-8, and no magnitude reaches 8. So a matrix times a vertex is a multiple of 2^-34 below 32, and a double (53
-// bits) holds it exactly, and still does after a move by a multiple of 2^-20 below 2^17.
+// of 2^-8, and no magnitude reaches 8. Therefore a matrix times a vertex is a multiple of 2^-34 below 32. A double
+// (53 bits) holds it exactly, even after a move by a multiple of 2^-20 below 2^17.
 
 #include "tests/support/scene_text.h"
 
@@ -41,14 +41,14 @@ struct SceneMaterial {
     double ior = 1.5;
     double share = 0.5;      ///< a mask's opacity, a blend's weight
     bool ggx = false;        ///< else Beckmann's distribution
-    bool two_sided = false;  ///< of materials that do not transmit
-    int tiles = 0;           ///< of a checkerboard that `color` is the brighter part of; 0: an even colour
+    bool two_sided = false;  ///< only for materials that do not transmit
+    int tiles = 0;           ///< tiles of a checkerboard of `color` and half of it; 0: an even colour
 };
 
 struct SceneMesh {
     std::vector<Vec3d> vertices;
     std::vector<std::array<int, 3>> triangles;
-    bool smooth = false;  ///< normals between the vertices
+    bool smooth = false;  ///< interpolates normals between the vertices
 };
 
 struct SceneShape {
@@ -93,22 +93,21 @@ struct RandomScene {
     std::vector<SceneMedium> media;
     int camera_medium = -1;
     SceneCamera camera;
-    int max_depth = -1;  ///< as in scene files: -1 is unlimited
-    double index_around_patch =
-        1;  ///< index of refraction that the last shape but one stands in (SceneMood::reciprocal)
+    int max_depth = -1;             ///< as in scene files: -1 is unlimited
+    double index_around_patch = 1;  ///< index of refraction around the last shape but one (SceneMood::reciprocal)
 };
 
-/// What scenes are made of.
+/// The materials, shapes and media that scenes are made of.
 enum class SceneMood {
     any,        ///< all that the scene language supports without image files
     matt,       ///< diffuse surfaces without media, which every method simulates
-    polygons,   ///< the same without curved shapes, of which radiosity makes many patches
-    reciprocal  ///< f(wo, wi) = f(wi, wo) but for refraction's eta^2, and refraction only on closed shapes: no smooth
-                ///< normals, no normal maps; in a closed room without lights. The last two shapes are diffuse
-                ///< rectangles, the first of them perhaps in a sphere of glass
+    polygons,   ///< as matt, but without curved shapes, of which radiosity makes many patches
+    reciprocal  ///< f(wo, wi) = f(wi, wo) except for the eta^2 of refraction, which only closed shapes have; no
+                ///< smooth normals, no normal maps. The room is closed and has no lights. The last two shapes are
+                ///< diffuse rectangles, the first of them perhaps in a sphere of glass
 };
 
-/// Numbers of a seed, the same on every platform.
+/// Random numbers from a seed, the same on every platform.
 class Dice {
 public:
     explicit Dice(std::uint64_t seed);
@@ -126,10 +125,10 @@ private:
 RandomScene random_scene(std::uint64_t seed, SceneMood mood = SceneMood::any);
 /// A rotation whose entries are dyadic, so that it is orthogonal to 1e-7.
 Eigen::Matrix3d random_rotation(Dice& dice);
-/// A rigid transform with its z along `forward`.
+/// A rigid transform whose z axis points along `forward`.
 Mat4d looking(const Vec3d& from, const Vec3d& forward);
 
-/// XML in Mitsuba 3's language; meshes are written to the folder.
+/// The scene as XML in Mitsuba 3's language; its meshes are written to the folder.
 std::string scene_file(const RandomScene& scene, const TemporaryFolder& folder);
 
 }  // namespace gib::test

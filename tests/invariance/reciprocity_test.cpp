@@ -1,23 +1,23 @@
-// Emitter and sensor exchanged in random scenes of reciprocal materials.
+// Reciprocity: emitter and sensor are exchanged in random scenes of reciprocal materials.
 //
-// Two rectangles A and B, ideally diffuse, stand in a closed room without other lights. If A emits the radiance L from
-// all of its points into all directions of its front side, the power that arrives on B is
+// Two rectangles A and B, ideally diffuse, stand in a closed room without other lights. If A emits the radiance L
+// from all of its points into all directions of its front side, the power that arrives on B is
 //   P(A, B) = L * integral over x in A, y in B of G(x, y) dA dA,
-// where G sums over all paths from x to y: products of f, cosines over squared distances, visibility, and
-// transmittances and phase functions in media. The product of a path is that of the reversed path: every f is
-// symmetric, but for refractions, where f(i, o) / n_o^2 is (Veach 1997, section 5.2); along a path these factors leave
-// the indices at its ends. So P(A, B) / n_B^2 = P(B, A) / n_A^2, where n_A is that of a sphere of glass around A, if
-// there is one: a lamp in glass sends n^2 times less out than comes in from one outside. And since reversed paths are
-// in the same component (x S+ y, x y, the rest), for each component alone; and for each length, so that max_depth cuts
-// both off alike. B reflects its irradiance P / area evenly: the mean radiance of an image that shows B and nothing
-// else is
+// where G sums over all paths from x to y the products of f, cosines over squared distances, visibility, and
+// transmittances and phase functions in media. A path and its reversal have the same product, because every f is
+// symmetric, except for refractions, where f(i, o) / n_o^2 is (Veach 1997, section 5.2). Along a path, these factors
+// cancel except for the indices at its ends. So P(A, B) / n_B^2 = P(B, A) / n_A^2, where n_A is the index of the
+// sphere of glass around A, if there is one: a lamp in glass sends n^2 times less out than comes in from one outside.
+// A reversed path is in the same component (x S+ y, x y, the rest) and has the same length, so the equation holds for
+// each component alone and for any max_depth. B reflects its irradiance P / area evenly: the mean radiance of an
+// image that shows B and nothing else is
 //   Lo(B) = rho_B / pi * P(A, B) / area_B,
-// without emission, since only A emits. Photons from A carry P(A, B) to B: the sum of those stored there.
+// without emission, since only A emits. Photons from A carry P(A, B) to B, the sum of the powers stored there.
 //
-// Path tracing carries radiance backwards and photons carry power forwards: P(A, B) by photons and P(B, A) by paths
-// follow the same rays with different code (Transport), so that these two pairs check the adjoint, too.
-// Left out: density estimates and radiosity, whose bias at A (a patch's boundary, what stands around it) is not that
-// at B. Final gathering by paths has none, but in the caustics from its photons.
+// Path tracing carries radiance backwards and photons carry power forwards. P(A, B) by photons and P(B, A) by paths
+// follow the same rays with different code (Transport), so that the comparison checks the adjoint, too.
+// Density estimates and radiosity are left out, because their bias at A (a patch's boundary, the surfaces around it)
+// is not that at B. Final gathering by paths has no bias except in the caustics, which come from photons.
 
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/invariance/random_scenes.h"
@@ -30,13 +30,14 @@ namespace {
 
 using namespace test;
 
-/// Whether both sides find the light in each seed. Where one of them meets a small lamp in glass by chance, or not at
-/// all, its means are far from normal, and nothing follows from one component; the sums of all are compared in any
-/// case.
+/// Whether both sides find the light in each seed. If one of them finds a small lamp in glass only by
+/// chance, or not at all, its means are far from normal and a single component proves nothing. The sums of
+/// all components are compared in any case.
 bool both_find(const Moments& a, const Moments& b) { return a.zeros() + b.zeros() == 0; }
 
-/// Of the table, half for single numbers, half for all scenes together. The two sides have different laws, whose means
-/// must be nearly normal for the t-test: some 10^4 samples of a large lamp at least.
+/// The probability of a false alarm of the table: half for single numbers, half for all scenes
+/// together. The two sides have different distributions, whose means must be nearly normal for the
+/// t-test: some 10^4 samples of a large lamp at least.
 constexpr double alpha = 1e-3;
 constexpr std::uint64_t scenes = 12, seeds = 16;
 constexpr std::uint64_t photons = 4000;
@@ -45,7 +46,7 @@ double area_of_patch(const SceneShape& patch) {
     return 4 * patch.to_world.col(0).norm() * patch.to_world.col(1).norm();
 }
 
-/// The scene where `from` emits radiance 1 and all that is seen is `to`, from close above.
+/// The scene in which `from` emits radiance 1 and the camera sees `to` alone, from close above.
 RandomScene shining(RandomScene scene, std::size_t from, std::size_t to) {
     scene.shapes[from].radiance = Colord::Ones();
     const Mat4d& patch = scene.shapes[to].to_world;
@@ -60,7 +61,7 @@ RandomScene shining(RandomScene scene, std::size_t from, std::size_t to) {
     return scene;
 }
 
-/// [W] that photons bring to a patch, by channel, over seeds. The room's middle is the scene's origin.
+/// The power [W] that photons bring to a patch, by channel, over seeds. The room's middle is the scene's origin.
 std::vector<Moments> power_of_photons(const LoadedScene& scene, const SceneShape& patch, std::uint64_t first_seed) {
     const Mat4d to_patch = patch.to_world.inverse();
     std::vector<Moments> moments(3);
@@ -78,7 +79,7 @@ std::vector<Moments> power_of_photons(const LoadedScene& scene, const SceneShape
     return moments;
 }
 
-/// Both ways through one scene.
+/// One scene with light from the first patch to the second (forward), and with light from the second to the first.
 class BothWays {
 public:
     BothWays(const RandomScene& scene, const TemporaryFolder& folder)
@@ -110,7 +111,7 @@ private:
 struct ReciprocalMethod {
     std::string name, label;
     std::uint32_t passes;
-    std::vector<std::size_t> numbers;  ///< of a picture that have no bias
+    std::vector<std::size_t> numbers;  ///< the numbers of a picture that have no bias
 };
 const std::vector<ReciprocalMethod>& methods() {
     static const std::vector<ReciprocalMethod> all = {
@@ -137,7 +138,7 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
         SCOPED_TRACE("scene " + std::to_string(seed));
         const BothWays ways(random_scene(seed, SceneMood::reciprocal), folder);
         const Scene& scene = *ways.forward().scene;
-        if (!follows_photons && (scene.has_media() || scene.has_dispersion())) continue;  // nothing is gathered
+        if (!follows_photons && (scene.has_media() || scene.has_dispersion())) continue;  // no final gathering
         const auto there = replicates(ways.forward(), label, passes, 1000 * seed + 1, seeds),
                    back = replicates(ways.backward(), label, passes, 1000 * seed + 501, seeds);
         const double to_second = ways.power_per_radiance(false), to_first = ways.power_per_radiance(true);

@@ -1,3 +1,4 @@
+// Transformations of random scenes.
 #include "tests/invariance/scene_transforms.h"
 
 #include <algorithm>
@@ -6,7 +7,7 @@ namespace gib::test {
 
 namespace {
 
-/// In any order.
+/// Puts the elements into a random order.
 template <typename T>
 void shuffle(std::vector<T>& all, Dice& dice) {
     for (std::size_t i = all.size(); i-- > 1;)
@@ -92,7 +93,7 @@ RandomScene with_lights_split(RandomScene scene, Dice& dice) {
     for (const SceneShape& shape : scene.shapes) {
         shapes.push_back(shape);
         if (!shape.emits() || shape.kind != SceneShape::Kind::rectangle) continue;
-        // [-1, 1] becomes [-1, c] and [c, 1].
+        // The range [-1, 1] is split into [-1, c] and [c, 1].
         const double c = dice.between(-0.8, 0.8);
         SceneShape& left = shapes.back();
         SceneShape right = shape;
@@ -107,7 +108,7 @@ RandomScene with_lights_split(RandomScene scene, Dice& dice) {
     std::vector<SceneLight> lights;
     for (const SceneLight& light : scene.lights) {
         lights.push_back(light);
-        if (light.kind == SceneLight::Kind::sky) continue;  // a scene has one
+        if (light.kind == SceneLight::Kind::sky) continue;  // a scene has at most one
         const double share = dice.between(0.1, 0.9);
         lights.back().strength *= share;
         lights.push_back(light);

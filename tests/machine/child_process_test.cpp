@@ -1,4 +1,4 @@
-// What a child process says reaches its parent whole.
+// The whole output of a child process reaches its parent, and its failures are told apart.
 
 #include "experiments/system/child_process.h"
 
@@ -13,7 +13,7 @@
 namespace gib::test {
 namespace {
 
-/// `first_takes` [us]: how long the parent is busy with the first line.
+/// The lines that a shell script prints. The parent is busy with the first line for `first_takes` [us].
 std::vector<std::string> lines_of(const std::string& script, unsigned first_takes = 0) {
     std::vector<std::string> lines;
     run_child({"/bin/sh", "-c", script}, [&](const std::string& line) {
@@ -23,7 +23,7 @@ std::vector<std::string> lines_of(const std::string& script, unsigned first_take
     return lines;
 }
 
-// A pipe holds 64 KiB: the child ends while most of its last words are still in it.
+// A pipe holds 64 KiB, so the child ends while most of its last line is still in the pipe.
 TEST(ChildProcess, LastWordsAreReadAfterItsEnd) {
     const auto lines = lines_of("echo first; head -c 60000 /dev/zero | tr '\\0' x; echo", 300'000);
     ASSERT_EQ(lines.size(), 2u);

@@ -12,7 +12,8 @@ namespace {
 class ClockTest : public ::testing::Test, protected ExperimentFolder {
 protected:
     ProgramResult run_with_jumps() const {
-        // Sanitizers want to be the first library, which they need not be for this one.
+        // The address sanitizer demands to be the first library of the process; that check
+        // is off here, because the clock is first.
         setenv("LD_PRELOAD", GIB_JUMPING_CLOCK, 1);
         const char* options = std::getenv("ASAN_OPTIONS");
         const std::string before = options ? options : "";
@@ -33,7 +34,7 @@ TEST_F(ClockTest, JumpsChangeNoResult) {
     ASSERT_EQ(jumping.code, 0) << jumping.err;
     EXPECT_TRUE(date().rfind("200", 0) == 0 || date().rfind("206", 0) == 0) << date() << ": the clock did not jump";
     EXPECT_TRUE(content_of(results("")) == steady) << "an image, a table or the set of files differs";
-    // Neither is a cell believed or done again because of a file's time.
+    // The time of a file does not decide whether a cell is kept or done again, either.
     for (const auto& [name, time] : cells())
         std::filesystem::last_write_time(results("cells/" + name + "/cell.json"),
                                          time + std::chrono::hours(24 * 365 * (name.back() == '1' ? 20 : -20)));

@@ -1,4 +1,4 @@
-// Records and images of complete cells that were damaged: found, said, and done again.
+// Damaged records and images of complete cells are found and reported, and the cells are done again.
 
 #include "tests/machine/run_content.h"
 #include "tests/support/run_fixtures.h"
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 class DamagedCellTest : public ::testing::Test, protected ExperimentFolder {
 protected:
-    /// Replaces a file in place, as no program that writes whole files does.
+    /// Overwrites a file in place; gibench itself only ever replaces whole files.
     static void damage(const std::string& file, const std::string& content) {
         std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
     }
@@ -70,7 +70,7 @@ TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
 
 TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
     ASSERT_EQ(run().code, 0);
-    std::string frame;  // of whichever cell has seed 1
+    std::string frame;  // of a cell with seed 1
     for (const auto& [name, time] : cells())
         if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
     ASSERT_FALSE(frame.empty());
@@ -99,7 +99,7 @@ TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
         nlohmann::json other = nlohmann::json::parse(text);
         other["flip"] = value;
         damages.emplace_back(record, other.dump());
-        damages.emplace_back(record, nlohmann::json({{"flip", value}}).dump());  // as earlier versions wrote it
+        damages.emplace_back(record, nlohmann::json({{"flip", value}}).dump());  // without any other field
     }
     for (const std::string& command : {std::string("run e.toml --threads 1"), std::string("report results/e")}) {
         for (const auto& [file, content] : damages) {
@@ -122,13 +122,14 @@ TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
     std::vector<std::string> folders;
     for (const auto& [name, time] : cells())
         folders.push_back(results("cells/" + name));
-    for (const char* file : {"/flip.json", "/flip.png"})  // whole, but another cell's
+    for (const char* file : {"/flip.json", "/flip.png"})  // complete files, but of another cell
         fs::copy_file(folders.front() + file, folders.back() + file, fs::copy_options::overwrite_existing);
     EXPECT_EQ(run().code, 0);
     EXPECT_TRUE(content_of(results("")) == good);
 }
 
-// Of 2^31 - 1 seeds one would look for all; 1e300 is no int, and so many threads cannot be started.
+// An index with 2^31 - 1 seeds would let a report look for all of them; 1e300 is
+// no int, and 2e9 threads cannot be started.
 TEST_F(DamagedCellTest, NumbersOfSeedsAndThreadsHaveBounds) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("index.json");
@@ -154,7 +155,7 @@ TEST_F(DamagedCellTest, EpsilonHasBounds) {
     EXPECT_THAT(report.err, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0"));
 }
 
-// Values this deep overflow the stack where they are compared, copied or, as for a digest, written.
+// Values nested this deeply overflow the stack when they are compared, copied or, as for a digest, written.
 TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
     ASSERT_EQ(run().code, 0);
     const auto good = content_of(results(""));
@@ -174,7 +175,7 @@ TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
         EXPECT_THAT(refused.err, HasSubstr(std::string(name) + ":1:1: nested more than 64 levels deep")) << name;
         damage(file, content);
     }
-    // What stands in a text is no level, and 64 are not too many.
+    // Brackets in a string are no level, and 64 levels are not too many.
     damage(results("index.json"), R"(["\"[[", )" + std::string(63, '[') + std::string(63, ']') + "]");
     EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("not an index of results"));
     damage(results("index.json"), "[" + std::string(64, '[') + std::string(64, ']') + "]");
@@ -204,7 +205,7 @@ TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
     left_out("warning: results/e/images/tiny-reference.exr:1:1: ");
     fs::remove(file);
     left_out("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
-    EXPECT_EQ(run().code, 0);  // it is made again
+    EXPECT_EQ(run().code, 0);  // the reference is made again
     EXPECT_EQ(table("table.csv").rows.at(0).at(0), "tiny");
 }
 
@@ -212,8 +213,8 @@ TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("images/tiny-reference.exr");
     std::string pixels = read_file(file);
-    pixels[pixels.size() * 9 / 10] ^= 1;  // behind the header
-    damage(file, pixels);                 // the cached one too: they are one file
+    pixels[pixels.size() * 9 / 10] ^= 1;  // after the header
+    damage(file, pixels);                 // and the cached reference: both names are one file
     const std::string rows = read_file(results("table.csv"));
     const auto refused = [&](const std::string& said) {
         const ProgramResult report = run_gibench("report results/e", path());

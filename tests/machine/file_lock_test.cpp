@@ -1,4 +1,4 @@
-// Two runs at once: in one folder the second refuses, at one reference it waits.
+// Two runs at once: in the same folder the second one is refused; for the same reference it waits.
 
 #include "experiments/system/file_lock.h"
 
@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 class FileLockTest : public ::testing::Test, protected ExperimentFolder {
 protected:
-    /// The experiment's only reference, after one run.
+    /// The file of the experiment's only reference, after one run.
     std::string cached_reference() const {
         for (const auto& entry : fs::directory_iterator(path("results/references")))
             if (entry.path().extension() == ".exr") return entry.path().string();

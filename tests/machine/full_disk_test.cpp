@@ -1,4 +1,4 @@
-// Disks that are full and folders that cannot be written: said with the file and the reason, nothing half-written,
+// Full disks and folders that cannot be written: the message has the file and the reason, no file is half-written,
 // and the same command goes on once there is space.
 
 #include "experiments/system/progress.h"
@@ -28,7 +28,7 @@ protected:
         return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(path("out.txt")),
                 read_file(path("err.txt"))};
     }
-    /// Whether this user may mount file systems that nobody else sees.
+    /// Whether this user may mount file systems that no other process sees.
     static bool may_mount() { return std::system("unshare -m mount -t tmpfs none /mnt 2>/dev/null") == 0; }
 };
 
@@ -37,7 +37,7 @@ TEST_F(FullDiskTest, AtEveryStageIsSaidAndGoesOnWithSpace) {
     ASSERT_EQ(run().code, 0);
     const auto whole = content_of(results(""));
     fs::remove_all(path("results"));
-    // From a disk that holds nothing to one that lacks the report alone.
+    // The sizes range from a disk that holds nothing to one that lacks space for the report alone.
     std::set<std::string> files;
     for (const int kib : {4, 64, 96, 160, 320}) {
         const std::string size = std::to_string(kib) + "k";
@@ -65,7 +65,7 @@ TEST_F(FullDiskTest, AtEveryStageIsSaidAndGoesOnWithSpace) {
 }
 
 TEST_F(FullDiskTest, AFileThatMayNotGrowIsSaid) {
-    // A limit of the process instead of the disk's, which needs no privileges.
+    // The size of files is limited for the process instead of the disk, which needs no privileges.
     write_experiment("[1]");
     const ProgramResult result = shell("ulimit -f 4\nexec \"$gibench\" run e.toml --threads 1");
     EXPECT_EQ(result.code, 1) << result.err;
@@ -98,7 +98,7 @@ TEST(FullTerminal, DoesNotEndTheProgram) {
     {
         ProgressLine line(true);
         line.update(0.5, std::nullopt, "half");
-    }  // clears the line, in a destructor that must not throw
+    }  // the destructor clears the line and must not throw
     ::dup2(saved, STDERR_FILENO);
     ::close(saved);
     ::close(full);

@@ -1,5 +1,5 @@
-// Preloaded into a program: its wall clock jumps by years, forwards and back, each time that it is read. The steady
-// clock is the system's.
+// A library to be preloaded into a program: the program's wall clock jumps by years, forwards and back, each time
+// that it is read. The steady clock stays the system's.
 
 #include <dlfcn.h>
 #include <sys/time.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr time_t year = 365 * 24 * 3600;
 
-/// 2001 and what follows, or the far future.
+/// December 2000 or December 2069, by turns [s since 1970].
 time_t jump() {
     static std::atomic<unsigned> reads = 0;
     const unsigned n = reads++;

@@ -1,4 +1,4 @@
-// Runs that are killed at random moments and go on: the end is that of a run that nobody disturbed.
+// Runs that are killed at random moments and started again end like a run that nobody disturbed.
 
 #include "tests/machine/run_content.h"
 #include "tests/support/run_fixtures.h"
@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// GIB_KILLS: how often a run is killed; else 10 times.
+/// How often a run is killed: GIB_KILLS in the environment, else 10 times.
 int kills_wanted() {
     const char* text = std::getenv("GIB_KILLS");
     return text ? std::stoi(text) : 10;
 }
 
-/// Pids of programs that were started in a folder and still go on.
+/// The pids of processes whose current folder is `folder`.
 std::vector<std::string> processes_in(const std::string& folder) {
     std::vector<std::string> found;
     std::error_code error;
@@ -39,7 +39,8 @@ class KilledRunTest : public ::testing::Test, protected ExperimentFolder {
 protected:
     KilledRunTest() { write_experiment("[1, 16]", "target = '20%'\n"); }
 
-    /// Runs until a run ends by itself, each but the last killed after a random time. Returns the number of kills.
+    /// Starts runs until one ends by itself; each one before is killed after a random time of up to `longest` [s].
+    /// After `most_kills` kills the next run is left alone. Returns the number of kills.
     int live_once(double longest, int most_kills) {
         fs::remove_all(path("results"));
         for (int kills = 0;; ++kills) {
@@ -51,13 +52,13 @@ protected:
                 EXPECT_EQ(run.wait(), 0) << run.said();
                 return kills;
             }
-            // To the program alone, or to the cell's process too.
+            // The signal goes to the program alone, or to the cell's process, too.
             kill(random_() % 2 == 0 ? run.pid() : -run.pid(), SIGKILL);
             run.wait();
             EXPECT_TRUE(comes_true([&] { return processes_in(path()).empty(); })) << "an orphaned process";
         }
     }
-    std::mt19937 random_{20261122};  // a fixed seed: the moments are those of every run, give or take the machine
+    std::mt19937 random_{20261122};  // a fixed seed: the moments are the same each time, up to the machine's speed
 };
 
 TEST_F(KilledRunTest, GoesOnToTheSameEnd) {

@@ -1,4 +1,4 @@
-// Requests for more memory than there is: refused with both numbers before the memory is taken.
+// Requests for more memory than there is are refused, with both numbers, before the memory is taken.
 
 #include "common/core/memory_limit.h"
 
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 class MemoryLimitTest : public ::testing::Test, protected ExperimentFolder {
 protected:
     double available() const { return available_memory(path("proc"), path("groups")); }
-    /// `number needed, and number available`.
+    /// Matches a message with the numbers of bytes that `what` needs and that are available.
     static ::testing::Matcher<std::string> refusal(const std::string& what) {
         return ContainsRegex(what + ".* needs [0-9]+ bytes, and [0-9]+ are available");
     }
@@ -71,7 +71,7 @@ TEST_F(MemoryLimitTest, RefusalsHaveBothNumbers) {
     }
 }
 
-/// While it lives, programs that the test starts have that much address space.
+/// During its life, programs that the test starts have this much address space [bytes].
 class AddressSpace {
 public:
     explicit AddressSpace(rlim_t bytes) {
@@ -92,7 +92,7 @@ TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
-    const std::string many = "=4000000000";  // the most that the parameters take
+    const std::string many = "=4000000000";  // the largest value of these parameters
     const std::vector<std::pair<std::string, std::string>> requests = {
         {"photon_mapper photons" + many, "photons" + many},
         {"photon_mapper gather=4 photons" + many, "photons" + many},
@@ -138,7 +138,7 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
-    // With so many bytes it is not taken for damaged before anything is asked of memory.
+    // The file is so long that it is not taken for damaged before memory is asked for.
     write("large.pfm", "PF\n50000 50000\n-1.0\n" + std::string(1 << 20, '\0'));
     const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
     EXPECT_EQ(result.code, 2);
@@ -164,7 +164,7 @@ TEST_F(MemoryLimitTest, APipeWithoutEndIsRefusedWhereMemoryEnds) {
     EXPECT_THAT(result.err, refusal("pipe.xml:1:1: the file"));
 }
 
-/// What this process has [bytes].
+/// The address space of this process [bytes].
 rlim_t address_space_in_use() {
     std::ifstream statistics("/proc/self/statm");
     rlim_t pages = 0;
@@ -172,7 +172,7 @@ rlim_t address_space_in_use() {
     return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Nobody knows beforehand how many records there will be: each time their room is to be doubled it is asked for.
+// The number of records is not known beforehand, so the cache asks for memory each time it doubles its room.
 TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
 #ifdef GIB_SANITIZED
     GTEST_SKIP() << "the sanitizer's address space has no limit";
@@ -208,7 +208,7 @@ TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
     EXPECT_THAT(error, HasSubstr(" needs 50331648 bytes")) << "three floats for each column of 1024 rows of cells";
 }
 
-/// A serialized mesh of `vertices` zeros: a thousandth of what it unpacks to.
+/// A serialized mesh of `vertices` vertices, all 0; the file has a thousandth of the size of the unpacked mesh.
 std::string serialized_zeros(std::uint64_t vertices) {
     const std::uint32_t in_float = 0x1000;
     std::string raw;
@@ -240,7 +240,7 @@ TEST_F(MemoryLimitTest, ASerializedMeshAsksAsItGrows) {
 
 Mesh strip_of_triangles(std::uint32_t count) {
     Mesh mesh;
-    for (std::uint32_t i = 0; i < count + 3; ++i)  // and the extra one at the end
+    for (std::uint32_t i = 0; i < count + 3; ++i)  // and the padding vertex at the end
         mesh.vertices.push_back({static_cast<float>(i), static_cast<float>(i % 2), 0.f});
     for (std::uint32_t i = 0; i < count; ++i)
         mesh.triangles.push_back({i, i + 1, i + 2});
@@ -260,7 +260,7 @@ TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
         EXPECT_THAT(error, HasSubstr(" needs 192000000 bytes"));
     }
     mesh.prepare();
-    // What Embree starts with, and some.
+    // The limit leaves what Embree needs at its start, and some more.
     const AddressSpace limit(address_space_in_use() + (rlim_t{256} << 20));
     EXPECT_THAT(input_error_of([&] { const Accelerator accelerator(shapes, {}); }),
                 refusal("the tree of 3000000 triangles and other shapes"));

@@ -1,4 +1,4 @@
-// References: made to a target, kept, topped up, and made again when their file is damaged.
+// References are made to a target, kept, topped up, and made again if their file is damaged.
 
 #include "experiments/measuring/reference.h"
 
@@ -92,12 +92,13 @@ TEST_F(ReferenceCacheTest, MissingLayersAndOtherScenesAreNoticed) {
     EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("not the reference of this scene")));
 }
 
-/// What a top-up goes on from.
+/// The digest of all that a top-up starts from.
 std::string content_of(const Reference& reference) {
     return image_digest(layers_of(reference, true), {"passes", "rounds", "unresolved"});
 }
 
-/// As it was written: OpenImageIO adds attributes of its own, which OpenEXR does not take as text.
+/// The image as it can be written again, without the attribute that
+/// OpenImageIO adds and OpenEXR does not take as text.
 LayeredImage writable_image(const std::string& path) {
     LayeredImage image = read_image(path);
     image.metadata.erase("compression");

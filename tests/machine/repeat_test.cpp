@@ -1,4 +1,4 @@
-// `gibench run --repeat`: the same images, or a plain word on why not.
+// `gibench run --repeat` renders the same images again, or says plainly why it does not.
 
 #include "common/images/image_file.h"
 #include "experiments/analysis/analysis.h"
@@ -44,7 +44,7 @@ TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
     EXPECT_EQ(read_image(path("results/e-repeat/images/tiny-path_spp=4.exr")).layers[0].second.width, 12);
     EXPECT_EQ(manifest("results/e-repeat").at("cells"), manifest().at("cells"));
     EXPECT_EQ(manifest().at("resolution"), nlohmann::json({12, 6}));
-    // A repetition can be repeated, and is told from what stands in its folder.
+    // A repetition can be repeated, and a report can be made from its folder.
     EXPECT_EQ(repeat("results/e-repeat/ --out elsewhere").code, 0);
     EXPECT_EQ(run_gibench("report elsewhere", path()).code, 0);
 }
@@ -81,7 +81,7 @@ TEST_F(RepeatTest, OtherImagesAreToldApart) {
     EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=8, seed 1, 8 passes\n1 of 2 identical"));
 
     changed = manifest();
-    changed["cells"][0]["passes"] = 3;  // the image is that of 4
+    changed["cells"][0]["passes"] = 3;  // the image has 4 passes
     changed["cells"][1]["method"] = "path spp=16";
     set_manifest(changed);
     again = repeat();
@@ -118,7 +118,8 @@ TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
 TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
     ASSERT_EQ(run("--seeds 1").code, 0);
     ASSERT_EQ(repeat().code, 0);
-    fs::remove(path("results/e/images/tiny-reference.exr"));  // it has to be made, and its lock cannot be
+    // The reference must be made again, but its lock cannot be taken.
+    fs::remove(path("results/e/images/tiny-reference.exr"));
     fs::create_directories(fs::directory_iterator(path("results/references"))->path().string() + ".lock");
     const ProgramResult again = repeat();
     EXPECT_EQ(again.code, 1);
@@ -155,7 +156,7 @@ TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
     }
 }
 
-// Converted without a look, the first is 2^32 - 1 passes, which would take days, and the last is 2.
+// If numbers were converted without a check, -1 would be 2^32 - 1 passes, which take days, and 4294967298 would be 2.
 TEST_F(RepeatTest, NumbersOfTheManifestHaveBounds) {
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
     const nlohmann::json good = manifest();

@@ -30,7 +30,7 @@ std::map<std::string, std::string> content_of(const std::string& folder) {
         const std::string name = std::filesystem::relative(entry.path(), folder).string();
         const auto ending = entry.path().extension();
         const std::string path = entry.path().string();
-        // A reference's file says how long it took.
+        // The file of a reference records how long it took to make, so only its pixels are compared.
         if (name.find("-reference.exr") != std::string::npos) content[name] = image_digest(read_image(path));
         else content[name] = ending == ".exr" || ending == ".png" ? read_file(path) : "";
     }

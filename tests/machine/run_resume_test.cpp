@@ -1,4 +1,5 @@
-// `gibench run` as a whole: what it writes, that complete cells are kept, that a failing cell is said, and Ctrl-C.
+// `gibench run` as a whole: the files that it writes, complete cells that are kept,
+// failing cells that are reported, and Ctrl-C.
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/results/result_folder.h"
@@ -47,7 +48,7 @@ TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
         EXPECT_NE(entry.path().filename(), "work") << "work folders are removed";
 }
 
-// The records are JSON, which is UTF-8: a run would otherwise get as far as its first record.
+// Records are JSON, which is UTF-8. Without this check a run would get as far as its first record.
 TEST_F(RunResumeTest, NamesThatRecordsCannotHoldAreRefusedBeforehand) {
     for (const std::string& options : {std::string("--out 'o\xff'"), std::string("--only '\xff'")}) {
         const ProgramResult result = run(options);
@@ -95,7 +96,7 @@ TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {
     for (const auto& row : first.rows)
         if (row[2] == "total") EXPECT_GT(std::stod(row[at]), 0);
         else EXPECT_EQ(row[at], "") << row[2];
-    // What is stored is believed, until the cell is done again.
+    // Stored values are used until the cell is done again.
     std::string one;
     std::map<std::string, fs::file_time_type> written;
     for (const auto& [name, time] : cells())
@@ -110,7 +111,7 @@ TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {
     fs::remove(one + "/flip.json");
     ASSERT_EQ(run_gibench("report results/e", folder_ / "").code, 0);
     EXPECT_TRUE(fs::exists(one + "/flip.json"));
-    // Done again, the cell has another record, though it says the same.
+    // A cell that is done again has another record, even if its values are the same.
     ASSERT_EQ(run("--fresh").code, 0);
     for (const auto& [file, time] : written)
         EXPECT_NE(fs::last_write_time(file), time) << file;
@@ -192,7 +193,7 @@ TEST_F(RunResumeTest, OnlyAndSeedsChooseCells) {
 
 TEST_F(RunResumeTest, AFailingCellIsSaidAndTheOthersGoOn) {
     ASSERT_EQ(run("--only spp=4").code, 0);
-    // A folder where spp=8's first process has to write its record: that cell cannot succeed.
+    // A folder stands where the first process of spp=8 has to write its image, so that cell cannot succeed.
     const std::string name = [] {
         CellIdentity identity;
         identity.scene = "tiny";

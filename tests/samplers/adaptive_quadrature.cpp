@@ -9,7 +9,8 @@ namespace gib::test {
 
 namespace {
 
-/// A box with its integral by one application of the rule, and by one for each half, across x and across y.
+/// A box with its integral by one application of the rule, and the integrals of its halves, for a cut across x and
+/// for one across y.
 struct Box {
     Rectangle area;
     double whole;
@@ -32,9 +33,9 @@ class Rule {
 public:
     explicit Rule(const PlaneFunction& f) : f_(f) {}
 
-    /// Exact for cubics along each axis. Like Simpson's it looks at the sides, so that a box notices a jump that cuts
-    /// off a sliver of it, which Gauss's points would all miss; but at their inner face, as the density may jump
-    /// between two boxes.
+    /// The rule is exact for cubics along each axis. Like Simpson's rule it has nodes at the sides, so that a box
+    /// notices a jump that cuts off a sliver of it, which all nodes of Gauss's rule would miss. The nodes lie
+    /// slightly inside, because the density may jump between two boxes.
     double operator()(const Rectangle& r) {
         constexpr double inset = 0.995;
         constexpr std::array<double, 3> node = {-inset, 0, inset};

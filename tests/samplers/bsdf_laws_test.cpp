@@ -1,4 +1,4 @@
-// What physics asks of every material, whatever its model.
+// The laws of physics that every material must obey, whatever its model.
 
 #include "tests/samplers/sampler_cases.h"
 
@@ -14,8 +14,8 @@ Vec3 random_direction(const Vec2& u) {
 
 constexpr std::uint32_t pairs = 10'000;
 
-// Veach 1997, equation 5.14: light from wi to wo is scattered by f(wo, wi), and f(wo, wi) / eta_o^2 = f(wi, wo) /
-// eta_i^2. Half of the pairs come from the material's own sampling, so that narrow lobes are met too.
+// Reciprocity (Veach 1997, equation 5.14): f(wo, wi) / eta_o^2 = f(wi, wo) / eta_i^2, where f(wo, wi) scatters light
+// from wi to wo. Half of the pairs come from the material's own sampling, so that narrow lobes are tested too.
 TEST(BsdfLaws, EveryMaterialIsReciprocal) {
     for (const BsdfModel& model : bsdf_models()) {
         const LocalBsdf bsdf(model);
@@ -31,7 +31,7 @@ TEST(BsdfLaws, EveryMaterialIsReciprocal) {
             }
             const Colord there = bsdf.f(wo, wi).cast<double>() / sqr(bsdf.index(wo));
             const Colord back = bsdf.f(wi, wo).cast<double>() / sqr(bsdf.index(wi));
-            // Rounding of nearly grazing directions decides the size of narrow lobes.
+            // The rounding of nearly grazing directions changes the values of narrow lobes.
             const double tolerance = std::min(std::abs(wo.z()), std::abs(wi.z())) < 1e-2f ? 1e-2 : 1e-3;
             if (!((there - back).abs() <= tolerance * there.max(back)).all() && wrong++ == 0) {
                 ADD_FAILURE() << model.name << ": f(" << wo.transpose() << " | " << wi.transpose() << ") = " << there[0]
@@ -42,7 +42,8 @@ TEST(BsdfLaws, EveryMaterialIsReciprocal) {
     }
 }
 
-// Radiance is scaled by (eta_o / eta_i)^2 at a refraction, power is not (Veach 1997, section 5.2); both choose alike.
+// Radiance is scaled by (eta_o / eta_i)^2 at a refraction, power is not (Veach 1997, section 5.2). Directions are
+// sampled alike for both.
 TEST(BsdfLaws, RadianceAndPowerDifferByTheSquaredIndexOnly) {
     for (const BsdfModel& model : bsdf_models()) {
         const LocalBsdf bsdf(model);
@@ -71,8 +72,9 @@ std::vector<BsdfModel> all_models() {
     return models;
 }
 
-// Veach 1997, equation 3.22: light that comes along wo is scattered as an eye at wi sees it. Exact for maps too, on
-// which paths from the light and from the eye could otherwise disagree.
+// Veach 1997, equation 3.22: the f of power from wo to wi is the f of radiance that an eye at wi sees
+// from wo. The law is exact for bump and normal maps too; without it, paths from the light and paths from
+// the eye would disagree on them.
 TEST(BsdfLaws, PowerIsScatteredAsTheEyeSeesIt) {
     for (const BsdfModel& model : all_models()) {
         const LocalBsdf bsdf(model);
@@ -110,7 +112,7 @@ TEST(BsdfLaws, ScatteringIsNeverNegative) {
             const Color f = bsdf.f(wo, wi);
             const double pdf = bsdf.pdf(wo, wi);
             ASSERT_TRUE((f >= 0.f).all() && f.allFinite() && pdf >= 0 && std::isfinite(pdf)) << model.name;
-            // What can be scattered can be sampled, or the sampling would be biased.
+            // A direction with f > 0 must have a density, or the sampling would be biased.
             ASSERT_TRUE(is_black(f) || pdf > 0) << model.name << ' ' << wo.transpose() << " | " << wi.transpose();
         }
     }

@@ -7,7 +7,8 @@ namespace gib::test {
 namespace {
 
 constexpr std::size_t points_per_box = 16;
-/// No box is wider than these parts of the domain: density where no sample fell must be noticed.
+/// No box is larger than these parts of the domain along x and y, so that density is
+/// noticed even where no sample fell.
 const Vec2d largest_box(1.0 / 16, 1.0 / 16);
 
 /// The parts of [lower, upper] between the breaks.
@@ -23,7 +24,8 @@ std::vector<std::pair<double, double>> parts(double lower, double upper, const s
     return result;
 }
 
-/// The axis along which halving separates the points best: along which they are spread least over the box.
+/// The axis along which halving separates the points best: the one along which they
+/// fill the smallest part of the box.
 Eigen::Index axis_to_halve(const Rectangle& box, std::span<const Vec2d> points) {
     Vec2d lower = box.upper, upper = box.lower;
     for (const Vec2d& p : points) {

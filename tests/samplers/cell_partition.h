@@ -11,14 +11,14 @@ namespace gib::test {
 /// neighbours in the order of the leaves.
 class CellPartition {
 public:
-    /// Cells with fewer than `least` points are not made; at most 2^max_levels.
+    /// Makes at most 2^max_levels cells, each with at least `least` points.
     CellPartition(const Domain& domain, std::vector<Vec2d> points, int max_levels, std::size_t least);
 
     int levels() const { return levels_; }
     std::size_t cells() const { return std::size_t{1} << levels_; }
     std::size_t cell_of(const Vec2d& point) const;
-    /// The cell cut into boxes that are fine where the points are: few points in each, no break inside, no larger than
-    /// a given part of the domain.
+    /// The boxes that a cell is cut into for integration. They are fine where the points are: each has few points, no
+    /// break inside, and at most a given part of the domain's size.
     std::vector<Rectangle> boxes(std::size_t cell) const;
 
 private:

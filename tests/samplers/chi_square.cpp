@@ -11,7 +11,7 @@ namespace {
 constexpr double precision = 1e-14;
 constexpr int max_terms = 100000;
 
-// The lower function's series, DLMF 8.11.4; all terms are positive.
+// The regularised lower incomplete gamma function by its series (DLMF 8.11.4), whose terms are all positive.
 double lower_gamma_series(double a, double x, double front) {
     double term = 1 / a, sum = term;
     for (int k = 1; k < max_terms && term > precision * sum; ++k)
@@ -19,7 +19,8 @@ double lower_gamma_series(double a, double x, double front) {
     return front * sum;
 }
 
-// The upper function's continued fraction, DLMF 8.9.2 in its even form, with the modified Lentz method.
+// The regularised upper incomplete gamma function by its continued fraction (DLMF 8.9.2 in its even form), evaluated
+// with the modified Lentz method.
 double upper_gamma_fraction(double a, double x, double front) {
     constexpr double tiny = 1e-300;
     double b = x + 1 - a, c = 1 / tiny, d = 1 / b, f = d;
@@ -41,7 +42,7 @@ double chi_square_tail(double statistic, double degrees) {
     if (!(x > 0)) return 1;
     if (std::isinf(x)) return 0;
     const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
-    // Each converges quickly on its side, and neither subtracts nearly equal numbers there.
+    // The series converges quickly below a + 1, the fraction above it; neither subtracts nearly equal numbers there.
     return x < a + 1 ? 1 - lower_gamma_series(a, x, front) : upper_gamma_fraction(a, x, front);
 }
 
@@ -78,7 +79,7 @@ PearsonTest pearson_test(const std::vector<Cell>& cells) {
 }
 
 std::vector<std::size_t> holm_rejections(const std::vector<double>& p_values, double alpha) {
-    // What is not a number is no evidence in favour of the hypothesis.
+    // NaN is no evidence for the hypothesis, so it counts as p = 0.
     const auto p = [&](std::size_t i) { return std::isnan(p_values[i]) ? 0.0 : p_values[i]; };
     std::vector<std::size_t> order(p_values.size());
     std::iota(order.begin(), order.end(), 0);

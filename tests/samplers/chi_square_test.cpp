@@ -9,7 +9,8 @@
 namespace gib::test {
 namespace {
 
-// With 2 m degrees of freedom the tail is a sum of m Poisson probabilities; with one, it is the normal law's.
+// With 2 m degrees of freedom the chi-square tail is a sum of m Poisson probabilities; with one degree, it is the
+// two-sided tail of the normal law.
 TEST(ChiSquare, TailAgreesWithTheClosedFormsOfEvenAndSingleDegrees) {
     for (int m : {1, 2, 10, 512, 2000}) {
         for (double x : {0.1, 0.8, 1.0, 1.1, 2.0, 5.0}) {
@@ -37,14 +38,14 @@ TEST(ChiSquare, CellsThatExpectLittleArePooled) {
 
 TEST(Holm, StepsDownAndCountsWhatIsNotANumberAsRejected) {
     using Indices = std::vector<std::size_t>;
-    // Thresholds 0.05 / 4, / 3, / 2, / 1.
+    // The thresholds are 0.05 / 4, 0.05 / 3, 0.05 / 2 and 0.05.
     EXPECT_EQ(holm_rejections({0.02, 0.001, 0.016, 0.9}, 0.05), (Indices{1, 2, 0}));
     EXPECT_EQ(holm_rejections({0.02, 0.013, 0.016, 0.9}, 0.05), Indices{});
     EXPECT_EQ(holm_rejections({0.5, std::nan("")}, 0.05), Indices{1});
     EXPECT_EQ(holm_rejections({}, 0.05), Indices{});
 }
 
-/// `n` x `n` boxes of a square.
+/// The square [lower, upper]^2 as n x n boxes.
 std::vector<Rectangle> grid(double lower, double upper, int n) {
     std::vector<Rectangle> boxes;
     const double step = (upper - lower) / n;

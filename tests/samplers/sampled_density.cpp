@@ -78,7 +78,7 @@ namespace {
 constexpr int fine_levels = 10, coarse_levels = 4;
 constexpr std::uint64_t pilot_samples = 1 << 17;
 
-/// FNV-1a.
+/// The FNV-1a hash of the name.
 std::uint64_t seed_of(const std::string& name) {
     std::uint64_t hash = 0xcbf29ce484222325ull;
     for (char c : name)
@@ -86,7 +86,8 @@ std::uint64_t seed_of(const std::string& name) {
     return hash;
 }
 
-/// The random numbers of sample `i`; the pilot's are passes of another index.
+/// The random numbers of sample `i`. The pilot sample has another pixel index, so that its
+/// numbers are independent of those.
 RandomNumbers numbers_of(std::uint64_t seed, bool pilot, std::uint64_t i) {
     return RandomNumbers(Sampler(PointSet::independent, seed, pilot ? 1 : 0, static_cast<std::uint32_t>(i)));
 }
@@ -132,7 +133,7 @@ private:
 
     static bool positive(double x) { return std::isfinite(x) && x > 0; }
 
-    /// Rounding is worst where the random numbers are.
+    /// Tries the ends of the random numbers' ranges, where rounding is worst.
     void try_corners() {
         for (unsigned corner = 0; corner < 64; ++corner) {
             const auto s = test_.sample(RandomNumbers(corner));
@@ -182,7 +183,8 @@ private:
             fail("{} samples given up, though the density integrates to 1", lost_);
     }
 
-    /// The probability of each cell, so precisely that a count's standard deviation is many times the error.
+    /// The integral of f over a cell, so precise that the error of an expected count is a small part of the count's
+    /// standard deviation (limits::quadrature_error).
     Integral integrate_cell(const PlaneFunction& f, std::size_t cell) {
         constexpr std::size_t most = 4'000'000;
         const auto n = static_cast<double>(samples_);
@@ -237,7 +239,7 @@ private:
                 integral += part.value;
                 integral_variance += sqr(part.error);
             }
-            // Float's rounding shows where the weights hardly vary.
+            // Rounding to float dominates where the weights hardly vary.
             constexpr double rounding = 1e-5;
             const double deviation = std::sqrt(variance + integral_variance + sqr(rounding * integral));
             const double z = deviation > 0 ? (mean - integral) / deviation : 0;

@@ -1,34 +1,55 @@
 #pragma once
-// Every sampler of the program, with the parameters it is tested with. A new one is a line in one of these lists.
+// Every sampler of the program, with the parameters that it is tested with. A new sampler
+// is a line in one of these lists. A new scattering model, light or shape without a case does not compile.
 
 #include "common/materials/bsdf.h"
 #include "tests/samplers/sampled_density.h"
 
+#include <iterator>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace gib::test {
+
+/// Joins what `make` lists for each alternative T of a variant. `make` has one overload for each std::type_identity<T>;
+/// if one is missing, this does not compile.
+template <typename Variant, typename Make>
+auto listed_for_every_alternative(const Make& make) {
+    return [&]<std::size_t... i>(std::index_sequence<i...>) {
+        decltype(make(std::type_identity<std::variant_alternative_t<0, Variant>>())) all;
+        const auto append = [&all](auto part) {
+            all.insert(all.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
+        };
+        (append(make(std::type_identity<std::variant_alternative_t<i, Variant>>())), ...);
+        return all;
+    }
+    (std::make_index_sequence<std::variant_size_v<Variant>>());
+}
 
 std::vector<SamplerCase> warp_cases();
 std::vector<SamplerCase> bsdf_cases();
 std::vector<SamplerCase> light_cases();
 
-/// A material as a scene file has it, and what theory says about it.
+/// A material as a scene file describes it, and its properties that are known from theory.
 struct BsdfModel {
     std::string name;
     std::string xml;                 ///< the bsdf element
     double eta = 1;                  ///< index below the surface over index above it
-    std::optional<double> albedo{};  ///< of every angle, if known: 1 without losses
-    bool from_below = false;         ///< light from there is scattered too
+    std::optional<double> albedo{};  ///< at every angle, if known; 1 without losses
+    bool from_below = false;         ///< light from below the surface is scattered too
 };
 
 std::vector<BsdfModel> bsdf_models();
-/// Bump and normal maps, which are not reciprocal: their cosine and their shadowing are the light's, and the normal is
-/// the eye's.
+/// Bump and normal maps. They are not reciprocal: the cosine and the shadowing are those of the light's direction,
+/// and the side that the normal is turned to is the eye's.
 std::vector<BsdfModel> perturbed_models();
 
-/// A material as the rest of the program calls it. What a change of that interface costs the tests is in here.
+/// A material behind the few functions that the tests need. A change of the program's interface to materials changes
+/// the tests only here.
 class LocalBsdf {
 public:
     explicit LocalBsdf(const BsdfModel& model);
@@ -37,7 +58,7 @@ public:
     double pdf(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
     /// [1/sr]
     Color f(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
-    /// Index on the side of w.
+    /// Index of refraction on the side of w.
     double index(const Vec3& w) const { return w.z() >= 0.f ? 1.0 : eta_; }
 
 private:
@@ -45,7 +66,7 @@ private:
     double eta_;
 };
 
-/// A direction, angles in degrees.
+/// The direction with polar angle theta and azimuth phi [degrees].
 Vec3 direction_at(double theta, double phi);
 
 }  // namespace gib::test

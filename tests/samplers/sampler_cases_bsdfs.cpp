@@ -1,10 +1,14 @@
-// The materials.
+// The test cases of the materials' samplers.
 
 #include "tests/samplers/sampler_cases.h"
 
+#include "common/scene/scene.h"
 #include "tests/support/scene_text.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
 
 namespace gib::test {
 
@@ -19,7 +23,8 @@ Bsdf bsdf_of(const std::string& xml) {
 
 double mean(const Color& c) { return c.cast<double>().mean(); }
 
-/// The share of light that goes each way: radiance is scaled by the squared ratio of the indices where it is refracted.
+/// The factor that makes the mean weight of a loss-free material 1: it cancels the scaling of refracted radiance by
+/// the squared ratio of the indices. Power is not scaled.
 double loss_free_scale(const LocalBsdf& bsdf, const Vec3& wo, const Vec3& wi, Transport transport) {
     return transport == Transport::radiance ? sqr(bsdf.index(wi) / bsdf.index(wo)) : 1.0;
 }
@@ -90,58 +95,102 @@ std::string microfacets(const std::string& distribution, double alpha) {
 const std::string mirror_index = "<string name='material' value='none'/>";
 const std::string glass_index = number("int_ior", 1.5) + number("ext_ior", 1);
 
-std::vector<BsdfModel> smooth_models() {
-    return {
-        {"diffuse", bsdf("diffuse", reflectance("0.2, 0.5, 0.8")), 1, 0.5},
-        {"white diffuse", bsdf("diffuse", reflectance("1")), 1, 1.0},
-        {"two-sided diffuse", bsdf("twosided", bsdf("diffuse", reflectance("0.75"))), 1, 0.75, true},
-        {"dielectric", bsdf("dielectric", glass_index), 1.5, 1.0, true},
-        {"thindielectric", bsdf("thindielectric", glass_index), 1, 1.0, true},
-        {"mirror", bsdf("conductor", mirror_index), 1, 1.0},
-    };
+const std::vector<std::string> distributions = {"beckmann", "ggx"};
+
+std::string stretched(const std::string& distribution) {
+    return "<string name='distribution' value='" + distribution + "'/>" + number("alpha_u", 0.05) +
+           number("alpha_v", 0.4);
 }
 
-std::vector<BsdfModel> rough_models() {
-    std::vector<BsdfModel> models;
-    for (const std::string distribution : {"beckmann", "ggx"}) {
-        for (double alpha : {0.01, 0.1, 0.5, 1.0}) {
-            const std::string name = fmt::format("{} alpha={}", distribution, alpha);
-            const std::string facets = microfacets(distribution, alpha);
-            models.push_back({"roughconductor " + name, bsdf("roughconductor", mirror_index + facets)});
-            if (alpha < 1)
-                models.push_back(
-                    {"roughdielectric " + name, bsdf("roughdielectric", glass_index + facets), 1.5, {}, true});
-        }
-        const std::string stretched = "<string name='distribution' value='" + distribution + "'/>" +
-                                      number("alpha_u", 0.05) + number("alpha_v", 0.4);
-        models.push_back({"roughconductor " + distribution + " stretched",
-                          bsdf("twosided", bsdf("roughconductor", number("eta", 0.2) + number("k", 3.9) + stretched)),
-                          1,
-                          {},
-                          true});
-        models.push_back({"roughdielectric " + distribution + " stretched",
-                          bsdf("roughdielectric", glass_index + stretched),
-                          1.5,
-                          {},
-                          true});
+/// The models to be tested, by the scattering model that they contain.
+struct ModelsOf {
+    using Models = std::vector<BsdfModel>;
+
+    Models operator()(std::type_identity<Diffuse>) const {
+        return {
+            {"diffuse", bsdf("diffuse", reflectance("0.2, 0.5, 0.8")), 1, 0.5},
+            {"white diffuse", bsdf("diffuse", reflectance("1")), 1, 1.0},
+            {"two-sided diffuse", bsdf("twosided", bsdf("diffuse", reflectance("0.75"))), 1, 0.75, true},
+        };
     }
-    return models;
+    Models operator()(std::type_identity<Dielectric>) const {
+        return {{"dielectric", bsdf("dielectric", glass_index), 1.5, 1.0, true}};
+    }
+    Models operator()(std::type_identity<ThinDielectric>) const {
+        return {{"thindielectric", bsdf("thindielectric", glass_index), 1, 1.0, true}};
+    }
+    Models operator()(std::type_identity<Conductor>) const {
+        return {{"mirror", bsdf("conductor", mirror_index), 1, 1.0}};
+    }
+    Models operator()(std::type_identity<RoughConductor>) const {
+        Models models;
+        for (const std::string& distribution : distributions) {
+            for (double alpha : {0.01, 0.1, 0.5, 1.0})
+                models.push_back({fmt::format("roughconductor {} alpha={}", distribution, alpha),
+                                  bsdf("roughconductor", mirror_index + microfacets(distribution, alpha))});
+            const std::string metal = number("eta", 0.2) + number("k", 3.9) + stretched(distribution);
+            models.push_back({"roughconductor " + distribution + " stretched",
+                              bsdf("twosided", bsdf("roughconductor", metal)),
+                              1,
+                              {},
+                              true});
+        }
+        return models;
+    }
+    Models operator()(std::type_identity<RoughDielectric>) const {
+        Models models;
+        const auto add = [&](const std::string& name, const std::string& facets) {
+            models.push_back({"roughdielectric " + name, bsdf("roughdielectric", glass_index + facets), 1.5, {}, true});
+        };
+        for (const std::string& distribution : distributions) {
+            for (double alpha : {0.01, 0.1, 0.5})
+                add(fmt::format("{} alpha={}", distribution, alpha), microfacets(distribution, alpha));
+            add(distribution + " stretched", stretched(distribution));
+        }
+        return models;
+    }
+    Models operator()(std::type_identity<Plastic>) const {
+        const std::string nonlinear = "<boolean name='nonlinear' value='true'/>";
+        return {
+            {"plastic", bsdf("plastic", glass_index)},
+            {"white plastic", bsdf("plastic", glass_index + white), 1, 1.0},
+            {"white plastic nonlinear", bsdf("plastic", glass_index + white + nonlinear), 1, 1.0},
+        };
+    }
+    Models operator()(std::type_identity<RoughPlastic>) const {
+        Models models;
+        for (const std::string& distribution : distributions)
+            for (double alpha : {0.02, 0.3})
+                models.push_back({fmt::format("roughplastic {} alpha={}", distribution, alpha),
+                                  bsdf("roughplastic", glass_index + microfacets(distribution, alpha) + white)});
+        return models;
+    }
+    Models operator()(std::type_identity<Phong>) const {
+        Models models;
+        for (double exponent : {1.0, 30.0, 3000.0})
+            models.push_back({fmt::format("phong {}", exponent), bsdf("phong", number("exponent", exponent))});
+        return models;
+    }
+
+private:
+    const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";
+};
+
+/// Whether the material of this bsdf element has a layer of type T.
+template <typename T>
+bool contains(const std::string& xml) {
+    const Bsdf bsdf = bsdf_of(xml);
+    return std::any_of(bsdf.layers().begin(), bsdf.layers().end(),
+                       [](const Bsdf::Layer& layer) { return std::holds_alternative<T>(layer.model); });
 }
 
-std::vector<BsdfModel> layered_models() {
-    const std::string nonlinear = "<boolean name='nonlinear' value='true'/>";
-    const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";
-    std::vector<BsdfModel> models = {
-        {"plastic", bsdf("plastic", glass_index)},
-        {"white plastic", bsdf("plastic", glass_index + white), 1, 1.0},
-        {"white plastic nonlinear", bsdf("plastic", glass_index + white + nonlinear), 1, 1.0},
-    };
-    for (const std::string distribution : {"beckmann", "ggx"})
-        for (double alpha : {0.02, 0.3})
-            models.push_back({fmt::format("roughplastic {} alpha={}", distribution, alpha),
-                              bsdf("roughplastic", glass_index + microfacets(distribution, alpha) + white)});
-    for (double exponent : {1.0, 30.0, 3000.0})
-        models.push_back({fmt::format("phong {}", exponent), bsdf("phong", number("exponent", exponent))});
+/// Throws std::logic_error if there is no model for T, or if one of them does not contain T.
+template <typename T>
+std::vector<BsdfModel> checked_models_of(std::type_identity<T> type) {
+    std::vector<BsdfModel> models = ModelsOf()(type);
+    if (models.empty()) throw std::logic_error("a scattering model has no test case");
+    for (const BsdfModel& model : models)
+        if (!contains<T>(model.xml)) throw std::logic_error("not of its scattering model: " + model.name);
     return models;
 }
 
@@ -165,14 +214,14 @@ std::vector<BsdfModel> mixed_models() {
 }  // namespace
 
 std::vector<BsdfModel> bsdf_models() {
-    std::vector<BsdfModel> models = smooth_models();
-    for (auto make : {rough_models, layered_models, mixed_models})
-        for (BsdfModel& model : make())
-            models.push_back(std::move(model));
+    auto models = listed_for_every_alternative<Scattering>([](auto type) { return checked_models_of(type); });
+    for (BsdfModel& model : mixed_models())
+        models.push_back(std::move(model));
     return models;
 }
 
-// Seen from 33 degrees on towards the azimuth of bsdf_case, the steep normals show their back.
+// The steep normals show their back to an eye at the azimuth of bsdf_case that is 33
+// degrees or more off the vertical.
 std::vector<BsdfModel> perturbed_models() {
     const std::string white = bsdf("diffuse", reflectance("1"));
     const std::string glossy = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.3));

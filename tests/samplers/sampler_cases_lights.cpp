@@ -1,16 +1,41 @@
-// The lights, as seen from a point, and as sources of light paths.
+// The test cases of lights: sampled from a point, and as starts of light paths.
 
+#include "common/scene/scene.h"
 #include "tests/samplers/sampler_cases.h"
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_text.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <stdexcept>
+
 namespace gib::test {
 
 namespace {
 
 using ScenePointer = std::shared_ptr<const Scene>;
+
+/// The scene of `xml`, whose lights are all of type Kind; if they are not, throws std::logic_error.
+template <typename Kind>
+ScenePointer lit_by(const std::string& xml) {
+    ScenePointer scene = load(xml).scene;
+    const std::vector<Light>& lights = scene->lights();
+    if (lights.empty() || !std::all_of(lights.begin(), lights.end(),
+                                       [](const Light& light) { return std::holds_alternative<Kind>(light); }))
+        throw std::logic_error("the lights are of another type: " + xml);
+    return scene;
+}
+
+/// The same for area lights, all on shapes of type Form.
+template <typename Form>
+ScenePointer emitting(const std::string& xml) {
+    ScenePointer scene = lit_by<AreaLight>(xml);
+    for (const Light& light : scene->lights())
+        if (!std::holds_alternative<Form>(scene->shapes()[std::get<AreaLight>(light).shape]))
+            throw std::logic_error("the lights are on shapes of another type: " + xml);
+    return scene;
+}
 
 double mean(const Color& c) { return c.cast<double>().mean(); }
 
@@ -22,7 +47,7 @@ std::string number(const std::string& name, double value) {
     return fmt::format("<float name='{}' value='{}'/>", name, value);
 }
 
-/// A shape that emits; `placing` stands inside its to_world.
+/// An emitting shape; `placing` is the content of its to_world.
 std::string area_light(const std::string& type, const std::string& placing, const std::string& parameters = "",
                        const std::string& radiance = "1") {
     return "<shape type='" + type + "'>" + parameters + "<transform name='to_world'>" + placing + "</transform>" +
@@ -33,8 +58,8 @@ std::string translate(double x, double y, double z) {
     return fmt::format("<translate x='{}' y='{}' z='{}'/>", x, y, z);
 }
 
-/// What a path that finds the light by chance must assume: the density of the light that the ray meets. Surfaces that
-/// do not emit are looked through, as the samplers do.
+/// The density that a path must assume if its ray hits a light by chance. Surfaces that do not emit count as
+/// transparent, as they do for the samplers.
 double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
@@ -51,10 +76,9 @@ struct Seen {
     std::vector<double> breaks = {};
 };
 
-/// Lights as they are seen from p. They must not hide each other: the sampler does not look.
-SamplerCase light_case(const std::string& name, const std::string& xml, const Vec3& p_file, const Seen& seen) {
-    const ScenePointer scene = load(xml).scene;
-    // Scenes are recentred when they are loaded; the camera stands at the file's origin.
+/// Lights sampled from p. They must not hide each other, because the sampler does not test visibility.
+SamplerCase light_case(const std::string& name, const ScenePointer& scene, const Vec3& p_file, const Seen& seen) {
+    // Loading moves the scene to the centre of its bounds; the camera shows where the file's origin is.
     const Vec3 p = p_file + scene->sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
     const SphereChart chart(seen.axis.cast<double>());
     SamplerCase test = sphere_case(
@@ -74,14 +98,16 @@ SamplerCase light_case(const std::string& name, const std::string& xml, const Ve
     return test;
 }
 
-/// A cylinder from outside, by the angle and height of its points. By direction its density has no bound at the
-/// silhouette, and what lies within a float's rounding of that is more than the scatter of the counts.
+/// A cylinder seen from outside, in the angle and height of its points. As a function of direction, the
+/// density is unbounded at the silhouette, and the share of samples within the rounding of a float there
+/// exceeds the scatter of the counts.
 SamplerCase outside_of_cylinder_case() {
-    const ScenePointer scene = load(area_light("cylinder", "")).scene;
+    const ScenePointer scene = emitting<Cylinder>(area_light("cylinder", ""));
     const Vec3 origin = scene->sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
     const Vec3d p(3, 1, 2);
     constexpr double per_area = 1 / (2 * std::numbers::pi);
-    // A float's cosine is wrong by some 1e-6, which is less than limits::pdf_mismatch of it only above this.
+    // A cosine in float has an error of some 1e-6. Above this cosine its relative error
+    // is well below limits::pdf_mismatch.
     constexpr double clear_of_silhouette = 0.01;
     const auto normal = [](double phi) { return Vec3d(std::cos(phi), std::sin(phi), 0); };
     SamplerCase test;
@@ -106,8 +132,8 @@ SamplerCase outside_of_cylinder_case() {
 /// 1 - cos of the half-angle of a sphere's cone.
 double cone_of_sphere(double radius, double distance) { return 1 - std::sqrt(1 - sqr(radius / distance)); }
 
-/// Light paths' starts, by the point of the plane or sphere that `place` makes of them, against `pdf` there. Their mean
-/// power must be the light's.
+/// A sampler of the starts of light paths. `place` maps each start to a direction, where its density should be `pdf`.
+/// The weight is the sample's power over the light's power, so that its mean must be 1.
 template <typename Place>
 auto emission_sampler(const ScenePointer& scene, const Place& place, const std::function<double(const Vec3&)>& pdf) {
     const double power = scene->emitted_power().mean();
@@ -118,15 +144,15 @@ auto emission_sampler(const ScenePointer& scene, const Place& place, const std::
     };
 }
 
-/// The directions of light paths, about the normal where they start (z where there is none).
-SamplerCase emission_direction_case(const std::string& name, const std::string& xml,
+/// The directions of light paths in the frame of the normal at their start (of z where there is no normal).
+SamplerCase emission_direction_case(const std::string& name, const ScenePointer& scene,
                                     const std::function<double(const Vec3&)>& pdf,
                                     const std::vector<double>& breaks = {}) {
     const auto place = [](const EmissionSample& s) -> Vec3 {
         return s.normal.isZero() ? s.ray.d : Frame(s.normal).to_local(s.ray.d);
     };
     SamplerCase test =
-        sphere_case("emission: direction, " + name, SphereChart(), emission_sampler(load(xml).scene, place, pdf), pdf);
+        sphere_case("emission: direction, " + name, SphereChart(), emission_sampler(scene, place, pdf), pdf);
     test.domain = SphereChart::domain(breaks);
     test.mean_weight = 1;
     return test;
@@ -136,14 +162,14 @@ const std::function<double(const Vec3&)> uniform = [](const Vec3&) { return 1 / 
 
 /// The starts of light paths on a sphere at the origin.
 SamplerCase emission_sphere_case() {
-    const ScenePointer scene = load(area_light("sphere", "", number("radius", 2))).scene;
+    const ScenePointer scene = emitting<Sphere>(area_light("sphere", "", number("radius", 2)));
     const auto place = [](const EmissionSample& s) -> Vec3 { return s.ray.o.normalized(); };
     return sphere_case("emission: position, sphere", SphereChart(), emission_sampler(scene, place, uniform), uniform);
 }
 
 /// The starts of light paths on a rectangle [-2, 2] x [-1, 1] in the plane z = 0.
 SamplerCase emission_rectangle_case() {
-    const ScenePointer scene = load(area_light("rectangle", "<scale x='2' y='1' z='1'/>")).scene;
+    const ScenePointer scene = emitting<Mesh>(area_light("rectangle", "<scale x='2' y='1' z='1'/>"));
     return plane_case(
         "emission: position, rectangle", {{-2, 2}, {-1, 1}},
         [scene](const RandomNumbers& r) {
@@ -154,10 +180,11 @@ SamplerCase emission_rectangle_case() {
 
 const std::string small_shape = "<shape type='sphere'><float name='radius' value='0.5'/></shape>";
 
-/// The starts of parallel light's paths, along z, on a disk that hides a sphere of radius 1/2 and the box around it.
+/// The starts of the paths of parallel light along z, on a disk that covers a sphere of
+/// radius 1/2 and the box around it.
 SamplerCase emission_disk_case() {
-    const ScenePointer scene =
-        load(small_shape + "<emitter type='directional'><vector name='direction' x='0' y='0' z='1'/></emitter>").scene;
+    const ScenePointer scene = lit_by<DirectionalLight>(
+        small_shape + "<emitter type='directional'><vector name='direction' x='0' y='0' z='1'/></emitter>");
     const double radius = 0.5 * std::sqrt(3.0);
     return plane_case(
         "emission: position, directional", {{-1, 1}, {-1, 1}},
@@ -165,7 +192,7 @@ SamplerCase emission_disk_case() {
             return Vec2(scene->sample_emission(r.choice.x(), r.u, r.v).ray.o.head<2>());
         },
         [radius](const Vec2d& x) {
-            // The program's disk is larger by a share of 1e-5.
+            // The program enlarges the disk's radius by a share of 1e-5.
             return x.norm() <= radius * (1 + 2e-5) ? 1 / (std::numbers::pi * sqr(radius)) : 0.0;
         });
 }
@@ -184,16 +211,17 @@ SamplerCase emission_spot_case(double cutoff_degrees, double beam_degrees) {
     }
     const auto pdf = [falloff, integral](const Vec3& w) {
         const Vec3d d = w.cast<double>();
-        // The fall-off ends at 0, where a sample may lie as well.
+        // A sample may lie where the fall-off ends at 0, and its density must be positive.
         return std::max(falloff(std::atan2(d.head<2>().norm(), d.z())), 1e-12) / integral;
     };
-    return emission_direction_case(fmt::format("spot {} {}", cutoff_degrees, beam_degrees),
-                                   small_shape + "<emitter type='spot'>" + number("cutoff_angle", cutoff_degrees) +
-                                       number("beam_width", beam_degrees) + "</emitter>",
-                                   pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
+    return emission_direction_case(
+        fmt::format("spot {} {}", cutoff_degrees, beam_degrees),
+        lit_by<SpotLight>(small_shape + "<emitter type='spot'>" + number("cutoff_angle", cutoff_degrees) +
+                          number("beam_width", beam_degrees) + "</emitter>"),
+        pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
 }
 
-/// Noise, and a sun of one texel that has most of the light.
+/// An environment map of noise and a sun of one texel, which has most of the light.
 std::string sunny_map(const TemporaryFolder& folder) {
     return envmap_xml(folder, image_of(16, 9, [](int x, int y) {
                           return x == 11 && y == 2 ? Color(Color::Constant(300)) : Color(noise(x, y));
@@ -202,81 +230,110 @@ std::string sunny_map(const TemporaryFolder& folder) {
 
 SamplerCase emission_map_case() {
     const TemporaryFolder folder;
-    const std::string xml = small_shape + sunny_map(folder);
-    const ScenePointer scene = load(xml).scene;
-    return emission_direction_case("envmap", xml, [scene](const Vec3& w) {
+    const ScenePointer scene = lit_by<MappedEnvironment>(small_shape + sunny_map(folder));
+    return emission_direction_case("envmap", scene, [scene](const Vec3& w) {
         return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
     });
 }
 
-std::vector<SamplerCase> environment_cases() {
-    const TemporaryFolder folder;
-    const std::string constant = "<emitter type='constant'/>", point = "<emitter type='point'/>";
-    const Vec3 up(0, 1, 0), p(2, 0, 0);
-    return {
-        light_case("constant", small_shape + constant, p, {up}),
-        light_case("constant and point", small_shape + constant + point, p, {up, std::nullopt}),
-        light_case("envmap", small_shape + sunny_map(folder), p, {up}),
-        light_case("envmap of noise", small_shape + envmap_xml(folder, image_of(5, 4, noise)), p, {up}),
-        light_case("envmap of one row", small_shape + envmap_xml(folder, image_of(4, 1, noise)), p, {up}),
-    };
-}
+const Vec3 up(0, 1, 0), down(0, 0, -1);
+const Vec3 beside_shape(2, 0, 0);  ///< where environments are seen from, beside small_shape
 
-std::vector<SamplerCase> emission_cases() {
-    const auto cosine = [](const Vec3& w) { return std::max(static_cast<double>(w.z()), 0.0) / std::numbers::pi; };
+double cosine_density(const Vec3& w) { return std::max(static_cast<double>(w.z()), 0.0) / std::numbers::pi; }
+
+using Cases = std::vector<SamplerCase>;
+
+/// The cases of area lights by the shape that emits. Rectangles are [-1, 1]^2 and emit along +z.
+struct AreaLightCasesOf {
+    Cases operator()(std::type_identity<Mesh>) const {
+        const ScenePointer rectangle = emitting<Mesh>(area_light("rectangle", ""));
+        const ScenePointer moved = emitting<Mesh>(area_light("rectangle", translate(1, 2, 3)));
+        const ScenePointer cube = emitting<Mesh>(area_light("cube", ""));
+        return {
+            light_case("rectangle", rectangle, {0, 0, 2}, {down}),
+            light_case("rectangle from close by", rectangle, {0.3f, 0.2f, 0.05f}, {down}),
+            light_case("rectangle at a grazing angle", rectangle, {30, 0, 0.5f}, {Vec3(-1, 0, 0)}),
+            light_case("rectangle from behind", rectangle, {0, 0, -2}, {-down, 0.0}),
+            light_case("cube", cube, {2, 1.5f, 3}, {Vec3(-2, -1.5f, -3), std::nullopt}),
+            emission_rectangle_case(),
+            emission_direction_case("rectangle", moved, cosine_density),
+        };
+    }
+    Cases operator()(std::type_identity<Sphere>) const {
+        const std::string inwards = "<boolean name='flip_normals' value='true'/>";
+        const ScenePointer sphere = emitting<Sphere>(area_light("sphere", ""));
+        const ScenePointer hollow = emitting<Sphere>(area_light("sphere", "", inwards));
+        const ScenePointer moved = emitting<Sphere>(area_light("sphere", translate(1, 2, 3)));
+        return {
+            light_case("sphere", sphere, {0, 0, 2}, {down, 1.0, {cone_of_sphere(1, 2)}}),
+            light_case("sphere from close by", sphere, {0, 0, 1.01f}, {down, 1.0, {cone_of_sphere(1, 1.01)}}),
+            light_case("sphere from far away", sphere, {0, 0, 300}, {down, 1.0, {cone_of_sphere(1, 300)}}),
+            light_case("sphere from inside", hollow, {0.3f, 0.2f, 0.5f}, {down}),
+            emission_sphere_case(),
+            emission_direction_case("sphere", moved, cosine_density),
+        };
+    }
+    Cases operator()(std::type_identity<Disk>) const {
+        return {light_case("disk", emitting<Disk>(area_light("disk", "")), {1, 0, 2}, {Vec3(-0.5f, 0, -1)})};
+    }
+    Cases operator()(std::type_identity<Cylinder>) const {
+        const std::string inwards = "<boolean name='flip_normals' value='true'/>";
+        const ScenePointer hollow = emitting<Cylinder>(area_light("cylinder", "", inwards));
+        return {light_case("cylinder from inside", hollow, {0.3f, 0.2f, 0.5f}, {down}), outside_of_cylinder_case()};
+    }
+};
+
+/// The cases of each kind of light. Delta lights have no density as seen from a point.
+struct LightCasesOf {
+    Cases operator()(std::type_identity<AreaLight>) const {
+        return listed_for_every_alternative<Shape>(AreaLightCasesOf());
+    }
+    Cases operator()(std::type_identity<PointLight>) const {
+        const ScenePointer scene = lit_by<PointLight>(small_shape + "<emitter type='point'/>");
+        return {emission_direction_case("point", scene, uniform)};
+    }
+    Cases operator()(std::type_identity<SpotLight>) const {
+        return {emission_spot_case(20, 15), emission_spot_case(120, 0), emission_spot_case(1, 0.9)};
+    }
+    Cases operator()(std::type_identity<DirectionalLight>) const { return {emission_disk_case()}; }
+    Cases operator()(std::type_identity<ConstantEnvironment>) const {
+        const ScenePointer scene = lit_by<ConstantEnvironment>(small_shape + "<emitter type='constant'/>");
+        return {light_case("constant", scene, beside_shape, {up}), emission_direction_case("constant", scene, uniform)};
+    }
+    Cases operator()(std::type_identity<MappedEnvironment>) const {
+        const TemporaryFolder folder;
+        const auto lit = [](const std::string& map) { return lit_by<MappedEnvironment>(small_shape + map); };
+        return {
+            light_case("envmap", lit(sunny_map(folder)), beside_shape, {up}),
+            light_case("envmap of noise", lit(envmap_xml(folder, image_of(5, 4, noise))), beside_shape, {up}),
+            light_case("envmap of one row", lit(envmap_xml(folder, image_of(4, 1, noise))), beside_shape, {up}),
+            emission_map_case(),
+        };
+    }
+};
+
+/// Several lights, so that the choice among them is tested, too.
+Cases mixed_light_cases() {
+    // The powers are 4 pi, pi 4 and 4 pi^2 / 10. A tenth of the choices is uniform over the lights.
+    const double share_of_point = 0.9 / (2 + std::numbers::pi / 10) + 0.1 / 3;
+    const std::string two_rectangles =
+        area_light("rectangle", translate(-1.5, 0, 0)) + area_light("rectangle", translate(1.5, 0, 0), "", "5");
+    const std::string three_lights = area_light("rectangle", "") + area_light("sphere", translate(5, 0, 0), "", "0.1") +
+                                     "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>";
+    const std::string constant_and_point = small_shape + "<emitter type='constant'/><emitter type='point'/>";
     return {
-        emission_sphere_case(),
-        emission_rectangle_case(),
-        emission_disk_case(),
-        emission_direction_case("sphere", area_light("sphere", translate(1, 2, 3)), cosine),
-        emission_direction_case("rectangle", area_light("rectangle", translate(1, 2, 3)), cosine),
-        emission_direction_case("point", small_shape + "<emitter type='point'/>", uniform),
-        emission_direction_case("constant", small_shape + "<emitter type='constant'/>", uniform),
-        emission_spot_case(20, 15),
-        emission_spot_case(120, 0),
-        emission_spot_case(1, 0.9),
-        emission_map_case(),
+        light_case("two rectangles", load(two_rectangles).scene, {0, 0, 2}, {down}),
+        light_case("point, rectangle and sphere", load(three_lights).scene, {0, 0, 2}, {down, 1 - share_of_point}),
+        light_case("constant and point", load(constant_and_point).scene, beside_shape, {up, std::nullopt}),
     };
 }
 
 }  // namespace
 
 std::vector<SamplerCase> light_cases() {
-    // Rectangles are [-1, 1]^2 and emit along +z; p looks at them from above.
-    const std::string rectangle = area_light("rectangle", "");
-    const std::string disk = area_light("disk", "");
-    const std::string cube = area_light("cube", "");
-    const std::string sphere = area_light("sphere", "");
-    const std::string hollow = area_light("sphere", "", "<boolean name='flip_normals' value='true'/>");
-    // Powers 4 pi, pi 4 and 4 pi^2 / 10; a tenth of the choices goes to all lights alike.
-    const double share_of_point = 0.9 / (2 + std::numbers::pi / 10) + 0.1 / 3;
-    const Vec3 down(0, 0, -1), aslant(-0.5f, 0, -1);
-    std::vector<SamplerCase> cases = {
-        light_case("rectangle", rectangle, {0, 0, 2}, {down}),
-        light_case("rectangle from close by", rectangle, {0.3f, 0.2f, 0.05f}, {down}),
-        light_case("rectangle at a grazing angle", rectangle, {30, 0, 0.5f}, {Vec3(-1, 0, 0)}),
-        light_case("rectangle from behind", rectangle, {0, 0, -2}, {-down, 0.0}),
-        light_case("disk", disk, {1, 0, 2}, {aslant}),
-        light_case("cube", cube, {2, 1.5f, 3}, {Vec3(-2, -1.5f, -3), std::nullopt}),
-        light_case("cylinder from inside", area_light("cylinder", "", "<boolean name='flip_normals' value='true'/>"),
-                   {0.3f, 0.2f, 0.5f}, {down}),
-        outside_of_cylinder_case(),
-        light_case("sphere", sphere, {0, 0, 2}, {down, 1.0, {cone_of_sphere(1, 2)}}),
-        light_case("sphere from close by", sphere, {0, 0, 1.01f}, {down, 1.0, {cone_of_sphere(1, 1.01)}}),
-        light_case("sphere from far away", sphere, {0, 0, 300}, {down, 1.0, {cone_of_sphere(1, 300)}}),
-        light_case("sphere from inside", hollow, {0.3f, 0.2f, 0.5f}, {down}),
-        light_case(
-            "two rectangles",
-            area_light("rectangle", translate(-1.5, 0, 0)) + area_light("rectangle", translate(1.5, 0, 0), "", "5"),
-            {0, 0, 2}, {down}),
-        light_case("point, rectangle and sphere",
-                   rectangle + area_light("sphere", translate(5, 0, 0), "", "0.1") +
-                       "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>",
-                   {0, 0, 2}, {down, 1 - share_of_point}),
-    };
-    for (auto make : {environment_cases, emission_cases})
-        for (SamplerCase& test : make())
-            cases.push_back(std::move(test));
+    Cases cases = listed_for_every_alternative<Light>(LightCasesOf());
+    for (SamplerCase& test : mixed_light_cases())
+        cases.push_back(std::move(test));
     return cases;
 }
 

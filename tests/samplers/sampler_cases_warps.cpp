@@ -1,4 +1,5 @@
-// The maps from the unit square in common/sampling/warp.h, choices among items, and the filters of the film.
+// The test cases of the maps from the unit square in common/sampling/warp.h, of choices among
+// items, and of the film's filters.
 
 #include "common/media/phase.h"
 #include "common/sampling/warp.h"
@@ -46,7 +47,7 @@ SamplerCase sphere_warp_case() {
         [](const Vec3&) { return 1 / (4 * pi_d); });
 }
 
-/// The chart turns around the peak.
+/// The axis of the chart is the peak of the phase function.
 SamplerCase phase_case(float g) {
     const Vec3 wo = Vec3(0.3f, -0.5f, 0.8f).normalized();
     const PhaseFunction phase{g};
@@ -88,7 +89,7 @@ SamplerCase linear_case(double f0, double f1) {
         [f0, f1](const Vec2d& p) { return std::max(f0 + (f1 - f0) * p.x(), 1e-9) * 2 / (f0 + f1); });
 }
 
-/// A ring around the axis; x: the angle as a share of the ring's width.
+/// A ring of directions around an axis; x is the polar angle as a share of the ring's width.
 SamplerCase polar_ramp_case(const std::string& name, const PolarRamp& ramp) {
     const double width = ramp.theta1 - ramp.theta0, integral = ramp.integral();
     return plane_case(
@@ -103,7 +104,7 @@ SamplerCase polar_ramp_case(const std::string& name, const PolarRamp& ramp) {
         });
 }
 
-/// Items side by side, each of width 1, and within it the rest of the random number.
+/// Item i covers the interval [i, i + 1) of the x axis; the rest of the random number is the position within it.
 SamplerCase discrete_case(const std::string& name, const std::vector<double>& weights) {
     const DiscreteDistribution items(weights);
     std::vector<double> breaks(weights.size() + 1);
@@ -133,8 +134,8 @@ SamplerCase filter_case(const std::string& name, const ReconstructionFilter& fil
 SamplerCase gaussian_filter_case(double stddev) {
     const double radius = 4 * stddev, tail = std::exp(-8.0);
     const double integral = std::sqrt(2 * pi_d) * stddev * std::erf(4 / std::sqrt(2.0)) - 2 * radius * tail;
-    // The sampled filter is a table of 512 steps: the density at the very rim, where the filter is 0, is that of a
-    // step.
+    // The sampled filter is a table of 512 steps, so the sampled density is not 0 at the
+    // very rim, where the filter is.
     const auto density = [=](double x) {
         return std::max(std::exp(-x * x / (2 * stddev * stddev)) - tail, 1e-9) / integral;
     };

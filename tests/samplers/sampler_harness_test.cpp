@@ -1,4 +1,4 @@
-// The tests of samplers, tested: right samplers pass as often as they should, and small mistakes are noticed.
+// Tests of the sampler tests: correct samplers pass as often as they should, and small mistakes are noticed.
 
 #include "common/core/parallel.h"
 #include "common/sampling/warp.h"
@@ -14,8 +14,7 @@ namespace {
 constexpr double pi_d = std::numbers::pi;
 constexpr std::uint64_t samples = 1'000'000;
 
-/// The first threshold of Holm's correction, were the case one of those behind 1000 p-values at a family's alpha of
-/// 0.01.
+/// The first threshold of Holm's correction for a family of 1000 p-values with alpha = 0.01.
 constexpr double threshold = 0.01 / 1000;
 
 bool has_unlikely_p(const CaseResult& result) {
@@ -30,7 +29,7 @@ bool has_unlikely_p(const CaseResult& result) {
     return ::testing::AssertionSuccess();
 }
 
-/// By a p-value alone.
+/// Whether a p-value alone rejects the case.
 ::testing::AssertionResult is_rejected(const SamplerCase& test) {
     const CaseResult result = run_case(test, samples);
     if (has_unlikely_p(result)) return ::testing::AssertionSuccess();
@@ -50,7 +49,7 @@ bool has_unlikely_p(const CaseResult& result) {
     return failure;
 }
 
-/// A power of the cosine, whatever the pdf.
+/// Samples a direction with a density in proportion to cos^n.
 Vec3 sample_cosine_power(const Vec2& u, double n) {
     const double z = std::pow(1 - static_cast<double>(u.x()), 1 / (n + 1)), r = std::sqrt(1 - z * z);
     const double phi = 2 * pi_d * static_cast<double>(u.y());
@@ -72,8 +71,8 @@ SamplerCase cosine_power_case(const std::string& name, double sampled, double cl
         pdf);
 }
 
-/// The von Mises-Fisher distribution around a mirror direction: a lobe as narrow as one likes, of which a part lies
-/// below the horizon and is given up. `claimed`: the concentration that the pdf is made with.
+/// A lobe of any width: the von Mises-Fisher distribution around a mirror direction. Samples below the horizon are
+/// given up. `claimed` is the concentration that the pdf uses.
 SamplerCase narrow_lobe_case(const std::string& name, double theta, double concentration, double claimed) {
     const SphereChart lobe(direction_at(theta, 220).cast<double>());
     const auto pdf = [lobe, claimed](const Vec3& w) {
@@ -96,8 +95,9 @@ SamplerCase narrow_lobe_case(const std::string& name, double theta, double conce
     return test;
 }
 
-/// Two lobes, chosen with probabilities `sampled` and 1 - `sampled`; the pdf claims `claimed`. The value is that of the
-/// right mixture with an albedo of 0.8 and 0.4, of which the second lobe's sampled weight keeps `kept`.
+/// Two lobes that are chosen with probabilities `sampled` and 1 - `sampled`; the pdf claims `claimed` and 1 -
+/// `claimed`. The value is that of an equal mixture with albedos of 0.8 and 0.4. In the weights of the samples, the
+/// second lobe keeps only the share `kept` of its value.
 SamplerCase two_lobes_case(const std::string& name, double sampled, double claimed, double kept = 1) {
     constexpr double sharp = 50;
     const auto pdf = [claimed](const Vec3& w) {
@@ -118,15 +118,16 @@ SamplerCase two_lobes_case(const std::string& name, double sampled, double claim
     return test;
 }
 
-/// Reflection about a half vector of density `exponent`; the Jacobian 1 / (4 wo . h) is left out on demand (Walter et
-/// al. 2007, equation 14).
+/// Reflection about a half vector h with a density in proportion to cos^`exponent`. Without `with_jacobian`, the pdf
+/// lacks the Jacobian 1 / (4 wo . h) of Walter et al. 2007, equation 14.
 SamplerCase half_vector_case(const std::string& name, bool with_jacobian) {
     constexpr double exponent = 20;
     const Vec3 wo = direction_at(50, 40);
     const auto pdf = [wo, with_jacobian](const Vec3& wi) {
         if (wi.z() <= 0.f) return 0.0;
         const Vec3 h = (wo + wi).normalized();
-        // Without it the lobe keeps its size only by a constant, as after a careless normalisation.
+        // A constant in place of the Jacobian keeps the integral of the pdf about right, as
+        // a careless normalisation would.
         const double jacobian = with_jacobian ? 1 / (4 * static_cast<double>(wo.dot(h))) : 1 / (4 * 0.64);
         return cosine_power_pdf(h, exponent) * jacobian;
     };
@@ -143,7 +144,8 @@ SamplerCase half_vector_case(const std::string& name, bool with_jacobian) {
     return test;
 }
 
-// The p-values of right samplers are uniform: Kolmogorov and Smirnov's test of 64 of each kind, alpha = 0.001 for each.
+// The p-values of correct samplers are uniform: a Kolmogorov-Smirnov test of 64 p-values of each kind, alpha = 0.001
+// for each kind.
 TEST(SamplerHarness, PValuesOfRightSamplersAreUniform) {
     constexpr std::size_t n = 64;
     std::vector<CaseResult> results(n);
@@ -188,7 +190,7 @@ TEST(SamplerHarness, CatchesALobeProbabilityThatIsOnePercentOff) {
 
 TEST(SamplerHarness, CatchesOnePercentOfEnergyLostInOneLobe) {
     EXPECT_TRUE(is_rejected(two_lobes_case("two lobes, one too dark", 0.5, 0.5, 0.99)));
-    // Lost in the value as well, only the known albedo tells.
+    // If the value loses the energy as well, only the known albedo shows it.
     SamplerCase test = two_lobes_case("two lobes, both too dark", 0.5, 0.5);
     test.mean_weight = 0.6 + 0.5 * 0.4 * 0.01;
     EXPECT_TRUE(fails_with(test, "the mean weight is 0.6000"));
@@ -207,7 +209,7 @@ TEST(SamplerHarness, CatchesADensityThatIntegratesToTheWrongNumber) {
     const auto right = test.pdf;
     test.pdf = [right](const Vec2d& x) { return 1.002 * right(x); };
     EXPECT_TRUE(fails_with(test, "integrates to 1.002"));
-    // 0.4 % where no sample ever falls.
+    // The density claims 0.4 % more where no sample ever falls.
     test.pdf = [right](const Vec2d& x) { return right(x) + (x.x() > 1.9 ? 0.04 / (2 * pi_d) : 0.0); };
     EXPECT_TRUE(fails_with(test, "integrates to 1.00"));
 }

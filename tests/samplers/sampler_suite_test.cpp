@@ -1,4 +1,4 @@
-// Every sampler of the program against the density that it claims, as one family of tests.
+// Tests every sampler of the program against the density that it claims, as one family of tests.
 
 #include "common/core/parallel.h"
 #include "tests/samplers/chi_square.h"
@@ -13,7 +13,7 @@
 namespace gib::test {
 namespace {
 
-/// The probability that any p-value of the whole family fails a correct program (before its seeds were fixed).
+/// The probability, over the choice of the seeds, that any p-value of the whole family fails a correct program.
 constexpr double alpha = 0.01;
 
 #ifdef GIB_SAMPLER_TEST_SAMPLES
@@ -56,7 +56,8 @@ struct Family {
     }
 };
 
-/// All of them; while a sampler is being written, those whose names contain the environment variable GIB_SAMPLER_CASES.
+/// All cases, or those whose names contain the environment variable GIB_SAMPLER_CASES, which is for use while a
+/// sampler is being written.
 std::vector<SamplerCase> all_cases() {
     const char* only = std::getenv("GIB_SAMPLER_CASES");
     std::vector<SamplerCase> cases;

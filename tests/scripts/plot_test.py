@@ -1,4 +1,4 @@
-"""Tests of scripts/plot: what the figures show against the CSV files, the LaTeX table, errors. Exit 77: skipped."""
+"""Tests of scripts/plot: the figures against the CSV files, the LaTeX table, errors. Exit code 77: skipped."""
 import importlib.util
 import math
 import os
@@ -64,7 +64,7 @@ def content(folder):
 
 
 class Svg:
-    """Positions in a figure, and the values that they stand for by the numbers at the axis' ticks."""
+    """Positions in a figure, and their values according to the numbers at the axes' ticks."""
 
     def __init__(self, path):
         self.root = ElementTree.parse(path).getroot()
@@ -161,7 +161,8 @@ class PlotTest(unittest.TestCase):
             self.assertIn(method, svg.text())
 
     def test_bands_are_those_of_students_t(self):
-        # Scatter 0.25 of the mean, 3 seeds: the squared error gets exp(t_2 0.25 / sqrt(3)), the error its root.
+        # The scatter is 0.25 of the mean of 3 seeds: the squared error gets the factor exp(t_2 0.25 / sqrt(3)), the
+        # error its root.
         factor = math.exp(4.302653 * 0.25 / math.sqrt(3) / 2)
         svg = self.svg("error")
         seconds, error = svg.axis(1, "x", True), svg.axis(1, "y", True)

@@ -1,8 +1,10 @@
 #pragma once
-// What the tests of the driver share: a method without light transport, and the built program as a child.
+// Fixtures of the driver's tests: a method without light transport, and the built program as a child process.
 
 #include "common/core/files.h"
+#include "common/images/film.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/scene.h"
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
 
@@ -15,7 +17,7 @@
 
 namespace gib::test {
 
-/// A lit wall of 8 x 8 pixels.
+/// A wall under a spherical lamp, seen by a camera of `size` x `size` pixels.
 inline std::string tiny_scene_xml(int size = 8) {
     return scene_xml("<sensor type='perspective'>" + box_film(size) +
                      "<sampler type='independent'><integer name='sample_count' value='4'/></sampler></sensor>"
@@ -27,11 +29,13 @@ inline std::string tiny_scene_xml(int size = 8) {
                      "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>");
 }
 
-/// Every pixel is 1 plus noise of the seed and pass; the charged and uncharged parts sleep as they are told to.
+/// How a FakeMethod behaves. Every pixel is 1 plus noise of standard deviation `noise`, a pure function of the seed,
+/// the pass and the pixel. The start, a pass, the timed stage of a pass and the making of an image sleep for the given
+/// times [s], so that a test sees which of them are charged.
 struct FakeBehaviour {
     double noise = 0.5;
     double start_seconds = 0, pass_seconds = 0, image_seconds = 0, staged_seconds = 0;
-    std::uint32_t converges_after = 0;  ///< 0: never
+    std::uint32_t converges_after = 0;  ///< [passes]; 0: never
 };
 
 inline void sleep_seconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
@@ -90,13 +94,13 @@ private:
     FakeBehaviour b_;
 };
 
-/// A program's end and what it said.
+/// The exit code of a program (128 + the signal if one killed it) and its standard output and error.
 struct ProgramResult {
     int code;
     std::string out, err;
 };
 
-/// Runs the built program in `folder`, through a shell: quote what needs quotes.
+/// Runs the built program in `folder` through a shell, so `arguments` must be quoted as a shell needs.
 inline ProgramResult run_gibench(const std::string& arguments, const std::string& folder) {
     const std::string command = "cd '" + folder + "' && '" + program_path() + "' " + arguments + " >.out 2>.err";
     const int status = std::system(command.c_str());

@@ -1,6 +1,6 @@
 #pragma once
-// What tests of hard cases are written with: methods with the options that have numerical cases of their own, and
-// pieces of scenes.
+// Building blocks of the tests of hard cases: the methods, with the options that have numerical cases of their own,
+// and pieces of scene files.
 
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
@@ -27,7 +27,7 @@ inline const std::vector<HardMethod>& hard_methods() {
     return methods;
 }
 
-/// Whether the method simulates all that the scene calls for.
+/// Whether the method simulates every effect that the scene calls for.
 inline bool simulates(const std::string& label, const Scene& scene) {
     const MethodLabel parsed = MethodLabel::parse(label);
     const MethodDescription& description = find_method(parsed.name);
@@ -61,16 +61,16 @@ inline std::string lookat(const Vec3d& origin, const Vec3d& target) {
     return "<lookat origin='" + text(origin) + "' target='" + text(target) + "' up='0,1,0'/>";
 }
 
-/// Where a whole scene is put: scaled, then moved.
+/// The placement of a whole scene: it is scaled, then moved.
 struct Place {
     double scale = 1;
     Vec3d move = Vec3d::Zero();
 
-    /// A camera's, which must not be scaled.
+    /// The to_world of a camera, which must not contain a scale.
     std::string view(const Vec3d& origin, const Vec3d& target) const {
         return "<transform name='to_world'>" + lookat(scale * origin + move, scale * target + move) + "</transform>";
     }
-    /// A shape's transform whose own operations are `operations`.
+    /// The to_world of a shape: `operations`, then the placement.
     std::string transform(const std::string& operations = "") const {
         std::string text = "<transform name='to_world'>" + operations;
         if (scale != 1) text += "<scale value='" + exact(scale) + "'/>";
@@ -91,8 +91,8 @@ inline std::string camera(const std::string& transform, double fov, int size, co
     return "<sensor type='perspective'>" + number_xml("fov", fov) + transform + box_film(size) + more + "</sensor>";
 }
 
-/// A sphere around everything whose walls reflect rho and emit 1 - rho: the radiance is 1 everywhere and in every
-/// direction, and nothing that loses no light can be seen in it.
+/// A sphere around the whole scene. Its walls reflect rho and emit 1 - rho, so the radiance is 1 everywhere and in
+/// every direction, and an object that absorbs no light cannot be seen in it.
 inline std::string furnace(double radius = 4, double rho = 0.5) {
     return sphere_at(Vec3d::Zero(), radius,
                      "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(1 - rho));

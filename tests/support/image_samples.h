@@ -1,5 +1,6 @@
 #pragma once
-// Pictures that should be the same in distribution: replicates of each, and how likely their difference is.
+// Compares pictures that should have the same distribution: replicates of each, and the
+// probability of their difference.
 
 #include "tests/support/hard_cases.h"
 #include "tests/support/moments.h"
@@ -13,7 +14,7 @@
 
 namespace gib::test {
 
-/// Of one picture: the mean of each channel, of each component, and of four quarters of it.
+/// A picture is reduced to this many numbers: the mean of each channel, of each component, and of each quarter.
 inline constexpr std::size_t numbers_of_a_picture = 3 + component_count + 4;
 
 inline std::vector<double> numbers_of(const ComponentImages& images) {
@@ -37,7 +38,7 @@ inline std::vector<double> numbers_of(const ComponentImages& images) {
     return numbers;
 }
 
-/// The numbers over independent seeds.
+/// Moments of numbers_of() over renders with `seeds` successive seeds, which are independent.
 inline std::vector<Moments> replicates(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
                                        std::uint64_t first_seed, std::uint64_t seeds) {
     std::vector<Moments> moments(numbers_of_a_picture);
@@ -49,12 +50,13 @@ inline std::vector<Moments> replicates(const LoadedScene& scene, const std::stri
     return moments;
 }
 
-/// Rounding that is no noise: some hundred operations in float.
+/// The relative difference of two means that rounding explains: some hundred operations in float.
 inline constexpr double picture_rounding = 1e-5;
 
-/// P(|T| >= t) of Welch's t (1947) for equal means, `scale` times the second. Under the hypothesis both sides have the
-/// same law, so that the difference of means over equally many seeds is symmetric whatever the law, for which t's tails
-/// are, if anything, lighter than Student's (Efron 1969): fireflies make no false alarms.
+/// P(|T| >= t) of Welch's t-test (1947) for the hypothesis that the mean of a is `scale` times the mean of b. Under
+/// the hypothesis both sides have the same law, so the difference of their means over equally many seeds is
+/// symmetric, whatever that law is. The tails of t are then, if anything, lighter than Student's (Efron 1969):
+/// fireflies cause no false alarms.
 inline double welch_probability(const Moments& a, const Moments& b, double scale = 1) {
     const double va = a.standard_error() * a.standard_error(), vb = std::pow(scale * b.standard_error(), 2);
     const double allowed = picture_rounding * std::max(std::abs(a.mean()), std::abs(scale * b.mean()));
@@ -66,8 +68,8 @@ inline double welch_probability(const Moments& a, const Moments& b, double scale
     return student_t_tail(difference / std::sqrt(va + vb), std::max(degrees, 1.0));
 }
 
-/// Fisher's (1925) of independent probabilities: -2 sum ln p is chi-square with two degrees of freedom each, whose
-/// tail is a sum of Poisson's.
+/// Fisher's (1925) combination of independent probabilities p: -2 sum ln p is chi-square with two degrees of freedom
+/// for each p. The tail of that law is a sum of Poisson probabilities.
 inline double fisher_probability(const std::vector<double>& probabilities) {
     double x = 0;
     for (const double p : probabilities)

@@ -1,5 +1,5 @@
 #pragma once
-// The message of wrong input.
+// The error message that wrong input causes, as a string to compare.
 
 #include "common/core/error.h"
 
@@ -7,7 +7,7 @@
 
 namespace gib::test {
 
-/// What the InputError says that `read` throws; "no error" if it throws none.
+/// The message of the InputError that `read` throws; "no error" if it throws none.
 template <typename Read>
 std::string input_error_of(const Read& read) {
     try {

@@ -18,20 +18,20 @@ inline Image image_of(int width, int height, const std::function<Color(int, int)
     return image;
 }
 
-/// Radiance between 0 and 1 without order, a pure function of the texel.
+/// Random radiance in [0, 1), a pure function of the texel.
 inline Color noise(int x, int y) {
     const Sampler sampler(PointSet::independent, 17, static_cast<std::uint64_t>(x), static_cast<std::uint32_t>(y));
     return {sampler.get_1d(0), sampler.get_1d(1), sampler.get_1d(2)};
 }
 
-/// An <emitter> with that map; the file stands in `folder`.
+/// An envmap <emitter> that shows `image`, which is written to map.exr in `folder`.
 inline std::string envmap_xml(const TemporaryFolder& folder, const Image& image, const std::string& more = "") {
     write_exr(folder / "map.exr", {{{"", image}}, {}});
     return "<emitter type='envmap'><string name='filename' value='" + (folder / "map.exr") + "'/>" + more +
            "</emitter>";
 }
 
-/// The axes of the world.
+/// The frame whose axes are those of the world.
 inline Frame identity_frame() {
     Frame frame;
     frame.s = Vec3::UnitX();
@@ -40,13 +40,14 @@ inline Frame identity_frame() {
     return frame;
 }
 
-/// The direction of Mitsuba's documentation for an envmap: theta from +y, phi from -z towards +x.
+/// The direction with these angles, as Mitsuba's documentation of envmap defines them: theta
+/// from +y, phi from -z towards +x.
 inline Vec3 envmap_direction(double theta, double phi) {
     return Vec3d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)).cast<float>();
 }
 
-/// Integral over the sphere in envmap_direction's angles: midpoints in `cells_theta` x `cells_phi` cells, `n` x `n` in
-/// each.
+/// The integral of f over the sphere in envmap_direction's angles by the midpoint rule: `cells_theta` x `cells_phi`
+/// cells with n x n points in each.
 inline double sphere_integral(int cells_theta, int cells_phi, int n, const std::function<double(const Vec3&)>& f) {
     double sum = 0;
     const int rows = cells_theta * n, columns = cells_phi * n;

@@ -1,4 +1,4 @@
-// The names of the mistakes that a build with GIB_FAULTS can make, for scripts/faults.
+// Prints the names of the mistakes that a build with GIB_FAULTS can make; scripts/faults reads them.
 #include "common/core/fault.h"
 
 #include <cstdio>

@@ -16,12 +16,12 @@ public:
         zeros_ += x == 0;
     }
     std::uint64_t count() const { return count_; }
-    /// How many of them are 0.
+    /// The number of added values that are 0.
     std::uint64_t zeros() const { return zeros_; }
     double mean() const { return mean_of(count_); }
     double standard_error() const { return standard_error_of(count_); }
 
-    /// The same of n numbers, of which those that were not added are zero.
+    /// The mean and the standard error of n numbers, of which those that were not added are zero.
     double mean_of(std::uint64_t n) const { return sum_ / static_cast<double>(n); }
     double standard_error_of(std::uint64_t n) const {
         const auto size = static_cast<double>(n);

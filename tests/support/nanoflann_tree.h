@@ -1,5 +1,5 @@
 #pragma once
-// nanoflann on positions, the yardstick of the photon map's searches.
+// A nanoflann tree over positions, the yardstick of the photon map's searches.
 
 #include "common/core/math.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Random numbers of a test.
+// Random numbers for tests.
 
 #include "common/sampling/sampler.h"
 #include "common/sampling/warp.h"
@@ -8,7 +8,7 @@
 
 namespace gib::test {
 
-/// A pure function of its seed.
+/// A sequence of random numbers that is a pure function of its seed.
 class Random {
 public:
     explicit Random(std::uint64_t seed) : seed_(seed) {}

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of `gibench run` share: an experiment of a moment, and a program that runs beside the test.
+// Fixtures of the tests of `gibench run`: an experiment that takes a moment, and a program that runs beside the test.
 
 #include "experiments/text/csv.h"
 #include "tests/support/driver_fixtures.h"
@@ -35,7 +35,7 @@ public:
     std::string results(const std::string& name) const { return folder_ / ("results/e/" + name); }
     void write(const std::string& name, const std::string& content) { folder_.write(name, content); }
     CsvTable table(const std::string& name) const { return parse_csv(read_file(results(name)), name); }
-    /// cell.json by folder, with the time of its writing.
+    /// The time when each cell.json was last written, by the name of its cell's folder.
     std::map<std::string, std::filesystem::file_time_type> cells() const {
         namespace fs = std::filesystem;
         std::map<std::string, fs::file_time_type> times;
@@ -50,7 +50,8 @@ protected:
     TemporaryFolder folder_;
 };
 
-/// `gibench ARGUMENTS` that goes on by itself, in a process group of its own; what it says is in out.txt and err.txt.
+/// `gibench ARGUMENTS` running in the background, in a process group of its own. Its standard output and error go to
+/// out.txt and err.txt.
 class BackgroundRun {
 public:
     explicit BackgroundRun(const std::string& folder, const std::string& arguments = "run e.toml --threads 1")
@@ -76,7 +77,8 @@ public:
         if (child_ > 0 && waitpid(child_, &status_, WNOHANG) == child_) child_ = 0;
         return child_ == 0;
     }
-    /// Sends the signal, if any, to it alone; returns the exit code, -1 if it did not exit.
+    /// Sends `signal`, unless it is 0, to the program alone and waits until it ends. Returns the exit code, or -1 if
+    /// a signal ended the program.
     int interrupt(int signal) {
         if (signal > 0 && child_ > 0) kill(child_, signal);
         return wait();
@@ -86,7 +88,7 @@ public:
         child_ = 0;
         return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
     }
-    /// So far, on standard error.
+    /// The program's standard error so far.
     std::string said() const {
         const std::string file = folder_ + "/err.txt";
         return std::filesystem::exists(file) ? read_file(file) : "";
@@ -98,7 +100,8 @@ private:
     int status_ = 0;
 };
 
-/// Whether it does in two and a half minutes, which is far more than it takes; builds with sanitizers are slow.
+/// Waits until `condition` holds; false if it does not within two and a half minutes, which is far more than needed
+/// because builds with sanitizers are slow.
 template <typename Condition>
 bool comes_true(const Condition& condition) {
     for (int i = 0; i < 15000; ++i) {

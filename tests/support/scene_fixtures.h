@@ -3,6 +3,7 @@
 
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
+#include "common/scene/scene.h"
 #include "methods/method.h"
 #include "tests/support/source_path.h"
 
@@ -23,7 +24,7 @@ struct Rendered {
     RunCounts counts;
 };
 
-/// What a method has after `passes` passes.
+/// The image and the counts of a method after `passes` passes, or earlier if it converges.
 inline Rendered render_and_count(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
                                  std::uint64_t seed = 1, int threads = 0) {
     Rendered result;
@@ -55,7 +56,7 @@ inline Colord mean_of(const Image& image) {
     return sum / static_cast<double>(image.pixels());
 }
 
-/// A film block of an XML scene: box filter, square.
+/// The <film> of a square image of `size` x `size` pixels with a box filter.
 inline std::string box_film(int size) {
     return "<film type='hdrfilm'><integer name='width' value='" + std::to_string(size) +
            "'/><integer name='height' value='" + std::to_string(size) + "'/><rfilter type='box'/></film>";

@@ -12,7 +12,7 @@
 
 namespace gib::test {
 
-/// A folder of its own that is removed with its content.
+/// A new temporary folder, which the destructor removes with its content.
 class TemporaryFolder {
 public:
     TemporaryFolder() {
@@ -25,9 +25,9 @@ public:
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-    /// The path of a file in it.
+    /// The path of a file in the folder.
     std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-    /// Writes a file, with the folders it needs, and returns its path.
+    /// Writes a file, creating the folders it needs, and returns its path.
     std::string write(const std::string& name, const std::string& content) const {
         std::filesystem::create_directories((path_ / name).parent_path());
         write_file((path_ / name).string(), content);

@@ -9,7 +9,8 @@
 
 namespace gib::test {
 
-/// Of an image, or of one component of it, by channel, over `seeds` renders of `passes` passes.
+/// Moments, by channel, of the mean of an image or of its component `only`, over `seeds`
+/// renders of `passes` passes each.
 inline std::array<Moments, 3> means_over_seeds(const LoadedScene& scene, std::uint32_t passes, int seeds,
                                                std::optional<Component> only = {}, const std::string& method = "path") {
     std::array<Moments, 3> moments;

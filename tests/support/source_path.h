@@ -1,14 +1,14 @@
 #pragma once
-// Where the sources are that the tests were built from.
+// The paths of the sources that the tests were built from, and of the program.
 
 #include <string>
 
 namespace gib::test {
 
-/// Of a file or folder of the repository; `name` is relative to its top.
+/// The path of a file or folder of the repository; `name` is relative to the repository's top.
 std::string source_path(const std::string& name);
 
-/// Of the program gibench.
+/// The path of the program gibench.
 std::string program_path();
 
 }  // namespace gib::test

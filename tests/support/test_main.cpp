@@ -1,4 +1,4 @@
-// GoogleTest's main, with floating-point exceptions trapped in the builds that have it.
+// GoogleTest's main(). In builds with GIB_FLOAT_TRAPS, floating-point exceptions end the tests.
 
 #include "common/core/float_traps.h"
 

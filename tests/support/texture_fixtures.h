@@ -1,5 +1,5 @@
 #pragma once
-// Image files of every kind that textures are read from, made on the spot.
+// Writes image files of every kind that textures are read from.
 
 #include "tests/support/scene_text.h"
 
@@ -12,13 +12,14 @@
 namespace gib::test {
 
 struct FileFormat {
-    OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;  ///< of the stored channels; values are fractions of integers' range
-    int tile = 0;                                 ///< texels a side; 0: rows
-    std::vector<std::string> channels;            ///< their names; empty: the format's own
+    OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;  ///< of the stored channels; integers store fractions of their range
+    int tile = 0;                                 ///< [texels a side]; 0: stored in rows
+    std::vector<std::string> channels;            ///< their names; empty: the file format's own
     std::vector<float> chromaticities;
 };
 
-/// Stores `values`, height x width x channels, without multiplying by alpha; the name's ending is the format.
+/// Writes `values` (height x width x channels) without multiplying them by alpha, and returns the path. The path's
+/// ending chooses the file format.
 inline std::string write_image(const std::string& path, int width, int height, int channels,
                                const std::vector<float>& values, const FileFormat& format = {}) {
     OIIO::ImageSpec spec(width, height, channels, format.type);
@@ -47,7 +48,7 @@ inline std::vector<float> random_values(int width, int height, int channels, uns
     return values;
 }
 
-/// A byte as a fraction.
+/// The fraction in [0, 1] that an 8-bit value stands for.
 inline float byte(int value) { return static_cast<float>(value) / 255; }
 
 }  // namespace gib::test

@@ -1,5 +1,5 @@
 #pragma once
-// Mitsuba's .vol files, made on the spot.
+// The bytes of Mitsuba's .vol files.
 
 #include <array>
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace gib::test {
 
-/// Version 3, float32, a box from 0 to 1; values with channels fastest, then x, y and z.
+/// A file of version 3 with float32 values and the box [0, 1]^3. The channels of `values`
+/// vary fastest, then x, y and z.
 inline std::string volume_bytes(const std::array<std::int32_t, 3>& size, std::int32_t channels,
                                 const std::vector<float>& values) {
     std::string bytes = "VOL\3";

@@ -7,8 +7,9 @@ namespace gib {
 
 namespace {
 
-/// See the header: at the last disc 3 standard deviations; a smaller one is settled for, at the price of its noise,
-/// only on stronger evidence.
+/// The square of the deviation, in standard deviations, up to which discs agree (derivation:
+/// bias_compensation.h). For the last disc it is kappa^2, 3 standard deviations; choosing a smaller disc costs
+/// more noise and needs stronger evidence.
 constexpr double kappa = 3.0;
 double allowed_deviations2(const NestedDisc& settled, const NestedDisc& last) {
     return kappa * kappa + 2 * std::log(static_cast<double>(last.photons) / static_cast<double>(settled.photons));
@@ -17,7 +18,7 @@ double allowed_deviations2(const NestedDisc& settled, const NestedDisc& last) {
 /// The square of the cube root's deviation from its mean, in units of its variance.
 double deviations2(const NestedDisc& small, const NestedDisc& large) {
     const auto i = static_cast<double>(small.photons), j = static_cast<double>(large.photons);
-    if (!(small.weight > 0)) return 0;  // nothing is known of the small disc's light
+    if (!(small.weight > 0)) return 0;  // without light in the small disc there is nothing to compare
     const double ratio = (large.weight * (j + 1) / j / large.area) / (small.weight * (i + 1) / i / small.area);
     const double q = j * large.squared_weight / (large.weight * large.weight);
     const double variance = q / 9 * (1 / i - 1 / j);

@@ -10,15 +10,16 @@ namespace gib {
 
 namespace {
 
-/// A photon that passed the test of its normal arrived on wo's side of its own surface. Where the surface is curved it
-/// may come from below the horizon of the look-up's point; dropping it would darken every curved surface.
+/// wi_local, moved to just above the horizon if it lies below it. A photon that passed the test of its normal arrived
+/// on wo's side of its own surface. On a curved surface its direction may still lie below the horizon of the
+/// look-up's point, and dropping such photons would darken every curved surface.
 Vec3 lifted(const Vec3& wo_local, Vec3 wi_local) {
     constexpr float horizon = 1e-4f;
     if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
     return wi_local;
 }
 
-/// Sums over photons, by their paths.
+/// Sums over photons [W/(sr m^2)], kept apart by whether a medium scattered the photon on its path.
 struct PhotonSums {
     Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
 
@@ -27,7 +28,7 @@ struct PhotonSums {
     }
 };
 
-/// One look-up.
+/// One look-up: finds the photons around a hit and estimates the radiance that they cause (Jensen 2001, chapter 7).
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
@@ -50,6 +51,8 @@ public:
     }
 
 private:
+    /// The estimate from the nearest photons (Jensen 2001, chapter 7): the sum of f power K(d) over the k - 1 photons
+    /// inside the disc whose radius is the distance of the k-th, or over all photons if fewer than k are found.
     Reflected radiance_of_nearest() {
         find_nearest();
         std::size_t inside = neighbours_.size();
@@ -76,7 +79,8 @@ private:
         return normal_agrees(photon) && sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
     }
 
-    /// Neighbours mostly lie on one plane, so the last answer is kept: that saves a tenth of a look-up's time.
+    /// Whether the normal at the photon agrees with the look-up's. The last answer is kept, because neighbouring
+    /// photons mostly lie on one plane: this saves a tenth of a look-up's time.
     bool normal_agrees(const Photon& photon) const {
         if (photon.normal_code() != judged_normal_) {
             const float cosine = photon.surface_normal().dot(normal_);
@@ -86,8 +90,9 @@ private:
         return agrees_;
     }
 
-    /// Obstacles and layers are looked for no farther than the photons found without them lie, so that where there are
-    /// none only a few short rays are traced; what they hide is found out before the search is repeated.
+    /// Finds the k nearest photons that count. Rays look for obstacles and layers only as far as the photons lie that
+    /// were found without them, so a look-up without obstacles traces a few short rays. If something stands there,
+    /// the search is repeated without the photons that it hides.
     void find_nearest() {
         const auto near_plane = [this](const Photon& photon, float distance2) {
             return counts(photon, photon.p - hit_.p, distance2);
@@ -116,7 +121,7 @@ private:
             neighbours_);
     }
 
-    /// Of all photons within r.
+    /// The estimate from all photons within r.
     Reflected radiance_within(float r) {
         const bool on_surface = e_.area == DiscArea::surface;
         if (!(r > 0.f)) return {};
@@ -133,17 +138,19 @@ private:
         return normalised(sums, r);
     }
 
-    /// f power of one photon [W/sr].
+    /// f times the power of one photon [W/sr], its term of the sum without the kernel.
     Colord reflected(const Photon& photon) const {
         const Vec3 wi = photon.direction();
         if (!hit_.normals_agree_about(wi)) return Colord::Zero();
         const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
         const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
-        // Not in float: bright photons times a factor may be more than it holds, though a kernel will lower it.
+        // In double: a bright photon's power times the factors may exceed the range of float before the
+        // kernel lowers it.
         const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
         return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 
+    /// The sums over the share phi of the disc that lies on the surface.
     Reflected normalised(const PhotonSums& sums, float r) {
         Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), r};
         if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
@@ -154,21 +161,22 @@ private:
         return L;
     }
 
-    /// Cuts `inside` and `r` down to the largest disc that agrees with all smaller ones; none is smaller than `least`.
+    /// Reduces `inside` and `r` to the largest disc whose estimate agrees with those of all smaller discs
+    /// (bias_compensation.h). No disc has a radius below `least` [scene units].
     void compensate(std::size_t& inside, float& r, float least) {
         if (inside <= smallest_disc) return;
         std::sort(neighbours_.begin(), neighbours_.end());
         std::array<NestedDisc, most_discs> discs;
         std::array<float, most_discs> radii;
         std::size_t n = 0;
-        NestedDisc disc{0, 0, 0, 0};
+        NestedDisc disc{};
         const auto close = [&](float reach) {
             const float radius = std::max(reach, least);
             disc.area = double{disc_.share(Kernel::uniform, radius)} * double{radius} * double{radius};
             discs[n] = disc;
             radii[n++] = radius;
         };
-        // The disc of n photons is bounded by the next one, as the whole is.
+        // The rim of a disc of n photons passes through the next photon, as that of the whole disc does.
         for (std::size_t end = smallest_disc; end < inside; end = next_disc(end)) {
             add(disc, end);
             close(std::sqrt(neighbours_[end].distance2));
@@ -195,9 +203,9 @@ private:
     Vec3 normal_;
     Vec3 wo_local_;
     const EyePath& eye_;
-    bool transmits_;                                     ///< light that arrives from behind is scattered here too
-    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< the code of the last one; at first none
-    mutable bool agrees_ = false;
+    bool transmits_;                                     ///< the material scatters light from behind, too
+    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< normal code of the photon judged last; none at first
+    mutable bool agrees_ = false;                        ///< the answer for that code
     bool near_obstacle_ = false;
     SurfaceDisc disc_;
     DensityEstimator::Neighbours& neighbours_;

@@ -1,27 +1,30 @@
 #pragma once
 // Reflected radiance from the density of photons around a point.
 //
-// The estimate is the sum over photons of f(wo, wi) power K(d) / phi, with a kernel K that integrates to 1 over the
-// disc of radius r around the point and the share phi of the disc (weighted by K) that lies on the surface. Source:
-// Jensen 2001, chapter 7, corrected:
-//  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: pi r_k^2 lambda is a Gamma(k)
-//    variable, so (k - 1) / (pi r_k^2) is unbiased where k / (pi r_k^2) is too bright by k / (k - 1);
-//  - with fewer than k inside the maximum radius, or with all photons asked for, all of them count and r is the maximum
-//    radius;
-//  - where the k-th lies closer than rounding knows the place, at a focus, all photons within that distance count and r
-//    is that distance: the density has no bound there, its estimate has, and their power is kept;
+// The estimate is the sum over photons of f(wo, wi) power K(d) / phi. The kernel K integrates to 1 over the disc of
+// radius r around the point, and phi is the share of the disc (weighted by K) that lies on the surface. Source:
+// Jensen 2001, chapter 7, with these corrections:
+//  - if k photons are found, r is the distance of the k-th, and only the k - 1 photons inside count: with lambda
+//    photons per area pi r_k^2 lambda is a Gamma(k) variable, so (k - 1) / (pi r_k^2) is an unbiased estimate of
+//    lambda, whereas k / (pi r_k^2) is too large by the factor k / (k - 1);
+//  - if fewer than k photons lie inside the maximum radius, or if all photons are asked for, all of them count and r
+//    is the maximum radius;
+//  - at a focus the k-th photon may be closer than the rounding error of positions. All photons within that
+//    error then count, and r is that error: the true density is unbounded there, the estimate is bounded and
+//    keeps their power;
 //  - every kernel is divided by its own integral;
 //  - photons that do not lie on the point's surface do not count, and where the disc leaves the surface (edges,
-//    corners, thin walls, other layers) the area is that of the part that is on it: methods/parts/density/surface_disc.h.
+//    corners, thin walls, other layers) only the area of the part on it counts: methods/parts/density/surface_disc.h.
 //
-// Two bounds, and what they cost:
-//  - a photon from below the look-up's horizon (on a curved surface) is taken to come from just above it. An ideal
-//    diffuse lobe is the same from everywhere, so that costs nothing; one whose reflectance falls to 0 at the horizon
-//    (plastic) loses what it would lose by dropping the photon, the share of the light within the angle by which the
-//    normals differ.
-//  - the ratio |wi.ns| / |wi.ng| of interpolated to geometric normals is cut off at 100: without a bound the variance
-//    has none either. In even light, with the angle delta between the normals, that loses sin^2(delta) / 200 of the
-//    irradiance to second order: 0.015 % at 10 degrees, 0.25 % at 45 degrees (test).
+// Two approximations and their cost:
+//  - a photon that comes from below the look-up's horizon (on a curved surface) is treated as if it came from just
+//    above the horizon. The f of an ideal diffuse lobe is the same for all directions, so nothing is lost. A lobe
+//    whose reflectance falls to 0 at the horizon (plastic) loses as much as if the photon were dropped: the share of
+//    the light within the angle between the two normals.
+//  - the ratio |wi.ns| / |wi.ng| of the cosines at the interpolated and at the geometric normal is limited to
+//    100, because its variance is infinite without a limit. In even light, with the angle delta between the
+//    normals, the limit loses sin^2(delta) / 200 of the irradiance to second order: 0.015 % at 10 degrees, 0.25 %
+//    at 45 degrees (tested).
 
 #include "common/sampling/sampler.h"
 #include "methods/parts/density/kernel.h"
@@ -35,20 +38,21 @@ namespace gib {
 
 enum class DiscArea {
     surface,   ///< photons on the point's surface, over the part of the disc that lies on it
-    rejected,  ///< photons whose normals agree, close to the tangent plane; over pi r^2
-    plain      ///< every photon in the ball, over pi r^2: the estimate of the textbooks, kept to be measured
+    rejected,  ///< photons near the tangent plane whose normals agree, over pi r^2
+    plain      ///< every photon in the ball, over pi r^2: the estimate of the textbooks, kept for comparison
 };
 inline constexpr std::array<std::string_view, 3> disc_area_names = {"surface", "rejected", "plain"};
 
-/// k that stands for all photons within the maximum radius.
+/// The value of k that selects all photons within the maximum radius.
 inline constexpr std::size_t all_photons = std::numeric_limits<std::size_t>::max();
 
-/// Radiance [W/(sr m^2)] by the photons' paths: those between surfaces alone, and those that a medium scattered.
+/// Reflected radiance [W/(sr m^2)], kept apart by the photons' paths: between surfaces only, or scattered
+/// by a medium.
 struct Reflected {
     Color between_surfaces = Color::Zero(), through_media = Color::Zero();
-    float radius = 0.f;  ///< of the disc that was looked at [scene units]
-    bool near_obstacle =
-        false;  ///< with DiscArea::surface: something stands on the disc, or another surface lies close to it
+    float radius = 0.f;  ///< of the disc [scene units]
+    /// With DiscArea::surface: something stands on the disc, or another surface lies close to it.
+    bool near_obstacle = false;
 };
 
 struct DensityEstimator {
@@ -56,21 +60,22 @@ struct DensityEstimator {
     std::size_t k;
     float max_radius;  ///< [scene units]
     DiscArea area;
-    bool compensation =
-        false;  ///< at most k photons, as many as agree: methods/parts/density/bias_compensation.h; not with all_photons
+    /// Whether the number of photons, at most k, is chosen by methods/parts/density/bias_compensation.h;
+    /// not with all_photons.
+    bool compensation = false;
 
     /// Scratch memory, at most 2 k + 16 neighbours; kept between look-ups.
     using Neighbours = std::vector<PhotonMap::Neighbour>;
 
-    /// Radiance [W/(sr m^2)] that the photons around `hit` which `eye` accepts add towards wo. `dimension` of the
-    /// sampler decides where the disc is probed.
+    /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
+    /// The sampler's numbers of `dimension` place the rays that probe the disc.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                  const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                                  Neighbours& neighbours) const;
 };
 
-/// |wi.ns| / |wi.ng|, at most 100: the density of photons is irradiance on the geometric surface, |wi.ng|; what an
-/// interpolated normal reflects is |wi.ns|.
+/// |wi.ns| / |wi.ng|, at most 100. The density of photons measures irradiance on the geometric surface, which is in
+/// proportion to |wi.ng|; reflection at an interpolated normal is in proportion to |wi.ns|.
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi);
 
 }  // namespace gib

@@ -1,7 +1,7 @@
 #pragma once
 // Kernels of the density estimate: radial weights over a disc, each with integral 1. With s = d / r the weight times
-// pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2)) (gaussian, cut off at
-// two standard deviations), 2 (1 - s^2) (epanechnikov).
+// pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2)) (gaussian, cut off
+// at two standard deviations), 2 (1 - s^2) (epanechnikov).
 
 #include <array>
 #include <string_view>
@@ -15,11 +15,11 @@ enum class Kernel { uniform, cone, gaussian, epanechnikov };
 inline constexpr std::array<std::string_view, 4> kernel_names = {"uniform", "cone", "gaussian", "epanechnikov"};
 
 /// K(d) [1/area] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the disc of radius r. In double: at a focus discs
-/// are so small that 1 / r^2 is no float.
+/// are so small that 1 / r^2 exceeds the range of float.
 double kernel_weight(Kernel kernel, float d2, float r);
-/// The share of the kernel's integral that lies within `s` of 0..1 radii of the centre.
+/// The share of the kernel's integral within the distance `s` of the centre, where s is a fraction of r in [0, 1].
 float kernel_mass(Kernel kernel, float s);
-/// The inverse: the distance, as a fraction of r, within which the share `u` lies.
+/// Inverse of kernel_mass(): the distance, as a fraction of r, within which the share `u` lies.
 float kernel_radius(Kernel kernel, float u);
 
 }  // namespace gib

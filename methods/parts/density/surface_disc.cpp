@@ -7,19 +7,20 @@ namespace gib {
 
 namespace {
 
-/// The rays that look for obstacles rise by this slope, so that they neither start above a low ceiling nor run along
-/// the surface. What is lower is no obstacle.
+/// Slope of the rays that look for obstacles. They start at the surface, so that they are below any low ceiling, and
+/// rise, so that they do not run along the surface. Anything lower than the rays is no obstacle.
 constexpr float rising_slope = 0.02f;
-/// Where the disc is probed first: edges show at its rim, and at 95 % of the radius 8 probes miss less than 2.5 % of
-/// its area.
+/// Fraction of the radius at which the disc is probed first. Edges of the surface show at the rim: 8 probes at 95 %
+/// of the radius miss less than 2.5 % of the disc's area.
 constexpr float rim = 0.95f;
 
+/// Whether a probe has hit a diffuse surface whose normal agrees with `normal`.
 bool is_surface(const SurfaceHit& found, const Vec3& normal) {
     return normal_towards(found, normal).dot(normal) > min_normal_cosine &&
            found.bsdf->traits_at(found.ns.dot(normal)).diffuse;
 }
 
-/// The part of the radius r that ends at `end`, at most 1; defined for r = 0 too.
+/// end / r, at most 1; defined for r = 0, too.
 float part_of_radius(float end, float r) { return end < r ? end / r : 1.f; }
 
 }  // namespace
@@ -35,7 +36,7 @@ Vec3 SurfaceDisc::direction(float turns) const {
 void SurfaceDisc::find_layers(RayQueries& rays, float reach) {
     const auto half_way = [&](const Vec3& w) {
         const Vec3 from = offset_origin(hit_, w);
-        const auto layer = rays.intersect({from, w, 0.f, reach});
+        const auto layer = rays.intersect({.o = from, .d = w, .t_max = reach});
         return layer ? std::max(0.5f * (layer->p - hit_.p).norm(), rounding_) : infinity;
     };
     above_ = half_way(frame_.n);
@@ -49,19 +50,19 @@ bool SurfaceDisc::find_obstacles(RayQueries& rays, float r, float max_radius) {
 }
 
 float SurfaceDisc::end_of_rise(RayQueries& rays, const Vec3& w, float reach) const {
-    const auto found = rays.intersect({origin_, reach * (w + max_elevation_slope * frame_.n), 0.f, 1.f});
+    const auto found = rays.intersect({.o = origin_, .d = reach * (w + max_elevation_slope * frame_.n), .t_max = 1.f});
     return found ? std::max((found->p - hit_.p).dot(w), 0.f) : infinity;
 }
 
 bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
     directions_ = directions;
     const float narrow = std::cos(pi / static_cast<float>(directions));
-    const float reach = r / narrow;  // a straight wall within r is met by the direction nearest to its foot
+    const float reach = r / narrow;  // every straight wall within r is then hit by one of the rays
     std::array<Ray, many> tested;
     std::array<std::optional<Intersection>, many> met;
     for (int i = 0; i < directions; ++i) {
         const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
-        tested[static_cast<std::size_t>(i)] = {origin_, reach * (w + rising_slope * frame_.n), 0.f, 1.f};
+        tested[static_cast<std::size_t>(i)] = {.o = origin_, .d = reach * (w + rising_slope * frame_.n), .t_max = 1.f};
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(directions); i += Accelerator::packet_size)
         rays.trace(std::span(tested).subspan(i, Accelerator::packet_size), std::span(met).subspan(i));
@@ -72,13 +73,14 @@ bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
         const auto found = rays.surface_hit({tested[at], met[at]});
         if (!found) continue;
         const Vec3 w = direction((static_cast<float>(i) + u_.x()) / static_cast<float>(directions));
-        // The rounding of p could put what stands at the centre behind it.
+        // Rounding of p may give an obstacle at the centre itself a negative distance.
         const float distance = std::max((found->p - hit_.p).dot(w), 0.f);
         const float cosine = normal_towards(*found, -w).dot(frame_.n);
         if (cosine > min_normal_cosine) {  // the surface curves up, or a ramp starts
             rise_[at] = distance;
             const float slope = std::sqrt(std::max(1.f - cosine * cosine, 0.f)) / cosine;
-            // It is seen at more than the largest slope from where (d - distance) slope = d max_elevation_slope.
+            // Seen from the centre it exceeds the largest slope beyond d, where
+            // (d - distance) slope = d max_elevation_slope.
             if (slope > max_elevation_slope) free_[at] = distance * slope / (slope - max_elevation_slope);
             free_[at] = std::min(free_[at], end_of_rise(rays, w, reach));
         } else {
@@ -98,7 +100,7 @@ bool SurfaceDisc::inside(const Vec3& offset) const {
     const auto n = static_cast<float>(directions_);
     float sector = std::atan2(y, x) / (2.f * pi) * n - u_.x();
     if (sector < 0.f) sector += n;
-    if (sector < 0.f) sector += n;  // from -n/2 - 1
+    if (sector < 0.f) sector += n;  // it was -n/2 - 1 or more at first
     const int i = std::min(static_cast<int>(sector), directions_ - 1);
     return x * x + y * y <= sqr(sector_[static_cast<std::size_t>(i)]);
 }
@@ -114,11 +116,11 @@ float SurfaceDisc::share(Kernel kernel, float r) const {
 Ray SurfaceDisc::probe(const Vec3& w, float distance) const {
     const float height = rising_slope * distance;
     const float depth = std::min(max_elevation_slope * distance, below_) + rounding_;
-    return {origin_ + distance * w + height * frame_.n, -frame_.n, 0.f, height + depth + hit_.offset};
+    return {.o = origin_ + distance * w + height * frame_.n, .d = -frame_.n, .t_max = height + depth + hit_.offset};
 }
 
 bool SurfaceDisc::is_covered(RayQueries& rays, const Vec3& w, float distance, float rise) const {
-    if (distance >= rise) return true;  // seen already: the surface is above the disc there
+    if (distance >= rise) return true;  // found before: the surface rises above the disc here
     const auto found = rays.intersect(probe(w, distance));
     return found && is_surface(*found, frame_.n);
 }
@@ -140,7 +142,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
     for (int i = 0; i < few && !ends; ++i) {
         const auto at = static_cast<std::size_t>(i * step);
         const auto found = rays.surface_hit({tested[static_cast<std::size_t>(i)], met[static_cast<std::size_t>(i)]});
-        const bool risen = rim * std::min(end_of(at), r) >= rise_of(at);  // seen already
+        const bool risen = rim * std::min(end_of(at), r) >= rise_of(at);  // found before
         ends = !risen && !(found && is_surface(*found, frame_.n));
     }
     if (!ends) return 1.f;
@@ -148,7 +150,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
     float sum = 0.f, on_surface = 0.f;
     for (int i = 0; i < many; ++i) {
         const auto at = static_cast<std::size_t>(directions_ == many ? i : i * few / many);
-        // The middle of a sector of S, or of a part of one.
+        // A direction inside sector `at` of S. If there are fewer sectors than directions, several lie in each.
         const Vec3 w = direction((static_cast<float>(i) + u_.y()) / static_cast<float>(many) +
                                  (directions_ == 0 ? 0.f : u_.x() / static_cast<float>(directions_)));
         const float mass = kernel_mass(kernel, part_of_radius(end_of(at), r));
@@ -162,7 +164,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
             if (is_covered(rays, w, r * kernel_radius(kernel, mass * v), rise)) on_surface += mass;
         }
     }
-    // The centre is on the surface, so the share cannot be zero even where no probe finds it.
+    // The centre lies on the surface, so the share is above zero even if no probe hits the surface.
     return std::max(on_surface / sum, 0.5f / (many * strata));
 }
 

@@ -7,9 +7,10 @@ namespace gib {
 
 namespace {
 
-/// Points of the ball are probed until so many are in sight.
+/// Points of the ball are probed until this many are visible from its centre.
 constexpr int probes_in_sight = 8;
-/// More are not worth their time: a place that sees less than a 64th of its ball is estimated too dark.
+/// Largest number of probes, which bounds their time: a point that sees less than a 64th of its ball is
+/// estimated too dark.
 constexpr int most_probes = 64 * probes_in_sight;
 
 /// Integral of s^2 exp(-s^2 / (2 sigma^2)) from 0 to x, sigma = gaussian_sigma.
@@ -19,7 +20,7 @@ double gaussian_moment(double x) {
            x * std::exp(-a * sqr(x)) / (2 * a);
 }
 
-/// The share of the kernel's integral over the ball that lies within s.
+/// The share of the kernel's integral over the ball that lies within s, a fraction of its radius.
 double share_within(Kernel kernel, double s) {
     static const double gaussian_total = gaussian_moment(1);
     const double s3 = s * s * s;
@@ -57,7 +58,7 @@ double ball_kernel_weight(Kernel kernel, float d2, float r) {
 
 float ball_kernel_radius(Kernel kernel, float u) {
     if (kernel == Kernel::uniform) return std::cbrt(u);
-    double lower = 0, upper = 1;  // the share grows with s
+    double lower = 0, upper = 1;  // bisection: the share grows with s
     for (int i = 0; i < 30; ++i) {
         const double middle = 0.5 * (lower + upper);
         (share_within(kernel, middle) < static_cast<double>(u) ? lower : upper) = middle;
@@ -109,7 +110,7 @@ float VolumeEstimator::reciprocal_share_in_sight(RayQueries& rays, const Vec3& p
     for (; in_sight < probes_in_sight && probes < most_probes; ++probes, dimension += 2) {
         const Vec3 w = square_to_sphere(sampler.get_2d(dimension));
         const float distance = r * ball_kernel_radius(kernel, sampler.get_1d(dimension + 1));
-        if (!rays.intersect({p, w, 0.f, distance})) ++in_sight;
+        if (!rays.intersect({.o = p, .d = w, .t_max = distance})) ++in_sight;
     }
     return static_cast<float>(probes) / static_cast<float>(std::max(in_sight, 1));
 }

@@ -1,17 +1,18 @@
 #pragma once
 // Radiance scattered in a medium, from the density of photons around a point.
 //
-// The source of scattered light, integral of p(wo, wi) L(wi) over wi [W/(sr m^2)], is estimated by the sum over photons
-// of p(wo, wi) F K(d) / phi, where F is the value that the walk stored (its sum over a volume is the integral of
-// fluence), K a kernel that integrates to 1 over the ball of radius r, and phi the share of the ball (weighted by K)
-// that no surface hides from its centre. Where a free flight from the eye ends, this is multiplied by the flight's
-// weight, which has sigma_s T / pdf: spheres along the ray, one each sample, at distances that the flight chooses.
-// Source: Jensen and Christensen 1998, "Efficient Simulation of Light Transport in Scenes with Participating Media
-// using Photon Maps", equation 12; corrected as on surfaces:
-//  - with k photons found, r is the distance of the k-th and only the k - 1 inside count: 4/3 pi r_k^3 lambda is a
-//    Gamma(k) variable;
-//  - with fewer than k inside the maximum radius, all of them count and r is the maximum radius;
-//  - where the k-th lies closer than rounding knows places, all within that distance count and r is that distance.
+// The source of scattered light, integral of p(wo, wi) L(wi) over wi [W/(sr m^2)], is estimated by the sum over
+// photons of p(wo, wi) F K(d) / phi. F is the value that the photon walk stored (its sum over a volume is the
+// integral of fluence), K is a kernel that integrates to 1 over the ball of radius r, and phi is the share of the
+// ball (weighted by K) that no surface hides from its centre. Each eye path samples one free flight and places one
+// ball at its end; the estimate is multiplied by the flight's weight, which contains sigma_s T / pdf. Source: Jensen
+// and Christensen 1998, "Efficient Simulation of Light Transport in Scenes with Participating Media using Photon
+// Maps", equation 12; corrected as on surfaces:
+//  - if k photons are found, r is the distance of the k-th, and only the k - 1 photons inside count: 4/3 pi r_k^3
+//    lambda is a Gamma(k) variable;
+//  - if fewer than k photons lie inside the maximum radius, all of them count and r is the maximum radius;
+//  - if the k-th photon is closer than the rounding error of positions, all photons within that error count and r
+//    is that error.
 
 #include "common/media/phase.h"
 #include "common/sampling/sampler.h"
@@ -20,8 +21,8 @@
 
 namespace gib {
 
-/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3 is no
-/// float below r = 1e-13.
+/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3
+/// exceeds the range of float below r = 1e-13.
 double ball_kernel_weight(Kernel kernel, float d2, float r);
 /// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
 float ball_kernel_radius(Kernel kernel, float u);
@@ -30,19 +31,19 @@ struct VolumeEstimator {
     Kernel kernel;
     std::size_t k;     ///< or all_photons
     float max_radius;  ///< [scene units]
-    DiscArea area;     ///< `surface`: the ball is cut off where surfaces hide it
+    DiscArea area;     ///< `surface`: only the part of the ball counts that no surface hides from p
 
-    /// Radiance that the photons around p, which lies in a medium of this phase function, make it scatter towards wo,
-    /// per unit of its scattering coefficient [W/(sr m^2)].
+    /// Radiance scattered at p towards wo per unit of the scattering coefficient [W/(sr m^2)], estimated from the
+    /// photons around p. `phase` is the phase function of the medium at p.
     Color scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
                              const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                              std::vector<PhotonMap::Neighbour>& neighbours) const;
 
-    /// An unbiased estimate of 1 / phi, phi the share of the kernel's ball of radius r around p that lies before the
-    /// first surface: how many independent points of the ball are probed until m are in sight, over m. The number is a
-    /// negative binomial variable of mean m / phi; the reciprocal of a share found by n probes would be too bright by
-    /// (1 - phi) / (n phi), which is 12 % where half of the ball is hidden from 8 probes. Takes the dimensions from
-    /// `dimension` on, all of which must be independent.
+    /// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no
+    /// surface hides from p. Independent points of the ball are probed until m of them are visible, and the estimate
+    /// is the number of probes over m. That number is a negative binomial variable of mean m / phi; the reciprocal of
+    /// a share found by n probes would be too large by (1 - phi) / (n phi), which is 12 % where half of the ball is
+    /// hidden and n = 8. Uses the dimensions from `dimension` on, all of which must be independent.
     float reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
                                     std::uint32_t dimension) const;
 };

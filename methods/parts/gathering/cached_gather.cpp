@@ -13,14 +13,15 @@ namespace gib {
 
 namespace {
 
-/// Passes average over this many times the reach of the records that the overture was content with.
+/// Passes multiply the reach of records by this factor, compared with the overture (Radiance's name for filling the
+/// cache ahead of rendering).
 constexpr float slack = 1.4f;
-/// The overture's first grid has a pixel in so many, along and across.
+/// The distance between the pixels of the overture's first grid, along and across.
 constexpr std::size_t coarsest_grid = 32;
-/// Records that are made at once: they do not see each other, and some of them are made in vain.
+/// Number of records made in parallel. They do not serve each other, so some of them turn out to be unnecessary.
 constexpr std::size_t records_at_once = 32;
 
-/// Of a pixel in the middle of the image.
+/// The ray through the pixel `dx` pixels beside the middle of the image.
 Ray middle_ray(const Sensor& sensor, int dx) {
     return sensor.generate_ray((sensor.width() - 1) / 2 + dx, sensor.height() / 2, Vec2(0.5f, 0.5f));
 }
@@ -29,15 +30,15 @@ Ray middle_ray(const Sensor& sensor, int dx) {
 
 std::vector<Parameter> cache_parameters() {
     return {
-        {"accuracy",
-         Parameter::Kind::number,
-         "0.15",
-         "",
-         0.001,
-         1,
-         {},
-         "of the irradiance cache: the largest error that a record may have where it serves, as a share"},
-        choice_parameter("spacing", strings(spacing_unit_names), "what the spacing of records is given in"),
+        {.name = "accuracy",
+         .kind = Parameter::Kind::number,
+         .default_value = "0.15",
+         .unit = "",
+         .lower = 0.001,
+         .upper = 1,
+         .choices = {},
+         .sentence = "irradiance cache: the largest estimated relative error with which a record is used"},
+        choice_parameter("spacing", strings(spacing_unit_names), "the unit of min_spacing and max_spacing"),
         fraction_parameter("min_spacing", "", "", 1e6,
                            "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
         fraction_parameter("max_spacing", "", "", 1e6,
@@ -46,8 +47,10 @@ std::vector<Parameter> cache_parameters() {
 }
 
 CacheSettings cache_settings_of(const ParameterValues& values) {
-    CacheSettings s{static_cast<float>(values.number("accuracy")),
-                    chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")), 0, 0};
+    CacheSettings s{.accuracy = static_cast<float>(values.number("accuracy")),
+                    .unit = chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")),
+                    .least = 0,
+                    .greatest = 0};
     const bool in_pixels = s.unit == SpacingUnit::pixels;
     s.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
     s.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
@@ -55,7 +58,7 @@ CacheSettings cache_settings_of(const ParameterValues& values) {
     return s;
 }
 
-/// Collects the places that the cache does not serve.
+/// Collects the points of eye paths that the cache does not serve.
 class CachedGather::CandidateVisitor {
 public:
     static constexpr bool wants_emission = false;
@@ -67,10 +70,13 @@ public:
     void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
         const auto surface = gather_.cached_surface(walk_, hit, wo);
         if (surface && !gather_.cache_.covers(hit.p, surface->normal))
-            candidates_.push_back(
-                {hit, surface->normal, gather_.spacing_at(walk_.length()), walk_.sampler(), walk_.vertex()});
+            candidates_.push_back({.point = hit,
+                                   .normal = surface->normal,
+                                   .spacing = gather_.spacing_at(walk_.length()),
+                                   .sampler = walk_.sampler(),
+                                   .vertex = walk_.vertex()});
     }
-    void emitted(const Color&) {}  // not finite: no record can be made there
+    void emitted(const Color&) {}  // called only if not finite: no record can be made there
     void scattered(const Vec3&, const Vec3&) {}
 
 private:
@@ -112,10 +118,14 @@ std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, 
     if (!surface) return std::nullopt;
     auto irradiance = cache_.interpolate(hit.p, surface->normal, slack);
     if (!irradiance) {
-        const RecordPlace place{hit, surface->normal, spacing_at(walk.length()), walk.sampler(), walk.vertex()};
+        const RecordPlace place{.point = hit,
+                                .normal = surface->normal,
+                                .spacing = spacing_at(walk.length()),
+                                .sampler = walk.sampler(),
+                                .vertex = walk.vertex()};
         const IrradianceRecord record = gather_.record_at(walk.rays(), place, neighbours);
         irradiance = record.irradiance;
-        if (record.is_finite()) {  // else the film counts this sample, and no other one suffers
+        if (record.is_finite()) {  // otherwise only this sample suffers, and the film counts it
             const std::scoped_lock lock(missing_mutex_);
             missing_.push_back({record, place.spacing});
         }
@@ -124,7 +134,7 @@ std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, 
 }
 
 void CachedGather::end_pass() {
-    // In an order that does not depend on which thread came first.
+    // The records are sorted, so that their order does not depend on the threads.
     const auto key = [](const Missing& m) {
         const IrradianceRecord& r = m.record;
         std::array<float, 9 + 2 * 9 + 3> all;
@@ -148,7 +158,7 @@ void CachedGather::end_pass() {
 
 std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidates) {
     std::atomic<std::uint64_t> traced = 0;
-    // Scattered, so that those made at once are rarely close to each other.
+    // The order is scattered, so that records made in parallel are rarely close to each other.
     std::vector<std::size_t> order(candidates.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [](std::size_t a, std::size_t b) { return mix64(a) < mix64(b); });
@@ -178,7 +188,7 @@ std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t
     const auto height = static_cast<std::size_t>(scene_.sensor().height());
     std::atomic<std::uint64_t> traced = 0;
     for (std::size_t step = coarsest_grid; step > 0; step /= 2) {
-        std::vector<std::vector<RecordPlace>> rows(height);  // by row
+        std::vector<std::vector<RecordPlace>> rows(height);  // of the image
         parallel_blocks(height, 1, [&](std::size_t begin, std::size_t end, std::size_t) {
             RayQueries rays(scene_);
             for (std::size_t y = begin; y < end; ++y) {

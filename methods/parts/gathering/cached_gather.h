@@ -1,13 +1,14 @@
 #pragma once
-// Indirect light on ideal diffuse surfaces through an irradiance cache. methods/parts/gathering/irradiance_cache.h says how records are
-// interpolated, methods/parts/gathering/final_gather.h how they are made; this decides where.
+// Indirect light on ideal diffuse surfaces by final gathering with an irradiance cache. This file decides where
+// records are made; methods/parts/gathering/final_gather.h makes them, and methods/parts/gathering/irradiance_cache.h
+// interpolates between them.
 //
-// An overture fills the cache before the first pass: pixels on a coarse grid first, then on ever finer ones, each where
-// the records so far do not serve what it sees. Candidates of a grid are taken in a scattered order, a few at a time,
-// which are tested against all records before them, computed at once and added in order: no result depends on the
-// number of threads. The last grid is that of the pixels, with the paths of the first pass. Passes interpolate with
-// more slack than the overture asked for, and where there is still no record they make one, which the others see after
-// the pass.
+// An overture (Radiance's name for filling the cache ahead of rendering) runs before the first pass. It goes through
+// the pixels of a coarse grid, then of ever finer ones, and makes a record where the earlier records do not serve the
+// surface that a pixel sees. The candidates of a grid are taken in a scattered order, a few at a time: these are
+// tested against all earlier records, computed in parallel and added in order, so no result depends on the number of
+// threads. The last grid is that of all pixels, with the paths of the first pass. Passes interpolate with more slack
+// than the overture. Where they still find no record they make one, which serves other samples only after the pass.
 
 #include "methods/parameters.h"
 #include "methods/parts/gathering/final_gather.h"
@@ -27,24 +28,25 @@ struct CacheSettings {
     double least, greatest;  ///< spacing of records, in this unit
 };
 
-/// accuracy, spacing, min_spacing and max_spacing.
+/// The parameters accuracy, spacing, min_spacing and max_spacing.
 std::vector<Parameter> cache_parameters();
-/// Throws InputError where the least spacing is larger than the greatest.
+/// Their values. Throws InputError if the least spacing is larger than the greatest.
 CacheSettings cache_settings_of(const ParameterValues& values);
 
 class CachedGather {
 public:
-    /// All must outlive this.
+    /// All arguments must outlive this.
     CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings);
 
     /// Fills the cache by the paths of the first pass. Returns the number of rays traced.
     std::uint64_t overture(const WalkSettings& walk, std::uint64_t seed, StageProgress* progress);
 
-    /// What indirect light the ideal diffuse surface sends to the eye, at the vertex where `walk` is; empty: the
-    /// surface is another, or paths are limited so that the records do not hold here.
+    /// Indirect radiance [W/(sr m^2)] that an ideal diffuse surface sends towards wo at `hit`, the vertex that
+    /// `walk` has reached. Empty if the surface is of another kind, or if the limit on the length of paths makes
+    /// records invalid here.
     std::optional<Color> reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
                                             DensityEstimator::Neighbours& neighbours);
-    /// To be called when no thread samples: adds the records that were missing.
+    /// Adds the records that were missing in the pass. Call it while no thread samples.
     void end_pass();
 
     const IrradianceCache& cache() const { return cache_; }
@@ -56,16 +58,17 @@ private:
         Vec3 normal;                    ///< on the side that is seen
         Color radiance_per_irradiance;  ///< [1/sr]
     };
-    /// Empty: it is not one that irradiance alone decides about, or a record would not hold here.
+    /// Empty if irradiance alone does not determine the reflected radiance, or if a record would be invalid here.
     std::optional<CachedSurface> cached_surface(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo) const;
+    /// The spacing of records on a surface at this distance from the eye [scene units].
     RecordSpacing spacing_at(float distance) const;
-    /// Makes those records that are still missing, and adds them. Returns the number of rays traced.
+    /// Makes and adds records at those candidates that the cache does not serve. Returns the number of rays traced.
     std::uint64_t add_records(const std::vector<RecordPlace>& candidates);
 
     const Scene& scene_;
     const FinalGather& gather_;
     CacheSettings settings_;
-    Ray pixel_, next_pixel_;  ///< of neighbours in the middle of the image
+    Ray pixel_, next_pixel_;  ///< of two neighbouring pixels in the middle of the image
     IrradianceCache cache_;
 
     struct Missing {

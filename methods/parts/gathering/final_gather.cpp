@@ -6,12 +6,14 @@ namespace gib {
 
 namespace {
 
-/// A gather ray's own numbers: its direction is chosen by those that place an eye path in its pixel and on the lens.
+/// Random dimensions of a gather ray's direction and lobe. For an eye path these dimensions choose the place in the
+/// pixel and on the lens, which a gather ray does not have.
 constexpr std::uint32_t gather_direction = dimension::film, gather_lobe = dimension::lens;
-/// Where in its stratum a record's ray lies; past the dimensions of a path, so that strata are independent.
+/// Random dimension that places a record's ray in its stratum. It lies beyond the dimensions of the Sobol' points, so
+/// that strata are independent.
 constexpr std::uint32_t in_stratum = dimension::at_vertex(1 << 16, 2);
 
-/// What tells the paths that split off at a vertex apart.
+/// Tags that give the gather rays and the records' rays from one vertex different random numbers.
 constexpr std::uint64_t gather_tag(int vertex) { return 2 * static_cast<std::uint64_t>(vertex); }
 constexpr std::uint64_t record_tag(int vertex) { return 2 * static_cast<std::uint64_t>(vertex) + 1; }
 
@@ -46,7 +48,7 @@ IrradianceRecord FinalGather::record_at(RayQueries& rays, const RecordPlace& pla
         const Vec3 w = frame.to_world(strata_.direction_local(i, u.get_2d(in_stratum)));
         HemisphereSample& sample = samples[static_cast<std::size_t>(i)];
         sample = {Color::Zero(), infinity};
-        if (place.point.ng.dot(w) * place.point.ng.dot(place.normal) < 0.f) continue;  // it would lead into the surface
+        if (place.point.ng.dot(w) * place.point.ng.dot(place.normal) < 0.f) continue;  // leads into the surface
         TracedRay ray{Ray{offset_origin(place.point, w), w}};
         rays.trace(ray);
         sample = {light_.arriving(rays, ray, u, light_.max_edges - 1, neighbours), ray.found ? ray.found->t : infinity};

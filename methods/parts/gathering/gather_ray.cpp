@@ -9,11 +9,13 @@ namespace gib {
 
 namespace {
 
-/// Of the power, that a limit on the length of paths may cut off unseen.
+/// The largest share of the photons' power that a limit on the length of paths may cut off where
+/// estimates are rescaled.
 constexpr double most_cut_off = 0.05;
+/// Random dimension that places the rays that probe the disc where a gather ray ends.
 constexpr std::uint32_t gathered_disc = dimension::at_vertex(1 << 16, 3);
 
-/// Adds up what diffuse surfaces send along the ray.
+/// Sums the radiance that diffuse surfaces send along the ray.
 class GatherVisitor {
 public:
     static constexpr bool wants_emission = false;
@@ -28,7 +30,7 @@ public:
         radiance_ += walk_.throughput() * reflected(hit, wo);
     }
     void emitted(const Color& not_finite) { radiance_ += not_finite; }
-    void scattered(const Vec3&, const Vec3&) {}  // scenes with media are not gathered in
+    void scattered(const Vec3&, const Vec3&) {}  // there is no final gathering in scenes with media
 
 private:
     Color reflected(const SurfaceHit& hit, const Vec3& wo) const {
@@ -64,7 +66,7 @@ PhotonLengths::PhotonLengths(const std::vector<Photon>& photons) {
 }
 
 std::optional<float> PhotonLengths::share(int limit, int longest) const {
-    constexpr int longest_of_all = 0xffff;  // no photon carries more edges, and no path is known to have come so far
+    constexpr int longest_of_all = 0xffff;  // no photon holds a larger number, and paths in practice are much shorter
     if (limit >= std::min(longest, longest_of_all)) return 1.f;
     if (power_.empty() || limit < 0) return std::nullopt;
     const auto up_to = [&](int edges) { return power_[std::min(static_cast<std::size_t>(edges), power_.size() - 1)]; };

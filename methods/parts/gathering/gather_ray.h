@@ -1,7 +1,7 @@
 #pragma once
-// What a gather ray sees: the radiance that arrives from diffuse surfaces, L (S|D)* D S*. Light that comes straight
-// from its source or from specular surfaces alone is direct light or a caustic where the gather ray starts, and found
-// otherwise.
+// The radiance that a final gather ray receives: light from diffuse surfaces, paths L (S|D)* D S*. Light that
+// reaches the ray's origin straight from its source or over specular surfaces only is direct light or a caustic
+// there, and is estimated otherwise.
 
 #include "methods/parts/gathering/precomputed_irradiance.h"
 #include "methods/path/path.h"
@@ -10,46 +10,49 @@
 
 namespace gib {
 
-/// Where the light of a gather ray comes from.
+/// How the radiance along a gather ray is estimated.
 enum class GatherSource {
-    irradiance,  ///< estimated ahead from the photons: methods/parts/gathering/precomputed_irradiance.h
-    photons,     ///< the density of photons where the ray ends
-    paths        ///< followed on by path tracing; no photons are needed
+    irradiance,  ///< by irradiance precomputed from the photons: methods/parts/gathering/precomputed_irradiance.h
+    photons,     ///< by the density of photons where the ray ends
+    paths        ///< by path tracing from the ray's end on; needs no photons
 };
 inline constexpr std::array<std::string_view, 3> gather_source_names = {"irradiance", "photons", "paths"};
 
-/// How the power of photons is spread over the lengths of their paths.
+/// The distribution of the photons' power over the lengths of their paths.
 class PhotonLengths {
 public:
     PhotonLengths() = default;
     explicit PhotonLengths(const std::vector<Photon>& photons);
 
-    /// What is estimated from photons of at most `limit` edges, as a share of what is from those of at most `longest`:
-    /// that of their power everywhere. Light of many bounces is nearly the same everywhere, and a rescaling by up to 5
-    /// % is taken as right everywhere, once at the surface that the eye sees and once where a gather ray ends; empty:
-    /// it would be more.
+    /// The power of the photons with at most `limit` edges over that of the photons with at most `longest` edges, in
+    /// the whole scene. If only paths of at most `limit` edges may be counted, an estimate from the photons with at
+    /// most `longest` edges is multiplied by this share. Light of many bounces is nearly the same everywhere, so a
+    /// rescaling by up to 5 % is accepted, once at the surface that the eye sees and once where a gather ray ends.
+    /// Empty if the share is below 95 %.
     std::optional<float> share(int limit, int longest) const;
 
 private:
-    std::vector<double> power_;  ///< of photons of at most so many edges, in their unit
+    /// At index n: the power of the photons with at most n edges, in the photons' unit.
+    std::vector<double> power_;
 };
 
 struct GatheredLight {
     GatherSource source;
     int max_edges;  ///< of whole paths
     bool samples_lights, follows_specular;
-    PathFeatures features;  ///< of `paths`
+    PathFeatures features;  ///< for GatherSource::paths
 
     PhotonMap map;  ///< PhotonMapKind::full; empty for `paths`
     DensityEstimator estimator;
     PhotonLengths lengths;
     PrecomputedIrradiance irradiance;
 
-    /// The longest path of photons where a gather ray from a surface that the eye sees ends.
+    /// The most edges of a photon's path that count where a gather ray ends. Two edges are taken by the gather ray
+    /// and by the ray from the eye to its origin.
     int longest_photon_path() const { return max_edges - 2; }
 
-    /// Radiance [W/(sr m^2)] that arrives along a gather ray that was traced, by paths of at most `edges` edges, the
-    /// ray's included. `sampler` decides all that follows.
+    /// Radiance [W/(sr m^2)] that arrives along a gather ray by paths of at most `edges` edges, including the ray,
+    /// which must have been traced. `sampler` provides all further random numbers.
     Color arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
                    DensityEstimator::Neighbours& neighbours) const;
 };

@@ -11,10 +11,10 @@ namespace gib {
 
 namespace {
 
-/// A record that lies behind a point sees what the point does not. Rounding and curved surfaces are given this much of
-/// R.
+/// A point behind a record does not see what the record sees. Rounding and curved surfaces are allowed for by this
+/// share of R.
 constexpr float behind_tolerance = 0.01f;
-/// Deeper nodes hold no fewer records than these.
+/// Largest depth of the octree; deeper nodes would not hold fewer records.
 constexpr int deepest = 24;
 
 int child_at(const Vec3& p, const Vec3& middle) {
@@ -22,10 +22,11 @@ int child_at(const Vec3& p, const Vec3& middle) {
            static_cast<int>(p.z() >= middle.z()) << 2;
 }
 
-/// Where E falls or rises by as much as it is, by the mean of the channels: in one that has little, noise would decide.
+/// |E| / |translation|, the distance [scene units] over which E changes by as much as itself. The mean of the
+/// channels is taken, because noise would decide in a channel with little light.
 float distance_by_gradient(const IrradianceRecord& record) {
     const auto& [red, green, blue] = record.translation;
-    const float slope = (red + green + blue).stableNorm();  // whose square may be no float
+    const float slope = (red + green + blue).stableNorm();  // the square may exceed the range of float
     return slope > 0.f ? record.irradiance.sum() / slope : infinity;
 }
 
@@ -86,7 +87,7 @@ std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, 
         const IrradianceRecord& record = records_[i];
         const float error = error_at(record, p, n);
         if (error < a) {
-            // At the record's own point the others do not matter; a large number says that well enough.
+            // At the record's own point e_i is 0; a large weight makes the other records irrelevant.
             const float weight = 1.f / std::max(error, 1e-6f * a) - 1.f / a;
             sum += double{weight} * record.at(p, n).cast<double>();
             weights += double{weight};
@@ -94,7 +95,7 @@ std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, 
         return true;
     });
     if (!(weights > 0)) return std::nullopt;
-    // Only the mean is kept from being negative: each record's share cut off at 0 would make it too large.
+    // Only the mean is kept from being negative: to cut off each record's value at 0 would make the mean too large.
     return Color((sum / weights).max(0.0).cast<float>());
 }
 
@@ -133,7 +134,7 @@ void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spaci
     }
     limit_by_neighbours(record, least);
     if (!(record.distance > 0.f)) return;
-    // The records are about to move into twice the room, and what leads to them grows with them.
+    // The vector of records is about to double its capacity, and the octree grows with the records.
     if (records_.size() == records_.capacity())
         require_memory(2.0 * static_cast<double>(memory()),
                        fmt::format("an irradiance cache of more than {} records", size()));
@@ -147,7 +148,8 @@ void IrradianceCache::limit_by_neighbours(IrradianceRecord& record, float least)
         const float apart = (other.p - record.p).norm();
         if (!(other.n.dot(record.n) > 0.f && apart < accuracy_ * std::max(record.distance, other.distance))) return;
         record.distance = std::max(std::min(record.distance, other.distance + apart), least);
-        // Its own least spacing may be smaller than this one's: it is never raised.
+        // The other record's least spacing may be smaller than `least`, so the minimum keeps its distance
+        // from being raised.
         other.distance = std::min(other.distance, std::max(record.distance + apart, least));
     };
     for_each_within(record.p, accuracy_ * record.distance, 0, root_, limit);

@@ -36,18 +36,20 @@ IrradianceGradient to_world(const Weights& local, const Frame& frame, double fac
     return gradient;
 }
 
-/// Of the edge between two strata: how much of what one sees the other sees after the point has moved by a unit.
+/// The change of radiance that the motion of the edge between two strata causes, for each unit of distance by which
+/// the point moves [W/(sr m^2) per scene unit].
 Color change_across(const HemisphereSample& from, const HemisphereSample& to) {
     const float nearer = std::min(from.distance, to.distance);
-    // Of what touches the point the edge moves without bound; a record that sees it is not used away from its place.
+    // If a surface touches the point the motion is unbounded; such a record is used at its own point only.
     if (nearer == infinity || nearer == 0.f || (to.radiance == from.radiance).all()) return Color::Zero();
     return (to.radiance - from.radiance) / nearer;
 }
 
 Vec3d in_plane(double phi) { return {std::cos(phi), std::sin(phi), 0}; }
 
-/// The mean of tan(theta) over a row, sin^2(theta) = s in [j / M, (j + 1) / M]: the integral of sqrt(s / (1 - s)) is
-/// theta - sin(theta) cos(theta). At the horizon it is far from what it is in the middle of the row.
+/// The mean of tan(theta) over a row, sin^2(theta) = s in [j / M, (j + 1) / M]: the integral of
+/// sqrt(s / (1 - s)) is theta - sin(theta) cos(theta). In the row at the horizon the mean differs much from the
+/// tangent in the row's middle.
 double mean_tangent(int row, int rows) {
     const auto integral = [&](int j) {
         const double s = double(j) / rows;
@@ -62,8 +64,8 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
                                    std::span<const HemisphereSample> samples) {
     const int M = strata.rows, N = strata.columns;
     const double pi_d = std::numbers::pi, width = 2 * pi_d / N;
-    const double mean_over_column =
-        std::sin(width / 2) / (width / 2);  // of a vector that turns with phi, over its middle
+    // The mean over a column of a vector that turns with phi, relative to the vector in the column's middle.
+    const double mean_over_column = std::sin(width / 2) / (width / 2);
     const auto sample = [&](int j, int k) -> const HemisphereSample& {
         return samples[static_cast<std::size_t>(j * N + (k + N) % N)];
     };
@@ -76,8 +78,9 @@ IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const Hemi
     rotation.fill(Vec3d::Zero());
     translation.fill(Vec3d::Zero());
     for (int k = 0; k < N; ++k) {
-        // u_k points along the middle of the column, v_k at right angles to it; the edge to the column before lies at
-        // phi_k-.
+        // The notation of Ward and Heckbert: u_k points along the middle of column k, v_k at right angles to it, and
+        // the edge to the column before lies at phi_k-. `rotation` is the sum of their equation 1, `translation` that
+        // of equation 2.
         const Vec3d u = in_plane(width * (k + 0.5)), v = in_plane(width * (k + 0.5) + pi_d / 2);
         const Vec3d v_edge = in_plane(width * k + pi_d / 2);
         for (int j = 0; j < M; ++j) {

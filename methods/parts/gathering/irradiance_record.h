@@ -1,11 +1,12 @@
 #pragma once
 // Irradiance at a point with its gradients, from one stratified sample of the hemisphere.
 //
-// M x N rays: stratum (j, k) holds sin^2(theta) in [j / M, (j + 1) / M) and phi in 2 pi [k / N, (k + 1) / N), which is
-// equal parts of cos(theta) d omega, so E = pi / (M N) sum L_jk. Source: Ward and Heckbert 1992, "Irradiance
-// Gradients", which gives both gradients from the same rays (equations 1 and 2 there): how E changes when the surface
-// turns follows from the cosine of each ray, how it changes when the point moves from the motion of the edges between
-// strata, which is that of the nearer of the two surfaces seen.
+// The hemisphere is divided into M x N strata with one ray each. Stratum (j, k) spans sin^2(theta) in
+// [j / M, (j + 1) / M) and phi in 2 pi [k / N, (k + 1) / N). All strata thus have equal parts of cos(theta) d omega,
+// and E = pi / (M N) sum L_jk. Source: Ward and Heckbert 1992, "Irradiance Gradients", which computes both gradients
+// from the same rays (equations 1 and 2 there). The rotation gradient follows from the change of each ray's cosine as
+// the surface turns, the translation gradient from the motion of the edges between strata as the point moves. An edge
+// moves as the nearer of the two surfaces that are seen on its sides.
 
 #include "common/core/math.h"
 
@@ -22,20 +23,20 @@ using IrradianceGradient = std::array<Vec3, 3>;
 inline Color dot(const IrradianceGradient& g, const Vec3& v) { return {g[0].dot(v), g[1].dot(v), g[2].dot(v)}; }
 
 struct HemisphereStrata {
-    int rows;     ///< M, of sin^2(theta)
-    int columns;  ///< N, of phi
+    int rows;     ///< M, the divisions of sin^2(theta)
+    int columns;  ///< N, the divisions of phi
 
-    /// About `rays` strata that are about as high as wide: N = pi M.
+    /// About `rays` strata which are about as high as wide: N = pi M.
     static HemisphereStrata of(int rays);
     int count() const { return rows * columns; }
-    /// The direction of point u of the stratum with this number, j N + k, in a frame around the normal.
+    /// The direction of the point u in [0, 1)^2 of stratum number j N + k, in a frame around the normal.
     Vec3 direction_local(int stratum, const Vec2& u) const;
 };
 
-/// What a ray of one stratum has found.
+/// The result of the ray of one stratum.
 struct HemisphereSample {
     Color radiance;  ///< [W/(sr m^2)]
-    float distance;  ///< of the first surface [scene units]; infinite: none
+    float distance;  ///< to the first surface [scene units]; infinite if there is none
 };
 
 struct IrradianceRecord {
@@ -44,16 +45,19 @@ struct IrradianceRecord {
     Color irradiance;             ///< [W/m^2]
     IrradianceGradient rotation;  ///< E changes by rotation . (n x n') when the normal turns to n' [W/m^2 per radian]
     IrradianceGradient translation;  ///< E changes by translation . (p' - p) [W/m^2 per scene unit]
-    float distance;  ///< harmonic mean of the distances of what is seen [scene units]; infinite: nothing is; 0: it
-                     ///< touches
+    /// Harmonic mean of the distances to the surfaces seen [scene units]; infinite if none is seen, 0 if
+    /// one touches p.
+    float distance;
 
-    /// False: a ray has found what is no radiance, and the record must not be used elsewhere.
+    /// False if a ray returned a radiance that is not finite; such a record must not be used elsewhere.
     bool is_finite() const;
-    /// What the irradiance at p' with the normal n' is, to first order, which may be less than 0.
+    /// The irradiance [W/m^2] at `position` with the normal `normal`, extrapolated to first order; it
+    /// may be negative.
     Color at(const Vec3& position, const Vec3& normal) const;
 };
 
-/// `samples` by number of the stratum; `frame` is that of the directions, its normal the record's.
+/// The record at p with both gradients (Ward and Heckbert 1992, equations 1 and 2) from one sample of each stratum,
+/// in the order of the strata's numbers. `frame` is the frame of the samples' directions; its normal is the record's.
 IrradianceRecord irradiance_record(const Vec3& p, const Frame& frame, const HemisphereStrata& strata,
                                    std::span<const HemisphereSample> samples);
 

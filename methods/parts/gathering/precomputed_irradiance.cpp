@@ -12,34 +12,34 @@ namespace gib {
 
 namespace {
 
-/// One photon in so many gives its place.
+/// One photon in this many gives its place (precomputed_irradiance.h).
 constexpr std::size_t photons_per_place = 8;
 constexpr std::size_t places_per_block = 256;
 
-/// Both sides of a surface that reflects all light diffusely: the radiance that it reflects is irradiance / pi.
+/// A material that reflects all light diffusely on both sides: the radiance that it reflects is irradiance / pi.
 const Bsdf& white() {
     static const Bsdf bsdf(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
     return bsdf;
 }
 
-/// The surface that a photon lies on, found by short rays down to it; empty if rounding keeps it from being found. The
-/// first begins at the height of a few roundings of the place, or of 1e-10 diagonals, so as to stay within a room that
-/// is small against the scene; higher ones are for shapes whose own rounding is more than that of their points, up to
-/// some 1e-6 of a shape as large as the scene. Six at most.
+/// The surface on which a photon lies, found by short rays down to it; empty if rounding keeps it from being found.
+/// The first ray starts a few rounding errors of the position, or 1e-10 scene diagonals, above the photon, to stay
+/// within a room that is small compared with the scene. Higher rays follow for shapes whose own rounding error
+/// exceeds that of their points: up to about 1e-6 of a shape as large as the scene. There are six rays at most.
 std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) {
-    constexpr float growth = 8.f, lowest = 1e-10f, highest = 1e-5f;  // the latter two of the diagonal
+    constexpr float growth = 8.f, lowest = 1e-10f, highest = 1e-5f;  // heights in scene diagonals
     const Vec3 normal = photon.surface_normal();
     const float diagonal = rays.scene().diagonal();
     const float nearest = std::max(8.f * unit_roundoff * photon.p.cwiseAbs().maxCoeff(), lowest * diagonal);
     for (float height = nearest; height <= highest * diagonal; height *= growth) {
-        auto hit = rays.intersect({photon.p + height * normal, -normal, 0.f, 2.f * height});
+        auto hit = rays.intersect({.o = photon.p + height * normal, .d = -normal, .t_max = 2.f * height});
         if (hit && normal_towards(*hit, normal).dot(normal) >= min_normal_cosine) return hit;
     }
     return std::nullopt;
 }
 
-/// How far a place's estimate reaches, in the bits that hold a photon's edges: as a part of the largest radius, rounded
-/// down.
+/// The radius of a place's estimate is kept in the bits that hold the number of edges of a photon, as a fraction of
+/// the largest radius, rounded down.
 constexpr float radius_steps = 65535.f;
 int coded_radius(float radius, float largest) {
     return largest > 0.f ? static_cast<int>(radius_steps * std::min(radius / largest, 1.f)) : 0;
@@ -48,17 +48,17 @@ float radius_of(const Photon& place, float largest) {
     return largest * (static_cast<float>(place.edges) / radius_steps);
 }
 
-/// The mark of a place: a photon's place in a medium has no other use on a surface.
+/// Whether the estimate at a place has met an obstacle, kept in the bit that marks photons in a medium: places
+/// lie on surfaces.
 bool is_near_obstacle(const Photon& place) { return place.in_medium(); }
 
-/// Whether a place lies in the tangent plane of the hit, with nothing standing between them: a ray close above the
-/// surface meets nothing.
+/// Whether a place lies in the tangent plane of the hit and a ray close above the surface meets nothing between them.
 bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const Photon& place) {
     constexpr float rise = 0.02f;
     const Vec3 way = place.p - hit.p;
     if (std::abs(way.dot(normal)) > 4.f * hit.offset) return false;
     const float height = rise * way.norm();
-    return !rays.intersect({offset_origin(hit, normal), way + height * normal, 0.f, 1.f});
+    return !rays.intersect({.o = offset_origin(hit, normal), .d = way + height * normal, .t_max = 1.f});
 }
 
 }  // namespace
@@ -69,7 +69,8 @@ std::vector<Photon> take_places(std::vector<Photon>& photons) {
     places.reserve(photons.size() / photons_per_place + 1);
     std::size_t left = 0;
     for (std::size_t i = 0; i < photons.size(); ++i) {
-        // Not by counting: where each path stores as many photons, the places would all be of the same vertices.
+        // A hash chooses, not a count: if all paths store the same number of photons, counting would always take the
+        // same vertex of a path.
         if (mix64(i) % photons_per_place == 0) {
             places.push_back(photons[i]);
             continue;
@@ -86,7 +87,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
                                              int max_photon_edges, std::uint64_t seed, std::uint64_t& rays,
                                              StageProgress* progress) {
     if (places.empty()) return;
-    // [W/m^2] The mean photon on the square of the scene's extent.
+    // The unit of irradiance [W/m^2]: the mean photon's power over the square of a length, the scene's extent rounded
+    // down to a power of 2.
     const float extent = scene.diagonal();
     const double unit = extent > 0.f ? std::scalbn(map.unit(), -2 * std::ilogb(extent)) : map.unit();
     std::vector<Photon> estimated(places.size());
@@ -106,7 +108,7 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             const Color irradiance = pi * (light.between_surfaces + light.through_media);
             estimated[i] = Photon(places[i].p, (irradiance.cast<double>() / unit).cast<float>(), normal, normal,
                                   coded_radius(light.radius, estimator.max_radius),
-                                  light.near_obstacle);  // marked by what says `in a medium` for a photon
+                                  light.near_obstacle);  // see is_near_obstacle()
             kept[i] = 1;
         }
         traced += queries.count();

@@ -1,12 +1,12 @@
 #pragma once
-// Irradiance estimated ahead at some of the photons, for gather rays: one nearest photon is found where otherwise many
-// would be, and weighed. Source: Christensen 1999, "Faster Photon Map Global Illumination", journal of graphics tools
-// 4(3).
+// Irradiance precomputed at the positions of some of the photons. A gather ray then looks up the nearest of these
+// positions, its `place`, where it otherwise would look up many photons and weight them. Source: Christensen 1999,
+// "Faster Photon Map Global Illumination", journal of graphics tools 4(3).
 //
-// One photon in eight gives its place, the others their power, times 8 / 7: the places are then independent of the
-// photons that are counted, as the thinned parts of a Poisson process are, so that the estimate at a place is as
-// unbiased as anywhere else. (Were all photons counted, each place would have a photon for certain, and the region in
-// which it is the nearest would have too few others.)
+// One photon in eight gives a place; the others are counted, with their power times 8 / 7. Parts into which a Poisson
+// process is thinned are independent, so the places are independent of the photons that are counted, and the estimate
+// at a place is as unbiased as elsewhere. (If all photons were counted, each place would have a photon for certain,
+// and the region in which it is the nearest would have too few others.)
 
 #include "methods/parts/density/density_estimate.h"
 
@@ -14,23 +14,25 @@ namespace gib {
 
 class StageProgress;
 
-/// Takes the places out of `photons` and raises the power of the others. By the order in which photons are stored.
+/// Takes the places out of `photons` and raises the power of the others. Which photons become places depends on
+/// their order only.
 std::vector<Photon> take_places(std::vector<Photon>& photons);
 
 class PrecomputedIrradiance {
 public:
     PrecomputedIrradiance() = default;
-    /// Estimates irradiance at the places by all photons of `map` whose paths have at most `max_photon_edges`. Uses all
-    /// threads.
+    /// Estimates irradiance at the places from all photons of `map` whose paths have at most `max_photon_edges`
+    /// edges. Adds the rays traced to `rays`. Uses all threads.
     PrecomputedIrradiance(const Scene& scene, const std::vector<Photon>& places, const PhotonMap& map,
                           const DensityEstimator& estimator, int max_photon_edges, std::uint64_t seed,
                           std::uint64_t& rays, StageProgress* progress);
 
-    /// Irradiance [W/m^2] at the nearest place on the surface of `hit` on the side of `normal`; empty: there is none
-    /// within `max_distance`, which is the estimator's largest radius, or within the disc of its own estimate; or that
-    /// one may lie behind a wall or on another surface. That is asked, by a short ray, only where the estimate at the
-    /// place has met an obstacle, or where the place lies farther away than the ray to `hit` has come, whose length is
-    /// `seen`: a room that is small beside the scene has no places of its own for what it does not see.
+    /// Irradiance [W/m^2] at the nearest place on the surface of `hit`, on the side of `normal`. Empty if there is
+    /// none within `max_distance` (the estimator's largest radius), if the hit lies outside the disc of the place's
+    /// own estimate, or if the place may lie behind a wall or on another surface. A short ray tests the latter, but
+    /// only if the estimate at the place has met an obstacle or if the place is farther away than `seen`, the length
+    /// of the ray to `hit`: the nearest place may lie outside a room that is small compared with the scene and has no
+    /// places of its own.
     std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen, float max_distance,
                             DensityEstimator::Neighbours& neighbours) const;
 
@@ -38,7 +40,7 @@ public:
     std::size_t memory() const { return places_.memory(); }
 
 private:
-    PhotonMap places_;  ///< whose photons carry irradiance instead of power
+    PhotonMap places_;  ///< photons that carry irradiance instead of power
 };
 
 }  // namespace gib

@@ -1,5 +1,6 @@
 #pragma once
-// Parallel loops whose blocks store as much as they find, such as photons: how much is known once some of it is done.
+// A parallel loop whose blocks store results of unknown number, such as photons, and which stops early if memory
+// cannot hold them: the first blocks tell how many results there will be.
 
 #include "common/core/memory_limit.h"
 #include "common/core/parallel.h"
@@ -10,9 +11,9 @@
 
 namespace gib {
 
-/// parallel_blocks() over [0, count), whose body fills `blocks[block].*items`. The first blocks tell how much memory
-/// all of them will take at `bytes_per_item`; if that is more than there is, InputError, and the rest is not begun.
-/// `what` names the request.
+/// Runs body(block, begin, end) over [0, count) with all threads; the body fills `block.*items`. After the first
+/// blocks the memory of all of them is extrapolated, at `bytes_per_item` for each item. If it exceeds the memory that
+/// is free, throws InputError without beginning the rest; `what` names the request in the message.
 template <typename Block, typename Item, typename Body>
 std::vector<Block> blocks_within_memory(std::size_t count, std::size_t block_size, std::vector<Item> Block::*items,
                                         double bytes_per_item, const std::string& what, const Body& body) {

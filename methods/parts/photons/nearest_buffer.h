@@ -1,5 +1,5 @@
 #pragma once
-// The k nearest of the candidates that a search comes across.
+// A buffer that keeps the k nearest of the candidates that a search finds.
 
 #include "methods/parts/photons/selection.h"
 
@@ -10,14 +10,15 @@
 
 namespace gib {
 
+/// A photon found by a search, with its squared distance [scene units^2].
 struct Neighbour {
     float distance2;
     std::uint32_t photon;  ///< index in the photon map
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 
-/// Keeps the k nearest of the candidates offered to it: a buffer of k and some more, cut back to k whenever it is full,
-/// so that an offer costs constant time on average where a heap's costs log k.
+/// Keeps the k nearest of the candidates offered to it. The buffer has room for more than k and is cut back to the k
+/// nearest whenever it is full, so an offer takes constant time on average, where a heap takes time log k.
 class NearestBuffer {
 public:
     NearestBuffer(std::size_t k, float max_distance, std::vector<Neighbour>& storage)
@@ -25,13 +26,13 @@ public:
         if (storage_.size() < capacity_) storage_.resize(capacity_);
         begin_ = storage_.data();
     }
-    /// Squared distance beyond which nothing is wanted any more.
+    /// Squared distance beyond which no candidate is needed any more. It falls as the buffer is cut back.
     float bound() const { return bound_; }
     void offer(float distance2, std::uint32_t photon) {
         begin_[size_++] = {distance2, photon};
         if (size_ == capacity_) shrink();
     }
-    /// Leaves at most k in the storage, the farthest last if there are k.
+    /// Leaves the nearest candidates in the storage, at most k. If there are k, the last one is the farthest.
     void finish() {
         if (k_ > 0 && size_ >= k_) shrink();
         storage_.resize(size_);
@@ -40,7 +41,7 @@ public:
 private:
     void shrink() {
         Neighbour* const kth = begin_ + (k_ - 1);
-        // Distances are positive, so that their bits have their order.
+        // Positive floats have the order of their bits; ties in distance are broken by the photon's index.
         select_kth(begin_, kth, begin_ + size_, [](const Neighbour& n) {
             return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(n.distance2)) << 32 | n.photon;
         });

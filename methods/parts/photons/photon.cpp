@@ -6,6 +6,7 @@ namespace {
 
 Vec2 sign_not_zero(const Vec2& v) { return {std::copysign(1.f, v.x()), std::copysign(1.f, v.y())}; }
 
+/// The octahedral map (Cigolle et al. 2014): a unit vector to [-1, 1]^2.
 Vec2 octahedral(const Vec3& w) {
     const Vec2 p = w.head<2>() / w.cwiseAbs().sum();
     if (w.z() >= 0.f) return p;
@@ -18,14 +19,14 @@ Vec3 from_octahedral(const Vec2& p) {
     return w.normalized();
 }
 
-/// [-1, 1] to 0 .. 2 `half` and back, with 0 and +-1 exact.
+/// Rounds x in [-1, 1] to a whole number in [0, 2 half], so that 0 and +-1 are exact; dequantise() is the inverse.
 std::uint32_t quantise(float x, float half) { return static_cast<std::uint32_t>(std::lround((x + 1.f) * half)); }
 float dequantise(std::uint32_t x, float half) { return static_cast<float>(x) / half - 1.f; }
 
 constexpr int smallest_exponent = -126;
-constexpr std::uint8_t not_finite = 254;  // its unit is infinite, and 0 times that is not a number
+constexpr std::uint8_t not_finite = 254;  // its unit is infinite; a mantissa of 0 times that is not a number
 
-/// Of s from -126 to 127.
+/// 2^s for s from -126 to 127.
 float power_of_two(int s) { return std::bit_cast<float>(static_cast<std::uint32_t>(s + 127) << 23); }
 
 }  // namespace
@@ -49,7 +50,7 @@ void PhotonPayload::set_power(const Color& power) {
     const float largest = power.maxCoeff();
     if (largest == 0.f) return;
     int s = std::max(std::ilogb(largest) - 15, smallest_exponent);
-    // Rounding to nearest, ties to even: truncation would darken every sum.
+    // Mantissas are rounded to nearest, ties to even, as truncation would darken every sum.
     if (std::lrint(largest * power_of_two(-s)) > 0xffff) ++s;
     for (Eigen::Index c = 0; c < 3; ++c)
         mantissa_[static_cast<std::size_t>(c)] = static_cast<std::uint16_t>(std::lrint(power[c] * power_of_two(-s)));

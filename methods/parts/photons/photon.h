@@ -1,5 +1,6 @@
 #pragma once
-// What a photon is.
+// The photon as it is stored: power, directions and path length in 16 bytes, and a position.
+// Source: Jensen 2001, section 6.2.
 
 #include "common/core/math.h"
 
@@ -10,15 +11,16 @@
 
 namespace gib {
 
-/// What a photon carries, all but its position. 16 bytes.
+/// All data of a photon but its position. 16 bytes.
 ///
-/// Power is kept as m 2^s: a whole number m below 2^16 for each channel, ROUNDED to nearest, and one s, the smallest at
-/// which the largest channel fits. So a channel is off by at most 2^-16 of the largest one (half a unit of a number of
-/// 2^15 or more) for largest channels from 1e-33 to 3e38, and by 2^-127 below; 0 stays 0, and the sum of many photons
-/// gains or loses nothing. What 1 stands for is up to who stores it (photon_power_unit()).
+/// Each channel of the power is kept as m 2^s. The number m is whole, below 2^16 and ROUNDED to nearest; the exponent
+/// s is common to the channels and the smallest at which the largest channel fits. So a channel is off by at most
+/// 2^-16 of the largest one (half a unit of a number of 2^15 or more) if that is between 1e-33 and 3e38, and by at
+/// most 2^-127 below; 0 stays 0. The sum of many photons gains or loses nothing. The unit of power is the choice of
+/// the map that stores the photon (photon_power_unit()).
 class PhotonPayload {
 public:
-    /// A largest channel below may be kept as 0.
+    /// A photon whose largest channel is smaller may be kept with power 0.
     static constexpr float least_power = 0x1p-126f;
 
     PhotonPayload() = default;
@@ -33,9 +35,11 @@ public:
     }
     bool in_medium() const { return (tag_ & 1) != 0; }
     std::optional<int> stratum() const { return tag_ < 2 ? std::nullopt : std::optional<int>((tag_ >> 1) - 1); }
+    /// Direction that the photon came from, pointing away from the surface.
     Vec3 direction() const;
+    /// Geometric normal of the surface, on the side where the photon arrived.
     Vec3 surface_normal() const;
-    /// The same for photons of equal normals.
+    /// The encoded normal; photons of equal normals have equal codes.
     std::uint16_t normal_code() const { return normal_; }
 
 private:
@@ -46,21 +50,22 @@ private:
     std::uint16_t normal_;
 
 public:
-    std::uint16_t edges;
+    std::uint16_t edges;  ///< of the path from the light to the photon
 };
 static_assert(sizeof(PhotonPayload) == 16);
 
-/// Power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
+/// A photon: power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
 struct Photon : PhotonPayload {
     Vec3 p;
 
     Photon() = default;
-    /// @param power      in some unit of power. What no photon can carry (negative, not finite, 3.4e38 or more) comes
-    ///                   back not finite, so that the film counts it.
-    /// @param wi         where it came from, away from here
-    /// @param normal     geometric normal of the surface on the side that it arrived at; in a medium any unit vector
-    /// @param path_edges of its path, from the light to here; at most 65535
-    /// @param in_medium  its path was scattered in a medium
+    /// @param power      in some unit of power. A power that a photon cannot carry (negative, not finite, 3.4e38 or
+    ///                   more) comes back not finite, so that the film counts it.
+    /// @param wi         where the photon came from, pointing away from the surface
+    /// @param normal     geometric normal of the surface on the side where the photon arrived; in
+    ///                   a medium any unit vector
+    /// @param path_edges number of edges of its path from the light to here; at most 65535
+    /// @param in_medium  whether a medium has scattered its path
     /// @param stratum    of wavelengths, if its path was split (common/color/dispersion.h)
     Photon(const Vec3& position, const Color& power, const Vec3& wi, const Vec3& normal, int path_edges,
            bool in_medium = false, std::optional<int> stratum = std::nullopt)
@@ -69,13 +74,14 @@ struct Photon : PhotonPayload {
 };
 static_assert(sizeof(Photon) == 28);
 
-/// [W] The unit for `count` > 0 photons of lights that together emit this power: the power of two next below the mean
-/// photon's, so that neither faint scenes nor many photons leave a float's range. 1 where nothing is emitted.
+/// Unit of power [W] for `count` > 0 photons of lights that together emit this power: the largest power of two that
+/// is at most the mean photon's power, so that neither faint scenes nor large numbers of photons leave the range of a
+/// float. 1 where nothing is emitted.
 double photon_power_unit(const Colord& emitted, std::uint64_t count);
 
-/// A unit vector in 2 x 16 bits (and in 2 x 8): octahedral map, rounded to the nearest cell; the angle is off by at
-/// most 1e-4 (0.02) radians. Source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
-/// Vectors".
+/// Unit vectors in 2 x 16 bits, and normals in 2 x 8 bits, by the octahedral map, rounded to the nearest grid point.
+/// The angle is off by at most 1e-4 radians, for normals 0.02. Source: Cigolle et al. 2014, "A Survey of Efficient
+/// Representations for Independent Unit Vectors".
 std::uint32_t encode_direction(const Vec3& w);
 Vec3 decode_direction(std::uint32_t code);
 std::uint16_t encode_normal(const Vec3& n);

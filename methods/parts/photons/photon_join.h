@@ -1,19 +1,21 @@
 #pragma once
-// Which photons an eye path may be joined with, and with what weight.
+// The rule by which photons are joined with an eye path, and the weight of the joined path.
 
 #include "methods/parts/photons/photon.h"
 #include "methods/parts/transport/dispersed_path.h"
 
 namespace gib {
 
-/// The part of a path from the eye to where photons are looked up.
+/// The part of a path between the eye and the point where photons are looked up.
 struct EyePath {
-    int max_photon_edges;             ///< photons of longer paths would make a path that is too long
-    std::optional<int> stratum = {};  ///< of wavelengths, if the path was split
+    int max_photon_edges;             ///< largest number of edges of a photon's path, as whole paths are limited
+    std::optional<int> stratum = {};  ///< of wavelengths, if the eye path was split
 
+    /// Whether the photon's path may be joined with this one.
     bool accepts(const Photon& photon) const {
         return photon.edges <= max_photon_edges && can_join(stratum, photon.stratum());
     }
+    /// Factor for the photon's power, by channel: see joint_weight().
     Color weight(const Photon& photon) const { return joint_weight(stratum, photon.stratum()); }
 };
 

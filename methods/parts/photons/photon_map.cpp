@@ -11,17 +11,18 @@ namespace gib {
 
 namespace {
 
-/// Smaller subtrees are built by one task.
+/// Subtrees of at most this number of leaves are built by one task.
 constexpr std::uint32_t parallel_leaves = 2048;
 constexpr std::size_t leaves_per_block = 4096;
 
-/// A photon's position and number, in the place of its payload during the build.
+/// A photon's position and number. During the build it occupies the memory of the photon's payload.
 struct Record {
     std::array<float, 3> p;
     std::uint32_t photon;
 };
 
-/// Has the order of (x, photon). -0 counts as less than 0, which a split between the two bears.
+/// A key with the order of (x, photon). -0 counts as less than 0; either side is right for a
+/// photon on the split plane.
 std::uint64_t sort_key(float x, std::uint32_t photon) {
     const auto bits = std::bit_cast<std::uint32_t>(x);
     const std::uint32_t ordered =
@@ -33,7 +34,7 @@ using Float4 = float __attribute__((vector_size(16)));
 
 /// The axis along which the records extend farthest.
 int longest_axis(const PhotonPayload* begin, const PhotonPayload* end) {
-    // Four lanes, of which the fourth is the photons' numbers and ignored.
+    // The vectors have four lanes; the fourth holds the photons' numbers and is ignored.
     Float4 lower = {infinity, infinity, infinity, infinity}, upper = -lower;
     for (const PhotonPayload* i = begin; i != end; ++i) {
         const auto v = std::bit_cast<Float4>(*i);
@@ -65,7 +66,8 @@ PhotonMap::PhotonMap(std::vector<Photon> photons, double unit) : unit_(unit) {
     store_leaves(photons);
 }
 
-/// Splits at the median of the longest axis of the photons' box, at a whole number of leaves.
+/// Balances the kd-tree (Jensen 2001, section 6.3): splits at the median of the longest axis of the photons' box,
+/// rounded to a whole number of leaves.
 void PhotonMap::build(const Subtree& tree) {
     if (tree.leaves == 1) return;
     const std::size_t begin = std::size_t{tree.first} * leaf_size;
@@ -87,8 +89,8 @@ void PhotonMap::build(const Subtree& tree) {
     }
 }
 
-/// Puts the records below the median before `middle`, the others behind; ties go to the lower photon. Returns the
-/// median.
+/// Moves the records below the median before `middle` and the others behind it, and returns the median. Among equal
+/// coordinates the photon of lower number counts as smaller.
 template <int axis>
 float PhotonMap::split_at_median(std::size_t begin, std::size_t middle, std::size_t end) {
     PhotonPayload* const records = payloads_.data();
@@ -98,7 +100,7 @@ float PhotonMap::split_at_median(std::size_t begin, std::size_t middle, std::siz
     return coordinate(records[middle]);
 }
 
-/// Writes the positions and turns the records into payloads.
+/// Fills the leaves: writes the positions and replaces the records by the payloads.
 void PhotonMap::store_leaves(const std::vector<Photon>& photons) {
     parallel_blocks(positions_.size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t leaf = begin; leaf < end; ++leaf) {

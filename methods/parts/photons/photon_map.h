@@ -1,10 +1,11 @@
 #pragma once
-// Photons in a balanced kd-tree, and the searches for the nearest of them and for all within a radius.
+// The photon map: photons in a balanced kd-tree, with searches for the nearest ones and for all within a radius.
+// Source: Jensen 2001, chapter 6.
 //
-// Leaves hold eight photons whose positions lie together by coordinate, so that one look at a leaf yields eight
-// distances and the mask of those within the bound; only these are shown to the caller. What else a photon carries lies
-// apart and is read for photons within the bound only. 29 bytes a photon: 12 of position, 16 of payload, 8 a leaf of
-// nodes.
+// A leaf holds eight photons. Their positions are stored by coordinate, so that one look at a leaf yields eight
+// distances and a mask of those within the bound; only these photons are shown to the caller. The payloads are stored
+// apart and read only for photons within the bound. A photon takes 29 bytes: 12 for its position, 16 for its payload,
+// and 1 for its part of a node (8 bytes a leaf).
 
 #include "common/core/huge_pages.h"
 #include "methods/parts/photons/nearest_buffer.h"
@@ -27,45 +28,50 @@ public:
 
     PhotonMap() = default;
     /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
-    /// While it does, it needs 29 bytes a photon more than the photons given. At most 2^32 - 1 photons, at finite
-    /// positions. `unit` is what a power of 1 stands for [W, or what the photons carry instead].
+    /// The build needs 29 bytes a photon beside `photons`. These must have finite positions. `unit` is the meaning of
+    /// a power of 1: [W], or the unit of what the photons carry instead of power. Throws InputError for more than
+    /// 2^32 - 1 photons.
     PhotonMap(std::vector<Photon> photons, double unit);
 
     std::size_t size() const { return payloads_.size(); }
-    double unit() const { return unit_; }  ///< of the photons' power
+    double unit() const { return unit_; }  ///< unit of the photons' power [W]
+    /// Photon number i in the order of the map.
     Photon operator[](std::size_t i) const {
         const PositionBlock& block = positions_[i / leaf_size];
         const std::size_t lane = i % leaf_size;
         return {Vec3(block.x[lane], block.y[lane], block.z[lane]), payloads_[i]};
     }
-    /// What the map keeps [bytes].
+    /// Size of the map [bytes].
     std::size_t memory() const {
         return positions_.size() * sizeof(PositionBlock) + payloads_.size() * sizeof(PhotonPayload) +
                nodes_.size() * sizeof(Node);
     }
 
-    /// The k nearest photons to p within `max_distance` for which accept(photon, distance2) holds: fewer than k if
-    /// there are no more. In no particular order except that, if there are k, the LAST one is the farthest. Of photons
-    /// at the same distance the one with the lower index counts as nearer. `found` is cleared first and keeps its
-    /// memory. A squared distance is (dx^2 + dy^2) + dz^2, each operation rounded; accept is only called for those
-    /// within the largest distance that is still wanted.
+    /// Finds the k photons nearest to p within `max_distance` [scene units] for which accept(photon, distance2)
+    /// holds, or all of these if there are fewer (Jensen 2001, section 6.4). Their order is arbitrary, but if there
+    /// are k, the LAST one is the farthest. Of photons at equal distance the one with the lower index counts as
+    /// nearer. `neighbours` is cleared first and keeps its memory. A squared distance is (dx^2 + dy^2) + dz^2 with
+    /// each operation rounded. accept is called only for photons within the largest distance that still matters.
     template <typename Accept>
     void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
                  std::vector<Neighbour>& neighbours) const;
 
-    /// Calls visit(photon, distance2) for all photons with distance2 <= radius^2; their order is the same each time.
+    /// Calls visit(photon, distance2) for all photons with distance2 <= radius^2, in the same order each time.
     template <typename Visit>
     void within(const Vec3& p, float radius, Visit&& visit) const;
 
 private:
     static constexpr std::uint32_t leaf_size = 8;
-    /// Positions of a leaf's photons; those that the last leaf lacks are not a number and so at no distance.
+    /// The positions of a leaf's photons. Unused places of the last leaf are NaN, which lies at no distance.
     struct alignas(32) PositionBlock {
         std::array<float, leaf_size> x, y, z;
 
-        /// Of those within the bound one bit each; their squared distances from p are in `distance2`.
+        /// Sets `distance2` to the squared distances from p and returns a mask with one bit for each
+        /// that is within the bound.
         std::uint32_t within(const Vec3& p, float bound, std::array<float, leaf_size>& distance2) const;
     };
+    /// An inner node: the photons of its first child have p[axis] <= split, those of its
+    /// second child p[axis] >= split.
     struct Node {
         float split;
         std::uint32_t axis;
@@ -75,7 +81,8 @@ private:
         std::uint32_t node, first, leaves;
         Subtree child(bool left) const {
             const std::uint32_t half = leaves / 2;
-            // Nodes in preorder: a subtree of n leaves has n - 1 nodes, so no child is ever stored.
+            // Nodes stand in preorder. A subtree of n leaves has n - 1 nodes, so the numbers of
+            // children need not be stored.
             return left ? Subtree{node + 1, first, half} : Subtree{node + half, first + half, leaves - half};
         }
     };
@@ -85,13 +92,13 @@ private:
     float split_at_median(std::size_t begin, std::size_t middle, std::size_t end);
     void store_leaves(const std::vector<Photon>& photons);
 
-    /// Calls visit_photon(index, distance2) for the photons with distance2 <= bound(), nearer leaves first by and
-    /// large.
+    /// Calls visit_photon(index, distance2) for the photons with distance2 <= bound(). At every node the side of p is
+    /// visited before the other.
     template <typename Bound, typename VisitPhoton>
     void traverse(const Vec3& p, const Bound& bound, const VisitPhoton& visit_photon) const;
 
-    HugePageVector<PositionBlock> positions_;  ///< leaf after leaf
-    HugePageVector<PhotonPayload> payloads_;   ///< in the same order
+    HugePageVector<PositionBlock> positions_;  ///< positions, leaf after leaf
+    HugePageVector<PhotonPayload> payloads_;   ///< payloads in the same order
     HugePageVector<Node> nodes_;
     double unit_ = 1;
 };
@@ -119,10 +126,10 @@ template <typename Bound, typename VisitPhoton>
 void PhotonMap::traverse(const Vec3& p, const Bound& bound, const VisitPhoton& visit_photon) const {
     struct Pending {
         Subtree tree;
-        std::array<float, 3> offset;  ///< of the tree's cell from p, by axis
+        std::array<float, 3> offset;  ///< distance of the subtree's box from p, by axis
         float distance2;
     };
-    // Each level of the tree leaves one subtree for later; 2^32 photons have 29 levels.
+    // On each level of the tree one subtree is left for later; 2^32 photons have 29 levels.
     std::array<Pending, 40> stack;
     std::size_t depth = 0;
     if (positions_.empty()) return;
@@ -140,7 +147,8 @@ void PhotonMap::traverse(const Vec3& p, const Bound& bound, const VisitPhoton& v
             far.tree = at.tree.child(!left);
             at.tree = at.tree.child(left);
             far.offset[node.axis] = to_plane;
-            // In the order of a photon's distance: rounding is monotone, so no cell seems farther than what is in it.
+            // The sum has the order of a photon's squared distance; rounding is monotone, so a box never seems
+            // farther away than a photon in it.
             far.distance2 = (sqr(far.offset[0]) + sqr(far.offset[1])) + sqr(far.offset[2]);
             if (far.distance2 <= bound()) ++depth;
         }

@@ -21,12 +21,12 @@ namespace gib {
 namespace {
 
 constexpr std::size_t photons_per_block = 4096;
-/// More of them lie closer together.
+/// Aimed photons have larger blocks: the more of them are sorted together, the closer together they lie.
 constexpr std::size_t aimed_photons_per_block = 16384;
-/// While the map is built: the photon and its 29 bytes there (see PhotonMap).
+/// Memory of a photon while the map is built: the photon itself and its 29 bytes in the map (see PhotonMap).
 constexpr double bytes_per_photon = sizeof(Photon) + 29;
 
-/// The parameter that says how many photons are emitted for a map.
+/// Name of the parameter for the number of photons that are emitted for a map of this kind.
 const char* name_of(PhotonMapKind kind) {
     switch (kind) {
         case PhotonMapKind::caustic:
@@ -40,9 +40,8 @@ const char* name_of(PhotonMapKind kind) {
     return "photons";
 }
 
-/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): what an interpolated normal ns does to transported power; 1 where both normals
-/// agree.
-/// wo is where the photon came from. Source: Veach 1997, section 5.3.
+/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): the factor by which an interpolated normal ns changes transported power; it
+/// is 1 where the two normals agree. wo is where the photon came from. Source: Veach 1997, section 5.3.
 float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const ScatteredRay& scattered) {
     const Vec3 &wi = scattered.wi, &ns = scattered.normal;
     const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(ns));
@@ -56,17 +55,17 @@ Photon photon_on(const SurfaceHit& hit, const Vec3& wo, const Color& power, int 
     return {hit.p, power, wo, side, edges, path.in_medium, stratum};
 }
 
-/// One photon from a light until it is absorbed, escapes or can no longer be stored.
+/// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
 class PhotonPath {
 public:
     PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
         : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
 
-    /// `share` times the start's power is the photon's, in the result's unit.
+    /// Follows the photon with the power `share` times the start's, in the result's unit.
     void trace(const EmissionSample& start, const TracedRay& first, double share) {
         power_ = (share * start.power).cast<float>();
-        // From a dark texel, or from a lamp that is so much fainter: it would count as a neighbour in a density
-        // estimate.
+        // The photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in a
+        // density estimate without adding power.
         if (power_.maxCoeff() < PhotonPayload::least_power) return;
         result_.balance.emitted += power_.cast<double>();
         residual_ = power_.cast<double>();
@@ -80,7 +79,8 @@ private:
         if (scene.has_media()) medium_ = rays_.medium_at(traced.ray.o);
         std::uint32_t holes = 0;
         bool is_first = true;
-        // An edge to here and at least one more to the eye: a photon of max_edges could never be used.
+        // The path has `edges` edges up to the hit and needs at least one more to the eye: a photon of max_edges
+        // edges could never be used.
         for (int edges = 1; edges < max_edges_; ++edges) {
             if (!std::exchange(is_first, false)) rays_.trace(traced);
             if (medium_) {
@@ -101,7 +101,8 @@ private:
             }
             const Vec3 wo = -traced.ray.d;
             const Vec3 wo_local = hit->shading.to_local(wo);
-            // Stored before it may pass a hole: an eye path decides for itself whether the surface is there.
+            // The photon is stored before it may pass a hole, as an eye path decides for itself
+            // whether the surface is there.
             if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
                 result_.photons.push_back(photon_on(*hit, wo, power_, edges, path_, stratum_));
             if (hit->bsdf->pass_through() > 0.f &&
@@ -117,6 +118,7 @@ private:
         }
     }
 
+    /// Whether a photon with this path is stored on diffuse surfaces.
     bool stores_on_surfaces() const {
         const bool scattered = path_.diffuse_vertices > 0 || path_.in_medium;
         switch (kind_) {
@@ -132,13 +134,14 @@ private:
         return false;
     }
 
-    /// Power that leaves the path for `part` of the balance.
+    /// Books power that leaves the path in `part` of the balance.
     void account(const Color& power, Colord& part) {
         part += power.cast<double>();
         residual_ -= power.cast<double>();
     }
 
-    /// Ends the path with probability 1 - survival, or 1 - `most` if that is more.
+    /// Russian roulette: ends the path with probability 1 - survival, or 1 - `most` if that is
+    /// more (Jensen 2001, section 5.2).
     bool survives(float survival, float most, float u) {
         survival = std::clamp(survival, 0.f, most);
         if (!(u < survival)) return false;
@@ -146,8 +149,9 @@ private:
         return true;
     }
 
-    /// An event at p in the medium, at the end of `edges` edges: `before` is the power with which the flight began, and
-    /// the weight of the flight is what roulette undoes. False: the photon ends here.
+    /// A scattering event at p in a medium, at the end of `edges` edges. `before` is the power at the start of the
+    /// free flight; the roulette compensates for the weight of the flight. Returns false if the photon ends here.
+    /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
     bool scatter_in_medium(const Vec3& p, const Color& before, int edges, Ray& ray) {
         const Vec3 wo = -ray.d;
         const bool came_straight = path_.diffuse_vertices == 0 && !path_.specular_since_diffuse && !path_.in_medium;
@@ -164,8 +168,9 @@ private:
         return true;
     }
 
-    /// Roulette on the slides' coefficients: P_r = max over channels of d + s; survivors are rescaled per channel by
-    /// coefficient / P_r. False: the photon ends here.
+    /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
+    /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
+    /// scaled by (d_c + s_c) / P_r in each channel. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit, const Vec3& wo_local, int vertex, Ray& ray) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
@@ -190,14 +195,15 @@ private:
     const Sampler& sampler_;
     NumberStream flights_;
     PhotonWalkResult& result_;
-    Color power_ = Color::Zero();  ///< in the unit of the result
+    Color power_ = Color::Zero();  ///< in the result's unit
     PathClass path_;
     const Medium* medium_ = nullptr;    ///< that the photon is in
-    std::optional<int> stratum_;        ///< of wavelengths, once it has met a surface that splits light
-    Colord residual_ = Colord::Zero();  ///< what the balance has not accounted for
+    std::optional<int> stratum_;        ///< of wavelengths, once the path has met dispersion
+    Colord residual_ = Colord::Zero();  ///< power that the balance has not accounted for
 };
 
-/// Calls visit(start, first, sampler) for the photons [begin, end); `first` is where the start's ray went.
+/// Calls visit(start, first, sampler) for the photons [begin, end), where `first` is the start's
+/// ray and its closest hit.
 template <typename Visit>
 void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t end, const Visit& visit) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -211,8 +217,9 @@ void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t en
     }
 }
 
-/// The same for aimed photons, in the order of their bins: neighbours in the map are neighbours in space, so that one
-/// photon finds in the cache what the one before it read, and their first rays are traced as packets.
+/// Calls visit(start, first, sampler) for the aimed photons [begin, end), in the order of their bins. Neighbours in
+/// the map are neighbours in space, so a photon finds in the processor's cache what the previous one read, and the
+/// first rays are traced as packets.
 template <typename Visit>
 void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
                 const Visit& visit) {
@@ -266,7 +273,8 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     PhotonWalkResult result;
     result.emitted = count;
     if (count == 0 || !scene.has_light() || (aim && aim->empty())) return result;
-    // Edges are stored in 16 bits; with an unlimited path length no sum of edges can exceed the limit.
+    // Edges are stored in 16 bits, so a photon's path ends there even if paths are unlimited; no sum of edges exceeds
+    // the limit then.
     const int longest = std::min(max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, static_cast<std::uint64_t>(kind) + 1);
     result.unit = photon_power_unit(scene.emitted_power(), count);

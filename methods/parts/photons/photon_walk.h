@@ -1,7 +1,8 @@
 #pragma once
-// The photon mapper's first pass: photons leave the lights, are scattered or absorbed by Russian roulette, and are
-// stored at every diffuse hit, or wherever a medium scatters them, before the roulette. Source: Jensen 2001, "Realistic
-// Image Synthesis Using Photon Mapping", chapters 5 and 10.
+// Photon tracing, the photon mapper's first pass: photons leave the lights and are scattered or absorbed by Russian
+// roulette. Each is stored at every diffuse surface that it hits, or wherever a medium scatters it, before the
+// roulette. Source: Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapter 5, section
+// 9.3 and (media) chapter 10.
 
 #include "common/core/math.h"
 #include "methods/parts/photons/photon.h"
@@ -16,26 +17,25 @@ class ProjectionMap;
 class Scene;
 class StageProgress;
 
-/// Which photons are stored.
+/// The photons that a walk stores, by the history of their paths: S specular, D diffuse, V in a medium.
 enum class PhotonMapKind {
-    global,   ///< on diffuse surfaces: those that a diffuse surface or a medium (V) has scattered,
-              ///< L (S|D|V)* (D|V) S* D; direct light and caustics are found otherwise
-    caustic,  ///< L S+ D; the walk ends at the first diffuse surface or event in a medium
-    volume,   ///< in media: L (S|D|V)+ V; light that comes straight from its source is found otherwise
-    full      ///< on diffuse surfaces, all: L (S|D|V)* D; for gather rays, which see all light that leaves a surface
+    global,   ///< on diffuse surfaces, L (S|D|V)* (D|V) S* D: those that a diffuse surface or a medium has scattered
+    caustic,  ///< on diffuse surfaces, L S+ D; the walk ends at the first diffuse surface or event in a medium
+    volume,   ///< in media, L (S|D|V)+ V: all but those that come straight from a light
+    full      ///< on diffuse surfaces, L (S|D|V)* D: all, for gather rays, which see all light that leaves a surface
 };
 
-/// Where the emitted power of a walk went [W]. Absorption is counted as its expectation at every hit, power (1 -
-/// albedo), so that the sum is the emitted power only if the roulette and its rescaling are right.
+/// The balance of a walk's emitted power [W]. Absorption is counted as its expectation at every hit, power (1 -
+/// albedo), so the parts sum to the emitted power only if the roulette and its rescaling are right.
 struct PowerBalance {
-    Colord emitted = Colord::Zero();  ///< with a projection map only what leaves through its bins
+    Colord emitted = Colord::Zero();  ///< with a projection map: only the power emitted through its bins
     Colord absorbed = Colord::Zero();
     Colord escaped = Colord::Zero();
-    /// What the weights of flights through media took, as it came out: also light that a medium scatters and does not
-    /// absorb adds to it, with a mean of zero.
+    /// Power that free flights through media lost by their weights. Light that a medium scatters without absorbing it
+    /// also adds to this, with a mean of zero.
     Colord lost_in_media = Colord::Zero();
-    /// Sum over photons of (emitted - absorbed - escaped - lost)^2, from which the standard error of the balance
-    /// follows.
+    /// Sum over photons of (emitted - absorbed - escaped - lost)^2. The standard error of
+    /// the balance follows from it.
     Colord squared_residuals = Colord::Zero();
 
     PowerBalance& operator+=(const PowerBalance& other);
@@ -43,24 +43,28 @@ struct PowerBalance {
 };
 
 struct PhotonWalkResult {
-    double unit = 1;              ///< of the photons' power [W]
-    std::vector<Photon> photons;  ///< in the order of emission, aimed ones within a block in that of their bins
-    std::uint64_t emitted = 0;    ///< number of photons
+    double unit = 1;              ///< unit of the photons' power [W]
+    std::vector<Photon> photons;  ///< in the order of emission; aimed ones within a block in the order of their bins
+    std::uint64_t emitted = 0;    ///< number of photons emitted
     std::uint64_t rays = 0;
-    PowerBalance balance;  ///< [W], each photon of power / emitted
+    PowerBalance balance;  ///< [W]
 };
 
-/// In a medium a photon is stored with its power over the scattering coefficient there [unit x scene unit]: flights end
-/// in proportion to sigma_s times the fluence, so that the sum of stored values in a volume is the integral of fluence
-/// over it [unit x scene unit], also where the medium thins out (a collision estimator: Spanier and Gelbard 1969,
-/// section 2.7).
+/// Emits exactly `count` photons, and returns those that are stored; the result is the same for any number of
+/// threads. Each photon starts with 1 / count of the power that its sample of the emission stands for (Jensen 2001,
+/// section 5.1). Throws InputError if the photons would need more memory than there is.
 ///
-/// Emits exactly `count` photons, each with 1 / count of the power that its light's sample stands for, and returns
-/// those stored, the same for any number of threads. `max_edges`: photons whose path to an eye one edge away would be
-/// longer are not stored. Photons are independent random numbers, not a low-discrepancy set: the density estimate (k -
-/// 1) / (pi r_k^2) is unbiased for a Poisson process, and off by up to 1 / (2 k) for points that keep apart. `aim`:
-/// null, or where to emit; its targets must hold the surfaces that photons of this kind meet first. Nothing is traced
-/// if it is empty.
+/// A photon is stored only if its path and one edge to the eye have at most `max_edges` edges. `aim` is null or a
+/// projection map whose targets include the surfaces that photons of this kind meet first; nothing is
+/// traced if it is empty.
+///
+/// Photons are independent random numbers, not a low-discrepancy set: the density estimate (k - 1) / (pi r_k^2) is
+/// unbiased for a Poisson process, but off by up to 1 / (2 k) for points that keep apart.
+///
+/// In a medium a photon is stored with its power divided by the scattering coefficient sigma_s there [unit x scene
+/// unit]. Flights end in proportion to sigma_s times the fluence, so the sum of the stored values in a volume is the
+/// integral of the fluence over it [unit x scene unit], also where the medium thins out (a collision estimator:
+/// Spanier and Gelbard 1969, section 2.7).
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim = nullptr,
                                StageProgress* progress = nullptr);

@@ -10,14 +10,14 @@ namespace gib {
 
 namespace {
 
-/// A light that keeps more of its bins than this is not worth aiming.
+/// A light whose kept bins have more than this volume, of 1 in all, is not worth aiming.
 constexpr double all_but_kept = 0.98;
-/// It is given up when this share of the bins has been made.
+/// Such lights are looked for when 1 / trial_share of the bins have been made, so that the other lights get the rest.
 constexpr std::size_t trial_share = 4;
-/// A tenth of the choices goes to all lights alike, as without projection maps (see Scene).
+/// A tenth of the choices is spread evenly over the lights, as without projection maps (light_choice()).
 constexpr double uniform_share = 0.1;
 
-/// x in [lower, upper) for u in [0, 1).
+/// Maps u in [0, 1) to x in [lower, upper) of dimension i of the box.
 float within(const EmissionBox& box, std::size_t i, float u) {
     const float x = box.lower[i] + u * box.width(i);
     return x < box.upper[i] ? x : std::nextafter(box.upper[i], 0.f);
@@ -25,7 +25,8 @@ float within(const EmissionBox& box, std::size_t i, float u) {
 
 }  // namespace
 
-/// Halves the bins that hold most power, and drops what cannot reach a target, until there are enough of them.
+/// Builds the bins: halves those that hold the most power and drops those that cannot reach a
+/// target, until there are `most_bins`.
 class ProjectionMap::Refinement {
 public:
     Refinement(const Scene& scene, TargetSurfaces surfaces, const std::vector<OfLight>& lights, std::size_t most_bins)
@@ -69,14 +70,14 @@ public:
 private:
     struct Growing {
         Bin bin;
-        double weight;           ///< its share of all lights' power
-        bool finished = false;   ///< there is nothing to gain by halving it
-        std::uint32_t hint = 0;  ///< the target that it was seen to reach
+        double weight;           ///< share of the power of all lights
+        bool finished = false;   ///< halving the bin gains nothing
+        std::uint32_t hint = 0;  ///< the target that it reached last, which is tested first
     };
 
     const Light& light_of(const Growing& bin) const { return scene_.lights()[bin.bin.light]; }
 
-    /// Whether the bin's rays can reach a target.
+    /// Whether the bin's rays can reach a target. Also updates `finished` and `hint`.
     bool look(Growing& bin) const {
         const RayBundle bundle = emission_bundle(light_of(bin), scene_.shapes(), bin.bin.box);
         const auto reach = targets_.reach(bundle, except_[bin.bin.light], bin.hint);
@@ -89,6 +90,7 @@ private:
         std::array<bool, 2> kept = {false, false};
     };
 
+    /// The two halves of the bin's box in a dimension; empty if the box cannot be cut there.
     std::optional<std::pair<EmissionBox, EmissionBox>> cut(const Growing& bin, std::size_t dimension) const {
         const EmissionBox& box = bin.bin.box;
         const float at = split_point(light_of(bin), scene_.shapes(), box, dimension);
@@ -99,7 +101,7 @@ private:
         return halves;
     }
 
-    /// How wide a bundle is where the targets are [scene units].
+    /// Width of the bundle of the box's rays at the distance of the targets [scene units].
     double spread(const Growing& bin, const EmissionBox& box) const {
         const RayBundle bundle = emission_bundle(light_of(bin), scene_.shapes(), box);
         const double distance =
@@ -107,8 +109,9 @@ private:
         return bundle.radius + 2 * std::sin(0.5 * std::min(bundle.cone.half_angle, std::numbers::pi)) * distance;
     }
 
-    /// In the dimension without whose extent the rays would be narrowest: halving it may narrow nothing yet, as of a
-    /// ring around an axis. Of equals, the one in which the box is longest.
+    /// Halves the bin in one dimension: the one whose extent adds most to the width of the bundle, that is, without
+    /// whose extent the rays would be narrowest. Comparing the halves themselves would not do, as halving may narrow
+    /// nothing yet, such as for a ring around an axis. Among equal dimensions the longest side of the box decides.
     Halves halves_of(const Growing& bin) const {
         const auto dimensions = emission_dimensions(light_of(bin));
         std::optional<std::pair<EmissionBox, EmissionBox>> best;
@@ -119,7 +122,7 @@ private:
             if (!dimensions[i]) continue;
             const auto halves = cut(bin, i);
             if (!halves) continue;
-            EmissionBox thin = bin.bin.box;  // not in its middle, where a light's map may have an edge
+            EmissionBox thin = bin.bin.box;  // a slice beside the middle, where a light's map may have an edge
             thin.lower[i] += 0.25f * extent;
             thin.upper[i] = thin.lower[i] + extent / 64;
             const double width = spread(bin, thin);
@@ -130,7 +133,7 @@ private:
             longest = extent;
         }
         Halves result{{bin, bin}};
-        if (!best) {  // as fine as float can be
+        if (!best) {  // the box is as fine as float can resolve
             result.bins[0].finished = true;
             result.kept[0] = true;
             return result;
@@ -145,7 +148,7 @@ private:
         return result;
     }
 
-    /// In the order of the bins: the map is the same for any number of threads.
+    /// Halves the chosen bins and keeps the order of all bins, so that the map is the same for any number of threads.
     void halve(const std::vector<std::size_t>& chosen) {
         std::vector<Halves> halves(chosen.size());
         parallel_blocks(chosen.size(), 32, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -166,7 +169,7 @@ private:
         bins_ = std::move(next);
     }
 
-    /// One bin, all of it, for the lights that keep nearly all anyway.
+    /// Gives each light that keeps nearly all of its emission one bin that holds all of it.
     void give_up_idle_lights() {
         std::vector<double> kept(lights_.size(), 0.0);
         for (const Growing& bin : bins_)
@@ -190,7 +193,7 @@ private:
     ProjectionTargets targets_;
     const std::vector<OfLight>& lights_;
     std::size_t most_bins_;
-    std::vector<std::uint32_t> except_;  ///< by light: its own shape, if it cannot see that
+    std::vector<std::uint32_t> except_;  ///< by light: its own shape, if its rays cannot meet that
     std::vector<Growing> bins_;
 };
 
@@ -205,6 +208,7 @@ ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::s
     if (!bins_.empty()) prepare_choice();
 }
 
+/// Computes the probabilities of lights and bins, V_l / P_l, and the table `guide_`.
 void ProjectionMap::prepare_choice() {
     double power = 0, shining = 0;
     for (const OfLight& light : lights_) {
@@ -232,7 +236,7 @@ void ProjectionMap::prepare_choice() {
 }
 
 std::uint32_t ProjectionMap::choose_bin(const Vec2& u_choice) const {
-    // 48 bits: a bin's share may be as small as a float's last digit.
+    // The two numbers make 48 bits, since a bin's share may be as small as a float's last digit.
     const double u = static_cast<double>(u_choice.x()) + 0x1p-24 * static_cast<double>(u_choice.y());
     std::uint32_t i = guide_[static_cast<std::size_t>(u * static_cast<double>(guide_.size()))];
     while (i + 1 < begin_.size() && begin_[i + 1] <= u)

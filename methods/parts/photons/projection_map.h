@@ -1,19 +1,20 @@
 #pragma once
 // Projection maps: photons are emitted only where they can reach surfaces that matter. Sources: Jensen 1996, "Global
-// Illumination using Photon Maps", section 3.1; Jensen 2001, "Realistic Image Synthesis Using Photon Mapping",
-// section 5.3.
+// Illumination using Photon Maps", section 3.1; Jensen 2001, "Realistic Image Synthesis
+// Using Photon Mapping", chapter 5.
 //
-// A light's emission is a map from numbers x uniform in [0, 1)^4 to rays of power Phi(x) [W], whose mean is the light's
-// power. The map of a light is a set of boxes in that space, its bins: those whose rays can reach a target, by bounds
-// of the rays (emission_bounds.h) and of the targets (projection_targets.h), never by trying rays. With V_l the volume
-// of the light's kept bins, P_l the probability of choosing the light and V_c that of a bin, a bin is chosen with
-// probability P_l V_c / V_l and x uniformly in it: density P_l / V_l, so that
+// A light's emission is a map from numbers x, uniform in [0, 1)^4, to rays of power Phi(x) [W], whose mean is the
+// light's power. The projection map of a light is a set of boxes in that space, its bins: those whose rays can reach
+// a target. This is decided by bounds of the rays (emission_bounds.h) and of the targets (projection_targets.h),
+// never by trying rays. Let V_l be the volume of the light's kept bins, P_l the probability of choosing the light and
+// V_c the volume of a bin. A bin is chosen with probability P_l V_c / V_l, and x uniformly in it. So x has the
+// density P_l / V_l, and
 //
 //     Phi(x) V_l / P_l
 //
-// is an unbiased estimate of the power that leaves through the kept bins, whatever they are. Nothing is lost as long
-// as no ray of a dropped bin reaches a target. Jensen scales by the fraction of bins that are kept; here bins differ
-// in size, and it is the emission's own density that counts: that is volume.
+// is an unbiased estimate of the power that leaves through the kept bins, whatever they are. No light is lost if no
+// ray of a dropped bin reaches a target. Jensen scales by the fraction of bins that are kept. Here bins differ in
+// size, so their volume takes the place of their number: the share of the random numbers that lead to kept rays.
 
 #include "methods/parts/photons/projection_targets.h"
 
@@ -26,26 +27,28 @@ class Scene;
 
 class ProjectionMap {
 public:
-    /// `most_bins` of all lights together; they are spent by power.
+    /// Builds at most `most_bins` bins for all lights together; lights of more power get more of them.
     ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins = 1 << 16);
 
-    /// No light can reach a target.
+    /// Whether no light can reach a target.
     bool empty() const { return bins_.empty(); }
-    /// Some bin of some light was dropped.
+    /// Whether some bin of some light was dropped.
     bool aims() const { return aims_; }
 
-    /// The index of a bin, with its probability. Not if empty.
+    /// Chooses a bin with its probability and returns its index. The map must not be empty.
     std::uint32_t choose_bin(const Vec2& u) const;
-    /// The start of a light path in a chosen bin, with its share of the power that leaves through all bins.
+    /// The start of a light path in a chosen bin. Its power is the estimate Phi(x) V_l / P_l [W] of the power that
+    /// leaves through all bins.
     EmissionSample sample_emission(const Scene& scene, std::uint32_t bin, const Vec2& u_position,
                                    const Vec2& u_direction) const;
 
     struct Bin {
         EmissionBox box;
-        std::uint32_t light;  ///< index into the scene's
+        std::uint32_t light;  ///< index among the scene's lights
     };
     const std::vector<Bin>& bins() const { return bins_; }
-    /// The share of the light's numbers, and of an untextured light's power, that its bins hold.
+    /// V_l: the share of the light's random numbers that its bins hold. For an untextured light it is also the share
+    /// of its power.
     double kept(std::size_t light) const { return lights_[light].kept; }
 
 private:
@@ -61,8 +64,8 @@ private:
     std::vector<OfLight> lights_;
     std::vector<Bin> bins_;
     bool aims_ = false;
-    std::vector<double> begin_;         ///< of the bins' intervals of [0, 1)
-    std::vector<std::uint32_t> guide_;  ///< the bin at i / size
+    std::vector<double> begin_;         ///< start of each bin's interval of [0, 1)
+    std::vector<std::uint32_t> guide_;  ///< entry i: the bin at i / size, where the search for a bin starts
 };
 
 }  // namespace gib

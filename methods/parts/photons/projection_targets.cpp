@@ -11,17 +11,21 @@ namespace {
 
 using Ball = ProjectionTargets::Ball;
 
-/// About as many balls as are made of all shapes together, and the finest grid of one shape.
+/// About this number of balls is made for all shapes together; no shape has a finer grid than this.
 constexpr double wanted_balls = 1 << 15;
 constexpr int finest_grid = 32;
-/// Relative, of positions in float and of ray queries.
+/// Relative bound of the rounding of positions in float and of ray queries.
 constexpr float rounding = 1e-5f;
 
 Ball ball_of(const Vec3& center, float radius, std::uint32_t shape, bool whole_sphere) {
-    return {center, radius + rounding * (radius + center.cwiseAbs().maxCoeff()), shape, whole_sphere};
+    return {.center = center,
+            .radius = radius + rounding * (radius + center.cwiseAbs().maxCoeff()),
+            .shape = shape,
+            .whole_sphere = whole_sphere};
 }
 
-/// Sorts the pieces of triangles into the voxels of a grid over their bounds; only the pieces' boxes are kept.
+/// Sorts pieces of triangles into the voxels of a grid over their bounds, and keeps the bounding box of
+/// the pieces in each voxel.
 class TriangleGrid {
 public:
     TriangleGrid(const Bounds& bounds, int resolution)
@@ -36,7 +40,7 @@ public:
                       static_cast<std::size_t>(voxels_[2]));
     }
 
-    /// Triangles larger than a voxel are halved across their longest edge.
+    /// Adds a triangle. One larger than a voxel is halved across its longest edge first.
     void add(const Vec3& a, const Vec3& b, const Vec3& c) {
         const float ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
         if (std::max({ab, bc, ca}) > sqr(voxel_)) {
@@ -61,7 +65,7 @@ public:
     }
 
 private:
-    /// Eight steps of a float: what is longer has a middle that is not one of its ends, and halving comes to an end.
+    /// Eight steps of a float: the middle of a longer edge differs from both of its ends, so halving comes to an end.
     static float least_voxel(const Bounds& bounds) {
         return 16.f * unit_roundoff * bounds.lower.cwiseAbs().cwiseMax(bounds.upper.cwiseAbs()).maxCoeff();
     }
@@ -81,11 +85,12 @@ private:
     }
 
     Vec3 lower_;
-    float voxel_;  ///< its side [scene units]
+    float voxel_;  ///< side of a voxel [scene units]
     Eigen::Vector3i voxels_;
     std::vector<Bounds> boxes_;
 };
 
+/// Appends balls around the pieces of one shape.
 struct BallsOf {
     int resolution;
     std::uint32_t shape;
@@ -113,7 +118,7 @@ struct BallsOf {
 
     void operator()(const Sphere& sphere) const { balls.push_back(ball_of(sphere.center, sphere.radius, shape, true)); }
 
-    /// The parallelogram around it.
+    /// The balls hold the parallelogram around the disk.
     void operator()(const Disk& disk) const {
         const Vec3 a = disk.center - disk.du - disk.dv, b = disk.center + disk.du - disk.dv;
         const Vec3 c = disk.center + disk.du + disk.dv, d = disk.center - disk.du + disk.dv;
@@ -126,7 +131,7 @@ struct BallsOf {
         grid.append_balls(shape, balls);
     }
 
-    /// Lengths of it about as long as it is wide.
+    /// Cuts the cylinder into pieces about as long as they are wide.
     void operator()(const Cylinder& cylinder) const {
         const float length = cylinder.axis.norm();
         const float wanted = std::ceil(length / (2.f * cylinder.radius));
@@ -166,7 +171,8 @@ std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
         for (std::size_t i = groups.begin[g]; i < groups.begin[g + 1]; ++i)
             if (wanted(i)) append_balls(scene.shapes()[i], ProjectionTargets::no_shape, resolution, of_group[g]);
     for (const Instance& instance : groups.instances) {
-        // The largest singular value of the map, at most the root of the largest row sum of its square.
+        // Bound of the map's largest singular value: the root of the largest row sum of |M^T M|, where
+        // M is the map's matrix.
         const Eigen::Matrix3d square = instance.linear.transpose() * instance.linear;
         const double stretch = std::sqrt(square.cwiseAbs().rowwise().sum().maxCoeff());
         for (const Ball& ball : of_group[instance.group]) {
@@ -179,8 +185,9 @@ std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
     return balls;
 }
 
-/// Whether rays from the ball (c, rho) into a cone can meet the ball (q, r): with d = |q - c| they can where d <= r +
-/// rho, and else if the angle from the axis to q - c is at most alpha + asin((r + rho) / d).
+/// Tests whether rays from the ball (c, rho) into a cone with the half-angle alpha can meet the ball (q, r). With d =
+/// |q - c|, they can if d <= r + rho, or if the angle between the cone's axis and q - c is at most alpha + asin((r +
+/// rho) / d).
 class BundleTest {
 public:
     explicit BundleTest(const RayBundle& bundle)
@@ -194,16 +201,17 @@ public:
         const double reach = static_cast<double>(radius) + bundle_.radius, d2 = to.squaredNorm();
         if (everywhere_ || d2 <= sqr(reach)) return true;
         const double adjacent = std::sqrt(d2 - sqr(reach));
-        // sin(alpha + beta) <= 0: the sum is pi or more.
+        // If sin(alpha + beta) <= 0, with beta = asin((r + rho) / d), the sum is pi or more.
         if (sine_ * adjacent + cosine_ * reach <= 0) return true;
         const double along = bundle_.cone.axis.dot(to);
         return (bundle_.lines ? std::abs(along) : along) >= cosine_ * adjacent - sine_ * reach;
     }
 
-    /// Every ray meets the sphere: those parallel to it that start in c meet one smaller by rho.
+    /// Whether every ray of the bundle meets the sphere. This holds if the parallel rays that start in c meet a
+    /// sphere that is smaller by rho.
     bool all_meet(const Vec3& center, float radius) const {
         const Vec3d to = center.cast<double>() - bundle_.center;
-        // The ball has been made larger than the sphere by its rounding.
+        // ball_of() has enlarged the ball for rounding, so the sphere itself is a little smaller.
         const double reach = static_cast<double>(radius) * (1 - 10 * static_cast<double>(rounding)) - bundle_.radius -
                              10 * static_cast<double>(rounding * center.cwiseAbs().maxCoeff());
         if (reach <= 0) return false;
@@ -229,14 +237,18 @@ ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces
     build(balls, 0, balls.size());
 }
 
-/// Halves at the median of the longest axis.
+/// Builds the subtree over the balls [begin, end), halved at the median of the longest axis of their centres.
 void ProjectionTargets::build(std::vector<Ball>& balls, std::size_t begin, std::size_t end) {
     const std::size_t node = nodes_.size();
     nodes_.emplace_back();
     if (end - begin == 1) {
         const Ball& ball = balls[begin];
-        nodes_[node] = {ball.center, ball.radius, static_cast<std::uint32_t>(node + 1),
-                        ball.shape,  true,        ball.whole_sphere};
+        nodes_[node] = {.center = ball.center,
+                        .radius = ball.radius,
+                        .next = static_cast<std::uint32_t>(node + 1),
+                        .shape = ball.shape,
+                        .leaf = true,
+                        .whole_sphere = ball.whole_sphere};
         return;
     }
     Bounds bounds, centers;
@@ -256,8 +268,12 @@ void ProjectionTargets::build(std::vector<Ball>& balls, std::size_t begin, std::
                      [axis](const Ball& a, const Ball& b) { return a.center[axis] < b.center[axis]; });
     build(balls, begin, middle);
     build(balls, middle, end);
-    nodes_[node] = {
-        bounds.center(), radius * (1.f + rounding), static_cast<std::uint32_t>(nodes_.size()), no_shape, false, false};
+    nodes_[node] = {.center = bounds.center(),
+                    .radius = radius * (1.f + rounding),
+                    .next = static_cast<std::uint32_t>(nodes_.size()),
+                    .shape = no_shape,
+                    .leaf = false,
+                    .whole_sphere = false};
 }
 
 ProjectionTargets::Reach ProjectionTargets::reach(const RayBundle& bundle, std::uint32_t except,

@@ -1,6 +1,6 @@
 #pragma once
-// Balls around the surfaces that photons are to reach, in a tree, and the question whether a bundle of rays can meet
-// them.
+// The targets of projection maps: a tree of balls around the surfaces that photons are to reach. It tells whether a
+// bundle of rays can meet one of them.
 
 #include "common/lights/emission_bounds.h"
 
@@ -13,43 +13,43 @@ class Scene;
 
 enum class TargetSurfaces {
     all,
-    specular  ///< those whose material has a lobe that counts as S
+    specular  ///< surfaces whose material has a specular lobe
 };
 
-/// Meshes are cut into the pieces that lie in the voxels of a grid, large triangles too; what instances show is carried
-/// to the scene. Each piece lies inside its ball.
+/// The tree of balls. Meshes, with their large triangles, are cut into the pieces that lie in the voxels of a grid;
+/// shapes of instances are carried into the scene. Each piece lies inside its ball.
 class ProjectionTargets {
 public:
     ProjectionTargets(const Scene& scene, TargetSurfaces surfaces);
 
     bool empty() const { return nodes_.empty(); }
     std::size_t balls() const { return (nodes_.size() + 1) / 2; }
-    /// Of a ball around everything.
+    /// Centre and radius of a ball around all targets.
     const Vec3& center() const { return nodes_.front().center; }
     float radius() const { return nodes_.front().radius; }
 
     enum class Reach {
         none,     ///< no ray of the bundle meets a ball
-        some,     ///< some may
+        some,     ///< some ray may meet a ball
         all_meet  ///< every ray meets a target, which is a whole sphere
     };
     static constexpr std::uint32_t no_shape = ~0u;
-    /// Targets of the shape `except` do not count. `hint`: a node that is tried first, and set to the one that was
-    /// met; 0 at first.
+    /// Tells whether the bundle can reach a target; those of the shape `except` do not count. `hint` is the number of
+    /// a node that is tested first, 0 at the start; it is set to the node that was met.
     Reach reach(const RayBundle& bundle, std::uint32_t except, std::uint32_t& hint) const;
 
     struct Ball {
         Vec3 center;
         float radius;
-        std::uint32_t shape;  ///< index into the scene's; no_shape for what an instance shows
-        bool whole_sphere;    ///< the target is the ball's surface itself
+        std::uint32_t shape;  ///< index among the scene's shapes; no_shape for shapes of instances
+        bool whole_sphere;    ///< the target is the whole surface of the ball
     };
 
 private:
     struct Node {
         Vec3 center;
         float radius;
-        std::uint32_t next;  ///< after all below it; nodes stand in preorder
+        std::uint32_t next;  ///< the node after its subtree; nodes stand in preorder
         std::uint32_t shape;
         bool leaf, whole_sphere;
     };

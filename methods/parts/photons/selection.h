@@ -1,5 +1,6 @@
 #pragma once
-// Selection of the k-th smallest without branches on the data: std::nth_element mispredicts every other comparison.
+// Selection of the k-th smallest element without branches that depend on the data, since std::nth_element mispredicts
+// every other comparison.
 
 #include <algorithm>
 #include <array>
@@ -7,21 +8,22 @@
 
 namespace gib {
 
-/// What std::nth_element does for elements whose keys all differ: *kth becomes the one that sorting would put there,
-/// those before it are smaller, those behind it larger. key(element) is an unsigned integer. About 1.5 n comparisons
-/// for large n: a pivot from a sample, a little on the far side of the k-th, cuts the larger part off; the next one the
-/// rest. The order that results is a function of the order given. Source: Floyd and Rivest 1975, "Expected time bounds
-/// for selection".
+/// Does the same as std::nth_element for elements whose keys all differ: *kth becomes the element that sorting would
+/// put there, with the smaller ones before it and the larger ones behind it. key(element) is an unsigned integer. It
+/// takes about 1.5 n comparisons for large n: the first pivot, from a sample, lies a little beyond the k-th element
+/// and cuts the larger part off; the second pivot cuts off the rest. The resulting order depends only on the order
+/// given. Source: Floyd and Rivest 1975, "Expected time bounds for selection".
 template <typename T, typename Key>
 void select_kth(T* begin, T* kth, T* end, const Key& key) {
     constexpr std::ptrdiff_t sorted_size = 3, small = 256, medium = 2048, largest_sample = 127;
     for (int rounds = 100; end - begin > sorted_size; --rounds) {
-        if (rounds == 0) {  // the sample was misled all along
+        if (rounds == 0) {  // the samples have misled the search
             std::nth_element(begin, kth, end, [&](const T& a, const T& b) { return key(a) < key(b); });
             return;
         }
-        // A sample at equal steps, and of it the rank of the k-th, about a standard deviation towards the far end. It
-        // is never the lowest, so something is smaller than the pivot, and with the pivot neither part is empty.
+        // The pivot comes from a sample at equal steps. Its rank there is that of the k-th element, moved by about a
+        // standard deviation towards the far end. It is never the lowest of the sample, so some element is smaller
+        // than it, and neither part is empty (the pivot itself belongs to the upper one).
         const std::ptrdiff_t n = end - begin;
         auto pivot = key(begin[n / 2]);
         if (n < small) {

@@ -9,8 +9,9 @@ namespace {
 bool is_blocked(float visible) { return visible == 0.f; }
 bool is_blocked(const Color& visible) { return is_black(visible); }
 
-/// `visibility` gives the share of a light's radiance that arrives: one for all channels, or one for each. Inline: a
-/// call at every vertex would be what scenes without media pay for them.
+/// The light of one sample that the hit scatters. `visibility(light)` returns the share of its radiance that arrives:
+/// one number for all channels, or one for each. Inlined, since scenes without media would pay for
+/// a call at every vertex.
 template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
                                                         const Vec3& wo_local, LightTechniques techniques, Lobes which,

@@ -1,5 +1,5 @@
 #pragma once
-// The loop over an image that every method with samples per pixel shares.
+// The loop over the pixels of an image; all methods that take samples of pixels share it.
 
 #include "common/core/parallel.h"
 #include "common/images/film.h"
@@ -13,8 +13,8 @@
 
 namespace gib {
 
-/// Calls body(pixel, TracedRay, Sampler) for pixels [begin, end) of a pass, with a ray from the camera. Rays into
-/// neighbouring pixels are traced at once.
+/// Calls body(pixel, TracedRay, Sampler) for the pixels [begin, end) in one pass, each with a ray from the camera.
+/// Rays of neighbouring pixels are traced together as a packet.
 template <typename Body>
 void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::uint32_t pass, std::size_t begin,
                     std::size_t end, Body&& body) {
@@ -39,9 +39,10 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
     }
 }
 
-/// Adds one sample of every pixel to the film and returns the number of rays traced; `stage` is what `stages` is told
-/// about it. `start_block()` gives the sampling function of one block of pixels, which may own scratch memory:
-/// PixelSample(RayQueries&, const TracedRay&, const Sampler&). The film is a Film or takes samples like one.
+/// Adds one sample of every pixel to the film and returns the number of rays traced. The time and the progress are
+/// recorded in `stages` under the name `stage`. `start_block()` returns the sampling function for one block of
+/// pixels, PixelSample(RayQueries&, const TracedRay&, const Sampler&), which may own scratch memory. AnyFilm is Film
+/// or a class with the same function add().
 template <typename AnyFilm, typename StartBlock>
 std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
                             StageTimes& stages, std::string_view stage, StartBlock&& start_block) {

@@ -1,6 +1,6 @@
 #pragma once
-// The ray queries of one block of work: every method traces through this, so that rays are counted, and can be
-// recorded, alike.
+// The ray queries of one block of work. Every method traces its rays through this class, so that all rays are
+// counted, and can be recorded, in the same way.
 
 #include "common/scene/scene.h"
 
@@ -14,12 +14,12 @@ namespace gib {
 struct RayLog {
     struct Entry {
         Ray ray;
-        bool shadow;  ///< asked whether anything is hit, not what
+        bool shadow;  ///< the query asked only whether anything is hit
     };
     std::vector<Entry> entries;
 };
 
-/// A ray and its closest hit, of which the surface is not computed yet.
+/// A ray and its closest hit; the properties of the surface there are not computed yet.
 struct TracedRay {
     Ray ray;
     std::optional<Intersection> found = {};
@@ -27,7 +27,7 @@ struct TracedRay {
 
 class RayQueries {
 public:
-    /// `log` may be null: nothing is recorded.
+    /// Rays are recorded in `log` unless it is null.
     explicit RayQueries(const Scene& scene, RayLog* log = nullptr) : scene_(scene), log_(log) {}
 
     const Scene& scene() const { return scene_; }
@@ -37,7 +37,7 @@ public:
         note(ray, false);
         return scene_.intersect(ray);
     }
-    /// intersect() in two steps: the first sets `found`.
+    /// trace() and surface_hit() are the two steps of intersect(): the first sets `traced.found`.
     void trace(TracedRay& traced) {
         note(traced.ray, false);
         traced.found = scene_.accelerator().intersect(traced.ray);
@@ -45,7 +45,7 @@ public:
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
     }
-    /// trace() of 1 to Accelerator::packet_size rays at once.
+    /// Traces a packet of 1 to Accelerator::packet_size rays.
     void trace(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) {
         for (const Ray& ray : rays)
             note(ray, false);
@@ -53,29 +53,29 @@ public:
         for (std::size_t i = 0; i < rays.size(); ++i)
             scene_.prefetch(found[i]);
     }
-    /// The same for rays from the camera. They go past a surface that the camera itself lies on, a lamp say: what it
-    /// sees begins beyond it.
+    /// Traces a packet of rays from the camera. If the camera lies on a surface, such as a lamp, its rays start
+    /// beyond that surface: they are shortened accordingly.
     void trace_from_camera(std::span<Ray> rays, std::span<std::optional<Intersection>> found) {
         trace(rays, found);
         for (std::size_t i = 0; i < rays.size(); ++i)
             pass_own_surfaces(rays[i], found[i]);
     }
-    /// The share of light that passes from the light's point to the surface: 0 or 1, except through surfaces with holes
-    /// (masks). Both ends are off their surfaces by the bound of their own rounding errors, so the segment between them
-    /// needs no epsilon.
+    /// The share of light that passes from the light's point to the surface: 0 or 1, or a value between if there are
+    /// surfaces with holes (masks). Both ends are offset from their surfaces by the bound of their own rounding
+    /// errors, so the segment between them needs no epsilon.
     float visibility(const SurfacePoint& from, const LightSample& to) {
         const Vec3 origin = offset_origin(from, to.wi);
         if (scene_.has_holes()) return visibility_through_holes(origin, to);
-        const Ray ray{origin, to.target - origin, 0.f, 1.f};
+        const Ray ray{.o = origin, .d = to.target - origin, .t_max = 1.f};
         note(ray, true);
         return scene_.occluded(ray) ? 0.f : 1.f;
     }
 
-    /// The same in a scene with media, by channel: an unbiased estimate of the share that reaches `origin`, which lies
-    /// in `medium` (null: in nothing).
+    /// The share of light that reaches `origin` in a scene with media, by channel: an unbiased estimate. `origin`
+    /// lies in `medium`; null stands for vacuum.
     Color transmittance(Vec3 origin, const Medium* medium, const LightSample& to, NumberStream& u) {
         for (Color transmitted = Color::Ones();;) {
-            TracedRay way{Ray{origin, to.target - origin, 0.f, 1.f}};
+            TracedRay way{Ray{.o = origin, .d = to.target - origin, .t_max = 1.f}};
             trace(way);
             const auto hit = surface_hit(way);
             if (hit) transmitted *= hit->bsdf->pass_through();
@@ -93,13 +93,14 @@ public:
         }
     }
 
-    /// What a point of a scene with media lies in, found along the way from the camera: the boundaries on it decide.
+    /// The medium at p in a scene with media; null stands for vacuum. The surfaces between the camera, whose medium
+    /// is known, and p decide it.
     const Medium* medium_at(const Vec3& p) {
         const Medium* medium = scene_.camera_medium();
         const Sensor& sensor = scene_.sensor();
         const Ray middle = sensor.generate_ray(sensor.width() / 2, sensor.height() / 2, Vec2(0.5f, 0.5f));
         for (Vec3 origin = middle.o + middle.t_min * middle.d;;) {
-            const Ray way{origin, p - origin, 0.f, 1.f};
+            const Ray way{.o = origin, .d = p - origin, .t_max = 1.f};
             const auto hit = intersect(way);
             if (!hit) return medium;
             medium = scene_.medium_beyond(*hit, way.d, medium);
@@ -111,7 +112,7 @@ public:
 private:
     float visibility_through_holes(Vec3 origin, const LightSample& to) {
         for (float visibility = 1.f;;) {
-            const Ray ray{origin, to.target - origin, 0.f, 1.f};
+            const Ray ray{.o = origin, .d = to.target - origin, .t_max = 1.f};
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
@@ -123,9 +124,9 @@ private:
         }
     }
 
-    /// One surface after the other, where several lie in the camera's place.
+    /// Moves the start of a camera's ray beyond the surfaces that the camera lies on, one after the other.
     void pass_own_surfaces(Ray& ray, std::optional<Intersection>& found) {
-        // What is farther away is not under the camera, however small its angle with the ray.
+        // A hit farther away than this is not under the camera, however small its angle with the ray.
         const float farthest = 1e-3f * scene_.diagonal();
         const Vec3 camera = ray.o;
         while (found && found->t <= farthest) {
@@ -133,17 +134,21 @@ private:
             if (!is_under(camera, *hit, ray.d)) return;
             const Vec3 beyond = offset_origin(*hit, ray.d);
             const float way = (beyond - ray.o).dot(ray.d);
-            TracedRay rest{{beyond, ray.d, std::max(ray.t_min - way, 0.f), std::max(ray.t_max - way, 0.f)}};
+            TracedRay rest{{.o = beyond,
+                            .d = ray.d,
+                            .t_min = std::max(ray.t_min - way, 0.f),
+                            .t_max = std::max(ray.t_max - way, 0.f)}};
             trace(rest);
             ray = rest.ray;
             found = rest.found;
         }
     }
 
-    /// Whether the camera lies on the surface that its ray along w hits, so that there is a hit only by rounding. If it
-    /// hits it from behind, the camera looks away from its front, and all that may be rounded counts. From the front it
-    /// is the rounding of the camera's own place only: one that is close above a large floor sees it. Nor is it in
-    /// glass then. Boundaries of media are hit always: their sides tell what is beyond.
+    /// Whether the camera lies on the surface that its ray along w hits, so that only rounding makes it a hit. If the
+    /// ray hits the surface from behind, the camera looks away from its front, and all rounding errors are allowed
+    /// for. If it hits the front, only the rounding of the camera's own position is allowed for, since a camera close
+    /// above a large floor sees the floor; and a camera on glass counts as outside of it. Boundaries of media are
+    /// always hits, as their sides tell the medium beyond.
     bool is_under(const Vec3& camera, const SurfaceHit& hit, const Vec3& w) const {
         const float distance = std::abs((hit.p - camera).dot(hit.ng));
         const float rounding = 2.f * unit_roundoff * hit.ng.cwiseAbs().dot(camera.cwiseAbs());
@@ -152,8 +157,8 @@ private:
         return distance <= rounding && !scene_.material_of_shape(hit.shape).traits().refraction;
     }
 
-    /// Whether a way along w has come to its end, which may lie in the surface that it has just left behind: the next
-    /// step would lead back to it, again and again.
+    /// Whether a way along w has reached its end. The end may lie in the surface that the way has just passed;
+    /// without this test the next step would lead back to that surface, without end.
     static bool is_past(const Vec3& origin, const Vec3& end, const Vec3& w) { return !((end - origin).dot(w) > 0.f); }
 
     void note(const Ray& ray, bool shadow) {

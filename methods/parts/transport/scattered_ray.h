@@ -1,12 +1,12 @@
 #pragma once
-// Ways on from a surface: samples of its Bsdf that lead no light through a closed surface, whatever its shading normals
-// are.
+// Scattered rays: samples of a surface's Bsdf that lead no light through a closed surface,
+// whatever its shading normals are.
 //
-// A shading normal and the geometric normal disagree about the side on which some directions are. Where they do, a
-// reflection would come out behind the surface, and a refraction on the side that it came from (Veach 1997, section
-// 5.3). What is diffuse or glossy scatters nothing if they disagree about wi or wo, whichever way light is followed. A
-// mirror or a smooth interface, which has no other direction to send the light to, sends it where the geometric normal
-// says.
+// The shading normal and the geometric normal disagree about the side on which some directions lie. There a
+// reflection would leave on the back of the surface, and a refraction would return to the side that it came from
+// (Veach 1997, section 5.3). So diffuse and glossy lobes scatter nothing if the normals disagree about wi or wo, in
+// both directions of transport. A mirror or a smooth interface has no other direction to send the light to; it
+// scatters about the geometric normal there.
 
 #include "common/scene/scene.h"
 
@@ -17,29 +17,30 @@ namespace gib {
 
 struct ScatteredRay {
     Vec3 wi;       ///< unit
-    Color weight;  ///< f |cos| / pdf_w; both_ways() does not divide by the probability
+    Color weight;  ///< f |cos| / pdf_w; from both_ways(): f |cos|, not divided by the probability of the lobe
     float pdf_w;   ///< [1/sr]; for a delta lobe the probability of choosing it
     bool delta;
     LobeKind lobe;
-    float eta;    ///< index on wi's side over index on wo's side; 1 without refraction
-    Vec3 normal;  ///< about which it was scattered
+    float eta;    ///< index of refraction on wi's side over that on wo's side; 1 without refraction
+    Vec3 normal;  ///< the normal that it was scattered about
 };
 
 namespace detail {
 
-/// `wo` is in the shading frame; `probability` divides the weight.
+/// Turns a Bsdf sample into a ray in world space. `wo` is in the shading frame; the weight is divided by
+/// `probability`. Empty if the normals forbid the direction and the lobe has no other.
 inline std::optional<ScatteredRay> scattered_ray(const SurfaceHit& hit, const Vec3& wo, const BsdfSample& sample,
                                                  float probability, Transport transport) {
-    ScatteredRay ray{hit.shading.to_world(sample.wi),
-                     sample.f * (std::abs(sample.wi.z()) / probability),
-                     sample.pdf_w,
-                     sample.delta,
-                     sample.lobe,
-                     sample.eta,
-                     hit.ns};
+    ScatteredRay ray{.wi = hit.shading.to_world(sample.wi),
+                     .weight = sample.f * (std::abs(sample.wi.z()) / probability),
+                     .pdf_w = sample.pdf_w,
+                     .delta = sample.delta,
+                     .lobe = sample.lobe,
+                     .eta = sample.eta,
+                     .normal = hit.ns};
     if (!sample.delta && hit.delta_only) return std::nullopt;
     if (hit.normals_agree_about(ray.wi)) return ray;
-    // What a bump map makes of a normal belongs to the direction that is given up.
+    // The sample belongs to a bump-mapped normal, so no direction about the geometric normal can take its place.
     if (!sample.delta || hit.bsdf->is_tilted()) return std::nullopt;
     const Vec3 out = hit.shading.to_world(wo);
     const float cosine = out.dot(hit.ng), cos_o = std::abs(cosine);
@@ -51,21 +52,21 @@ inline std::optional<ScatteredRay> scattered_ray(const SurfaceHit& hit, const Ve
         return ray;
     }
     ray.wi = 2.f * cos_o * n - out;
-    if (transport == Transport::radiance) ray.weight *= sqr(sample.eta);  // it does not pass the interface
+    if (transport == Transport::radiance) ray.weight *= sqr(sample.eta);  // the ray does not pass the interface
     ray.eta = 1.f;
     return ray;
 }
 
 }  // namespace detail
 
-/// A sample of the Bsdf: see Bsdf::sample_local(). Empty where nothing is scattered.
+/// One ray by a sample of the Bsdf (Bsdf::sample_local()). Empty if nothing is scattered.
 inline std::optional<ScatteredRay> sample_scattering(const SurfaceHit& hit, const Vec3& wo_local, const Vec2& u_lobe,
                                                      const Vec2& u, Transport transport, Lobes which = Lobes::all) {
     const auto sample = hit.bsdf->sample_local(wo_local, u_lobe, u, transport, which);
     return sample ? detail::scattered_ray(hit, wo_local, *sample, sample->pdf_w, transport) : std::nullopt;
 }
 
-/// Both ways on from a smooth interface: see Bsdf::delta_pair_local().
+/// The reflected and the refracted ray of a smooth interface (Bsdf::delta_pair_local()). Empty if there are not two.
 inline std::optional<std::array<ScatteredRay, 2>> both_ways(const SurfaceHit& hit, const Vec3& wo_local,
                                                             Transport transport) {
     const auto lobes = hit.bsdf->delta_pair_local(wo_local, transport);

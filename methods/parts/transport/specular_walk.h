@@ -1,6 +1,6 @@
 #pragma once
-// Paths that end at diffuse surfaces and in media, and go on by specular lobes: from the eye, or along a gather ray.
-// The photon mapper's second pass is made of them. Source: Jensen 2001, chapter 9.
+// Paths, from the eye or along a gather ray, that go on by specular lobes and show a visitor the diffuse surfaces and
+// media that they meet. The photon mapper's eye pass consists of them. Source: Jensen 2001, section 9.4.
 
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/dispersed_path.h"
@@ -12,54 +12,55 @@
 namespace gib {
 
 struct WalkSettings {
-    int max_edges;          ///< edges of the longest path, whatever a visitor adds to it included
-    bool samples_lights;    ///< off where no light can be sampled from anywhere
-    bool follows_specular;  ///< off where no surface is specular
+    int max_edges;          ///< edges of the longest path, including those that a visitor adds
+    bool samples_lights;    ///< false where no light can be sampled from anywhere
+    bool follows_specular;  ///< false where no surface is specular
 };
 
-/// One path, or a tree of paths: at its first smooth interfaces between dielectrics it follows both what is reflected
-/// and what is transmitted, as often as the visitor's `splits` says. Choosing one of them would make the reflection of
-/// a lamp in glass, 25 times brighter than its mean, the noisiest part of an image. A visitor is shown what it meets:
+/// One path, or a tree of paths: at its first smooth interfaces between dielectrics, as many as the visitor's
+/// `splits`, both the reflected and the transmitted path are followed. If one of them were chosen at random, the
+/// reflection of a lamp in glass, 25 times brighter than its mean, would be the noisiest part of an image. The
+/// visitor is called for:
 ///  - emitted(radiance): light at the end of the specular path [W/(sr m^2)], times its throughput;
-///  - diffuse(hit, wo, u): a surface with diffuse lobes; the path goes on by the specular ones, if there are any;
-///  - scattered(p, wo): an event in a medium, where the path ends.
-/// At the last two at least one more edge is allowed. A visitor whose `wants_emission` is false pays nothing for it,
-/// and is told a throughput that is not finite only.
+///  - diffuse(hit, wo, u): a surface with diffuse lobes; the path goes on by the specular lobes, if there are any;
+///  - scattered(p, wo): a scattering event in a medium, where the path ends.
+/// In the last two cases at least one more edge is allowed. For a visitor whose `wants_emission` is false emission is
+/// not computed, and emitted() is called only with a throughput that is not finite.
 class SpecularWalk {
 public:
-    /// Starts in `medium` (null: nothing); all must outlive this.
+    /// Starts in `medium`; null stands for vacuum. All arguments must outlive this.
     SpecularWalk(RayQueries& rays, const Sampler& sampler, const WalkSettings& settings, const Medium* medium)
         : rays_(rays), scene_(rays.scene()), sampler_(sampler), settings_(settings), flights_(sampler) {
         at_.medium = medium;
     }
 
+    /// Follows the path along a ray that was traced.
     template <typename Visitor>
     void follow(const TracedRay& traced, Visitor& visitor) {
         at_.splits_left = Visitor::splits;
         follow_from(traced.ray.o, traced, visitor);
     }
 
-    // The path up to where a visitor is called:
+    // The state of the path where a visitor is called:
 
     RayQueries& rays() const { return rays_; }
     const Sampler& sampler() const { return sampler_; }
     const WalkSettings& settings() const { return settings_; }
-    const Color& throughput() const { return at_.beta; }  ///< f cos / pdf of all vertices before
-    int vertex() const { return at_.vertex; }             ///< specular vertices before, which is edges - 1
+    const Color& throughput() const { return at_.beta; }  ///< product of f cos / pdf over the vertices before
+    int vertex() const { return at_.vertex; }             ///< number of specular vertices before: edges - 1
     int edges_left() const { return settings_.max_edges - (at_.vertex + 1); }
-    std::optional<int> stratum() const {
-        return at_.stratum;
-    }                                                    ///< of wavelengths, if it has met a surface that splits light
-    const Medium* medium() const { return at_.medium; }  ///< that it is in
+    /// Stratum of wavelengths, if the path has met a surface that splits light.
+    std::optional<int> stratum() const { return at_.stratum; }
+    const Medium* medium() const { return at_.medium; }  ///< that the path is in
     NumberStream& flights() { return flights_; }
-    float length() const { return at_.length; }  ///< of its edges from surface to surface [scene units]
+    float length() const { return at_.length; }  ///< [scene units] from surface to surface
 
 private:
-    /// Paths among specular surfaces end by roulette from this vertex on; the path tracer's earlier, since its paths go
-    /// on after diffuse surfaces, where a throughput near 1 is rare.
+    /// Russian roulette starts at this vertex. The path tracer's starts earlier, since its paths go on after diffuse
+    /// surfaces, where a throughput near 1 is rare.
     static constexpr int first_roulette_vertex = 8;
 
-    /// From `previous`, along a ray that was traced, until the path ends.
+    /// Follows the path from `previous` along a ray that was traced, until the path ends.
     template <typename Visitor>
     void follow_from(Vec3 previous, TracedRay traced, Visitor& visitor) {
         while (at_.vertex < settings_.max_edges) {
@@ -90,7 +91,8 @@ private:
         }
     }
 
-    /// Follows both ways on from a smooth interface; false: this is none, or one way alone has light.
+    /// Follows both ways on from a smooth interface. Returns false, and does nothing, if the hit is no such interface
+    /// or only one way carries light.
     template <typename Visitor>
     bool split(const SurfaceHit& hit, const Vec3& wo, TracedRay& traced, Visitor& visitor) {
         if (!settings_.follows_specular) return false;
@@ -109,19 +111,21 @@ private:
         return true;
     }
 
-    /// `pdf_w`: the density of its direction for what else could have sampled it.
+    /// Adds a scattered ray to the throughput. `pdf_w` is its density [1/sr] for the weight against light sampling.
     void take(const ScatteredRay& way, float pdf_w) {
         at_.beta *= way.weight;
         at_.eta_scale *= sqr(way.eta);
         at_.pdf_w = pdf_w;
     }
 
+    /// Traces the ray from the hit along wi.
     void go_on(const SurfaceHit& hit, const Vec3& wi, TracedRay& traced) {
         if (scene_.has_media()) at_.medium = scene_.medium_beyond(hit, wi, at_.medium);
         traced.ray = hit.spawn_ray(wi);
         rays_.trace(traced);
     }
 
+    /// Shows the visitor the light at the end of the ray, weighted against light sampling from `previous`.
     template <typename Visitor>
     void show_emission(const TracedRay& traced, const std::optional<SurfaceHit>& hit, const Vec3& previous,
                        Visitor& visitor) {
@@ -133,10 +137,10 @@ private:
         if (!is_black(Le)) visitor.emitted(at_.beta * Le * bsdf_sampling_weight(scene_, previous, at_.pdf_w, *hit));
     }
 
-    /// What the medium does to the path before it comes to a surface: true if it ends in the medium.
+    /// Samples a free flight through the medium before the next surface. Returns true if the path ends in the medium.
     template <typename Visitor>
     bool ends_in_medium(const TracedRay& traced, Visitor& visitor) {
-        const Ray& ray = traced.ray;  // of unit direction; clip distances are the camera's
+        const Ray& ray = traced.ray;  // d is a unit vector; t_min and t_max clip a camera's rays
         const Vec3 from = ray.o + ray.t_min * ray.d;
         const float length = (traced.found ? traced.found->t : ray.t_max) - ray.t_min;
         const auto flight = at_.medium->sample_flight(from, ray.d, length, flights_, at_.beta);
@@ -146,7 +150,8 @@ private:
         return true;
     }
 
-    /// The way on by a specular lobe, and what it shows of the lights; empty: the path ends here.
+    /// Samples a direction by the specular lobes, and shows the visitor the light that glossy ones scatter straight
+    /// from the lights. Empty if the path ends here.
     template <typename Visitor>
     std::optional<Vec3> scatter_specularly(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u,
                                            Visitor& visitor) {
@@ -174,10 +179,11 @@ private:
                    : sample_direct_light(rays_, hit, wo_local, u, both, Lobes::specular).specular;
     }
 
+    /// Russian roulette; false if the path ends.
     template <typename Visitor>
     bool survives(float most, float u, Visitor& visitor) {
         if (!at_.beta.isFinite().all()) {
-            // Roulette would end the path in silence; the film counts it.
+            // Roulette would drop this throughput without notice; the film counts it.
             visitor.emitted(at_.beta);
             return false;
         }
@@ -193,16 +199,17 @@ private:
     const WalkSettings& settings_;
     NumberStream flights_;
 
-    /// Where a path has come to.
+    /// The state of a path at its current vertex.
     struct State {
         Color beta = Color::Ones();
-        float eta_scale = 1.f;   ///< product of eta^2 that beta was divided by at refractions
-        float pdf_w = infinity;  ///< density of the last direction; infinite: nothing else could have sampled it
+        float eta_scale = 1.f;  ///< the product of eta^2 by which refractions have divided beta
+        /// Density [1/sr] of the last direction; infinite if light sampling could not find it.
+        float pdf_w = infinity;
         const Medium* medium = nullptr;   ///< that the path is in
-        std::optional<int> stratum = {};  ///< of wavelengths, once the path has met a surface that splits light
+        std::optional<int> stratum = {};  ///< of wavelengths, once the path has met dispersion
         int vertex = 0;
-        std::uint32_t holes = 0;  ///< passed so far
-        float length = 0.f;
+        std::uint32_t holes = 0;  ///< holes passed so far
+        float length = 0.f;       ///< [scene units]
         int splits_left = 0;
     };
     State at_;

@@ -1,5 +1,5 @@
 #pragma once
-// Where two segments are closest to each other.
+// The closest points of two segments.
 
 #include "common/core/math.h"
 
@@ -8,12 +8,12 @@
 namespace gib {
 
 struct ClosestApproach {
-    double s;  ///< of the way along the first, in [0, 1]
+    double s;  ///< the point on the first segment, as a share of its length, in [0, 1]
     double distance;
 };
 
-/// Of the segments a b and c d, which may be points. Source: Ericson 2005, "Real-Time Collision Detection", section
-/// 5.1.9.
+/// The closest approach of the segments a b and c d, which may be points. Source: Ericson 2005, "Real-Time Collision
+/// Detection", section 5.1.9.
 inline ClosestApproach closest_approach(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     const Vec3d u = b - a, v = d - c, w = a - c;
     const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);

@@ -9,8 +9,8 @@
 
 namespace gib {
 
-/// The vertices of a convex polygon: 5 at most after a cut of 4, and 6 if those lie so far off a plane that it cuts all
-/// four edges.
+/// A convex polygon. A cut by a plane leaves at most 5 vertices of 4, or 6 if the four vertices are so far from
+/// coplanar that the plane cuts all four edges.
 class ConvexRegion {
 public:
     static constexpr std::size_t max_vertices = 6;
@@ -27,7 +27,7 @@ public:
             sum += vertex;
         return sum / static_cast<double>(count_);
     }
-    /// The largest distance of a vertex.
+    /// The largest distance of a vertex from the point `from`.
     double radius(const Vec3d& from) const {
         double largest = 0;
         for (const Vec3d& vertex : vertices())
@@ -40,7 +40,8 @@ private:
     std::size_t count_ = 0;
 };
 
-/// What rounding of the coordinates and of what is computed from them may move a point by [scene units].
+/// Bound of the displacement of a point by rounding of the coordinates and of what is computed from
+/// them [scene units].
 inline double coordinate_rounding(std::span<const Vec3d> points) {
     double largest = 0;
     for (const Vec3d& p : points)
@@ -48,11 +49,11 @@ inline double coordinate_rounding(std::span<const Vec3d> points) {
     return 16 * std::numeric_limits<double>::epsilon() * largest;
 }
 
-/// A plane that is known up to rounding: to `offset` at its origin, and turned by up to `slope`.
+/// A plane that is known up to rounding: it may be displaced by `offset` and turned by `slope`.
 struct RoundedPlane {
     Vec3d origin, normal;
     double offset;     ///< [scene units]
-    double slope = 0;  ///< [scene units a scene unit of distance from the origin]
+    double slope = 0;  ///< [scene units per scene unit of distance from the origin]
 
     /// Positive on the side of the normal, 0 where rounding hides the side.
     double height(const Vec3d& p) const {
@@ -62,8 +63,9 @@ struct RoundedPlane {
     }
 };
 
-/// The part of a polygon of at most 4 vertices on the side of the plane that its normal points to. Vertices of height 0
-/// are kept; a polygon that lies in the plane has no such part. Source: Sutherland and Hodgman 1974.
+/// The part of a polygon of at most 4 vertices that lies on the side of the plane to which the normal points.
+/// Vertices of height 0 are kept; the part of a polygon that lies in the plane is empty. Source: Sutherland
+/// and Hodgman 1974.
 inline ConvexRegion front_part(std::span<const Vec3d> vertices, const RoundedPlane& plane) {
     std::array<double, ConvexRegion::max_vertices> heights;
     double highest = 0;

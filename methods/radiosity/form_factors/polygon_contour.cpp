@@ -11,11 +11,11 @@ namespace gib {
 
 namespace {
 
-/// The inner contour.
+/// The inner contour, with the closed form of the integral around it.
 class LogarithmicContour {
 public:
-    /// Lengths count in units of `scale`, which adds a constant to every logarithm: it cancels around the contour, and
-    /// logarithms near zero lose fewer digits.
+    /// Lengths are measured in units of `scale`. This adds a constant to every logarithm, which cancels around the
+    /// contour, and brings the logarithms near zero, where they lose fewer digits.
     LogarithmicContour(const ConvexRegion& region, double scale) : region_(region), scale_(scale) {
         for (std::size_t i = 0; i < region.size(); ++i) {
             const Vec3d edge = region.after(i) - region[i];
@@ -27,16 +27,17 @@ public:
 
     double perimeter() const { return perimeter_; }
 
-    /// The integral of ln |x - y| `along` . dy, but for a constant. With u the coordinate along an edge and p the
-    /// distance from its line, the integral of ln sqrt(u^2 + p^2) is u ln sqrt(u^2 + p^2) - u + p atan(u / p); the
-    /// second term adds up to that constant, and the third to p times the angle that the edge subtends.
+    /// The integral of ln |x - y| `along` . dy around the contour, up to a constant. With u the coordinate along an
+    /// edge and p the distance of x from the edge's line, the integral of ln sqrt(u^2 + p^2) is
+    /// u ln sqrt(u^2 + p^2) - u + p atan(u / p). The second term adds up to the constant, and the third is p times
+    /// the angle that the edge subtends.
     double integral(const Vec3d& x, const Vec3d& along) const {
         std::array<Vec3d, ConvexRegion::max_vertices> rays;
         std::array<double, ConvexRegion::max_vertices> logarithms;
         for (std::size_t i = 0; i < region_.size(); ++i) {
             rays[i] = region_[i] - x;
             const double squared = rays[i].squaredNorm() / sqr(scale_);
-            logarithms[i] = squared > 0 ? 0.5 * std::log(squared) : 0;  // it is multiplied by 0
+            logarithms[i] = squared > 0 ? 0.5 * std::log(squared) : 0;  // its factor is 0
         }
         double sum = 0;
         for (std::size_t i = 0; i < region_.size(); ++i) {
@@ -58,8 +59,9 @@ private:
     std::array<Vec3d, ConvexRegion::max_vertices> directions_;
 };
 
-/// A section of an edge of the outer contour, with the coordinate t in [0, 1] that gathers nodes at its ends: with u =
-/// t^2 (3 - 2 t) of the way, u ln u du, as where contours meet, becomes about t^3 ln t dt.
+/// A section of an edge of the outer contour, with a coordinate t in [0, 1] that concentrates nodes at the section's
+/// ends. With u = t^2 (3 - 2 t) the share of the way, the singular term u ln u du, which occurs where contours meet,
+/// becomes about t^3 ln t dt.
 struct Section {
     Vec3d from, along;
 
@@ -68,7 +70,7 @@ struct Section {
     }
 };
 
-/// The part between two values of t.
+/// The part of a section between two values of t.
 struct Piece {
     Section section;
     double lower, upper;
@@ -77,7 +79,8 @@ struct Piece {
     bool operator<(const Piece& other) const { return error < other.error; }
 };
 
-/// The error is that of Gauss's 7 points, far above that of the 15 that give the value.
+/// The integral over a piece by Kronrod's 15 points. The error given is that of Gauss's 7 points, which
+/// is far larger.
 Piece integrated(const Section& section, double lower, double upper, const LogarithmicContour& inner) {
     const double middle = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
     double kronrod = 0, gauss = 0;
@@ -87,13 +90,18 @@ Piece integrated(const Section& section, double lower, double upper, const Logar
         kronrod += node.weight * value;
         gauss += node.gauss_weight * value;
     }
-    return {section, lower, upper, half * kronrod, half * std::abs(kronrod - gauss)};
+    return {.section = section,
+            .lower = lower,
+            .upper = upper,
+            .value = half * kronrod,
+            .error = half * std::abs(kronrod - gauss)};
 }
 
-/// Where to divide an edge of the outer contour: next to vertices and edges of the inner one. There the integrand bends
-/// as sharply as |x|, and a rule for smooth functions may not notice.
+/// The points at which to divide an edge of the outer contour, as shares of its length: those closest to
+/// vertices and edges of the inner contour. There the integrand bends as sharply as |x|, which a rule for smooth
+/// functions may miss.
 std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRegion& inner) {
-    // Of the length: what is farther away shows in the difference between the two rules.
+    // A share of the length: what is farther away shows in the difference between the two rules.
     constexpr double near = 0.125;
     const double length = (to - from).norm();
     std::vector<double> places = {0, 1};
@@ -115,7 +123,7 @@ std::vector<double> divisions(const Vec3d& from, const Vec3d& to, const ConvexRe
 
 double contour_integral(const ConvexRegion& outer, const ConvexRegion& inner, double error_share, double negligible) {
     const LogarithmicContour contour(inner, inner.radius(inner.mean()));
-    std::vector<Piece> pieces;  // a heap: the piece of the largest error first
+    std::vector<Piece> pieces;  // a heap: the piece with the largest error comes first
     const auto add = [&](const Section& section, double lower, double upper) {
         pieces.push_back(integrated(section, lower, upper, contour));
         std::push_heap(pieces.begin(), pieces.end());

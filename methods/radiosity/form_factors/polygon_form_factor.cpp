@@ -20,15 +20,16 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 PatchPolygon polygon_of(std::array<Vec3d, 4> vertices, int count, const Vec3d& doubled_area) {
     const double length = doubled_area.stableNorm();
     if (!(length > 0) || !std::isfinite(length)) throw InputError("a polygon without a positive, finite area");
-    return {std::move(vertices), count, doubled_area / length, 0.5 * length};
+    return {.vertices = std::move(vertices), .count = count, .normal = doubled_area / length, .area = 0.5 * length};
 }
 
-/// A bound of |d^2(n . r |r|^-4)| in any direction, times |r|^5: 2 * 4 from the product of the first derivatives, 20
-/// from the second of |r|^-4.
+/// A bound of the second derivative of n . r |r|^-4 in any direction, times |r|^5: 2 * 4 from the product of the
+/// first derivatives, 20 from the second derivative of |r|^-4.
 constexpr double curvature_bound = 28;
 
-/// The kernel at the centroid times the area, which is exact for a kernel that is linear in y, with a bound of its
-/// error. The height over the polygon's plane is the same everywhere on it, so what bends is (n . r) / |r|^4.
+/// The kernel at the polygon's centroid times its area, which is exact for a kernel that is linear in y, with a bound
+/// of the error. The factor -m . r of the kernel is the point's height over the polygon's plane and the same for all
+/// y, so only (n . r) / |r|^4 departs from a linear function.
 struct CentroidEstimate {
     double value = 0, error = 0;
 
@@ -53,14 +54,14 @@ struct CentroidEstimate {
     }
 };
 
-/// point_form_factor of a polygon wholly above the horizon; `rays` lead from the point to its vertices, `height` is
-/// that of the point over its plane.
+/// point_form_factor of a polygon that lies wholly above the horizon. `rays` lead from the point to the polygon's
+/// vertices, and `height` is the point's height over the polygon's plane.
 double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, double height) {
     double sum = 0, magnitude = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Vec3d& a = rays[i];
         const Vec3d& b = rays[i + 1 == rays.size() ? 0 : i + 1];
-        // Not a x b, which cancels where the edge is short.
+        // Equal to b x a, which would cancel where the edge is short.
         const Vec3d cross = (b - a).cross(a);
         const double sine = cross.norm();
         if (sine == 0) continue;
@@ -69,15 +70,15 @@ double visible_form_factor(std::span<const Vec3d> rays, const Vec3d& normal, dou
         magnitude += std::abs(term);
     }
     const double share = sum / (2 * std::numbers::pi);
-    // The sum of what is far or seen from the side is much smaller than its terms, but only then the other formula can
-    // be better.
+    // If the polygon is far away or seen from the side, the sum is much smaller than its terms; only then the
+    // centroid estimate can be better.
     constexpr double cancelled = 1e-4;
     if (std::abs(sum) < cancelled * magnitude) {
         const double error = 4 * epsilon * magnitude / std::numbers::pi;
         const CentroidEstimate estimate(rays, normal, height);
         if (estimate.error < error) return std::max(estimate.value, 0.0);
     }
-    return std::clamp(share, 0.0, 1.0);  // of rounding
+    return std::clamp(share, 0.0, 1.0);  // removes rounding
 }
 
 RoundedPlane plane_of(const PatchPolygon& polygon, double rounding) {
@@ -86,16 +87,16 @@ RoundedPlane plane_of(const PatchPolygon& polygon, double rounding) {
     for (const Vec3d& vertex : corners)
         squared = std::max(squared, (vertex - corners[0]).squaredNorm());
     const double width = polygon.area / std::sqrt(squared);
-    return {corners[0], polygon.normal, rounding, rounding / width};
+    return {.origin = corners[0], .normal = polygon.normal, .offset = rounding, .slope = rounding / width};
 }
 
-/// The part of a polygon in front of the other one. All of it is seen by all of the other's, so between these parts the
-/// kernel is smooth where they do not touch.
+/// The part of a polygon in front of the other polygon. All of its points see all points of the other one's part, so
+/// between these parts the kernel is smooth where they do not touch.
 struct Side {
     ConvexRegion region;
     RoundedPlane plane;
     Vec3d center = Vec3d::Zero();
-    double radius = 0;  ///< of a sphere around `center`
+    double radius = 0;  ///< of the bounding sphere around `center`
 
     Side(const PatchPolygon& polygon, const RoundedPlane& own, const RoundedPlane& other)
         : region(front_part(polygon.corners(), other)), plane(own) {
@@ -112,8 +113,8 @@ struct Side {
     }
 };
 
-/// How far the places are from `small` where the point form factor of `large` is not smooth: its edges; of an edge in
-/// the plane of `small`, the ends alone, because it adds nothing but its angle.
+/// The distance from `small` to the points where the point form factor of `large` is not smooth, which are the edges
+/// of `large`. Of an edge in the plane of `small` only the ends count, because the edge adds nothing but its angle.
 double distance_to_edges(const Side& small, const Side& large) {
     double nearest = std::numeric_limits<double>::infinity();
     std::array<double, ConvexRegion::max_vertices> heights;
@@ -124,7 +125,7 @@ double distance_to_edges(const Side& small, const Side& large) {
         const std::size_t next = i + 1 == large.region.size() ? 0 : i + 1;
         const bool in_plane = heights[i] == 0 && heights[next] == 0;
         const Vec3d& end = in_plane ? vertex : large.region[next];
-        bool above = true;  // the inside of `small`
+        bool above = true;  // the vertex lies above the inside of `small`
         for (std::size_t k = 0; k < small.region.size(); ++k) {
             const Vec3d &a = small.region[k], &b = small.region.after(k);
             nearest = std::min(nearest, closest_approach(vertex, end, a, b).distance);
@@ -138,14 +139,14 @@ double distance_to_edges(const Side& small, const Side& large) {
 /// A quadrilateral, or a triangle whose last vertex is its first.
 using Corners = std::array<Vec3d, 4>;
 
-/// The nodes that Gauss's rule needs along a segment so that the error of point_form_factor's mean is below the share
-/// `tolerance`.
+/// Number of nodes that Gauss's rule needs along a segment for a relative error of point_form_factor's mean below
+/// `tolerance`, or max_gauss_nodes + 1 if it needs more than max_gauss_nodes.
 ///
-/// Each edge's angle over its sine is the integral of |r|^-2 along the edge, so it is analytic in the complex
-/// coordinate x along the segment as long as |r|^2 != 0, that is while |Im x| is below the distance of Re x from the
-/// edge. With d = distance / half_length and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds
-/// for B <= d and sqrt(1 + 2 B^2) <= 1 + d. The rule of n nodes then errs by about M rho^(-2 n), rho = B + sqrt(1 +
-/// B^2) (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height over the other plane and the Jacobian are
+/// Each edge's angle over its sine is the integral of |r|^-2 along the edge. It is analytic in the complex coordinate
+/// x along the segment where |r|^2 != 0, which holds where |Im x| is below the distance of Re x from the edge. With d
+/// = distance / half_length and ellipses around [-1, 1] of the semi-axes sqrt(1 + B^2) and B, this holds for B <= d
+/// and sqrt(1 + 2 B^2) <= 1 + d. The error of the rule of n nodes is then about M rho^(-2 n), rho = B + sqrt(1 + B^2)
+/// (Trefethen 2008, theorem 4.5). M grows like rho^2 because the height over the other plane and the Jacobian are
 /// linear, so one node is added.
 std::size_t nodes_along(double half_length, double distance, double tolerance) {
     constexpr double within = 0.9;  // |r|^-2 is infinite on the largest ellipse
@@ -159,7 +160,7 @@ std::size_t nodes_along(double half_length, double distance, double tolerance) {
     return nodes <= static_cast<double>(max_gauss_nodes) ? static_cast<std::size_t>(nodes) : max_gauss_nodes + 1;
 }
 
-/// Gauss's rules in both directions of a quadrilateral for point_form_factor.
+/// The integral of point_form_factor over a quadrilateral by Gauss's rules in both of its directions.
 struct AreaRule {
     Corners corners;
     std::size_t nodes_u, nodes_v;
@@ -192,9 +193,10 @@ private:
     }
 };
 
-/// The integral of the kernel over both: from the smaller one, whose points see nearly the same.
+/// The integral of the kernel over both parts [scene units^2]: points are taken on the smaller part, because from all
+/// of its points the other part looks nearly the same.
 double pair_integral(const Side& small, const Side& large, double tolerance) {
-    // The spheres around them are enough where few nodes are.
+    // The distance of the bounding spheres suffices if the parts are so far apart that few nodes are needed.
     constexpr double far = 10;
     const double gap = (large.center - small.center).norm() - large.radius - small.radius;
     const double distance = gap > far * small.radius ? gap : distance_to_edges(small, large);
@@ -205,7 +207,7 @@ double pair_integral(const Side& small, const Side& large, double tolerance) {
     if (r.size() == 5) rest.emplace(Corners{r[0], r[3], r[4], r[0]}, distance, tolerance);
     if (r.size() <= 5 && first.suffices() && (!rest || rest->suffices()))
         return first.integral(small.plane.normal, large) + (rest ? rest->integral(small.plane.normal, large) : 0.0);
-    // Neighbours in one plane but for rounding have a factor that means nothing.
+    // The factor of neighbours that are in one plane up to rounding has no meaning.
     constexpr double negligible = 1e-6;
     return contour_integral(small.region, large.region, tolerance, negligible * small.area());
 }
@@ -213,7 +215,8 @@ double pair_integral(const Side& small, const Side& large, double tolerance) {
 }  // namespace
 
 PatchPolygon PatchPolygon::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    // From the two shorter edges, so that rounding turns the normal of a needle about its length alone.
+    // The cross product of the two shorter edges: rounding then turns the normal of a thin triangle about
+    // its length only.
     const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
     const Vec3d doubled_area = ab >= std::max(bc, ca)   ? (a - c).cross(b - c)
                                : bc >= std::max(ab, ca) ? (b - a).cross(c - a)
@@ -222,7 +225,7 @@ PatchPolygon PatchPolygon::triangle(const Vec3d& a, const Vec3d& b, const Vec3d&
 }
 
 PatchPolygon PatchPolygon::quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-    // The cross product of the diagonals, from edges: those of a strip are nearly parallel.
+    // The cross product of the diagonals, computed from edges: the diagonals of a narrow strip are nearly parallel.
     return polygon_of({a, b, c, d}, 4, (b - a).cross(d - a) + (d - c).cross(b - c));
 }
 
@@ -252,7 +255,7 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to, dou
     if (a.region.size() == 0 || b.region.size() == 0) return 0;
     const bool from_is_smaller = a.radius <= b.radius;
     const double share = pair_integral(from_is_smaller ? a : b, from_is_smaller ? b : a, tolerance) / from.area;
-    return std::clamp(share, 0.0, 1.0);  // of rounding
+    return std::clamp(share, 0.0, 1.0);  // removes rounding
 }
 
 }  // namespace gib

@@ -1,6 +1,6 @@
 #pragma once
-// Form factors of polygons without obstacles: shares of the light that leaves one diffuse surface evenly and arrives at
-// another. Geometry in double; nothing here knows a scene or visibility.
+// Form factors of polygons without obstacles: the share of the light that leaves one diffuse surface evenly and
+// arrives at another (Goral et al. 1984). Geometry is in double; nothing here knows a scene or visibility.
 //
 // Notation: the kernel between x on a polygon with the unit normal n and y on one with the normal m, r = y - x, is
 // k(x, y) = (n . r) (-m . r) / (pi |r|^4) where both factors are positive, else 0.
@@ -21,27 +21,28 @@ struct PatchPolygon {
 
     /// Throws InputError without a positive, finite area.
     static PatchPolygon triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
-    /// The vertices must be those of a convex quadrilateral, and in a plane but for rounding: `normal` and `area` are
-    /// those of its projection along the cross product of its diagonals. Throws InputError without a positive, finite
-    /// area.
+    /// The vertices must form a convex quadrilateral, in one plane up to rounding: `normal` and `area` are those of
+    /// its projection along the cross product of its diagonals. Throws InputError without a positive, finite area.
     static PatchPolygon quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
     std::span<const Vec3d> corners() const { return {vertices.data(), static_cast<std::size_t>(count)}; }
-    /// The same place seen from the other side: the vertices in the opposite order.
+    /// The same polygon with its back as its front: its vertices are in the opposite order.
     PatchPolygon flipped() const;
 };
 
-/// The integral of k(point, y) over the polygon, in [0, 1]: the share of the light that leaves a differential area at
-/// `point` with the unit `normal` and arrives at the front side of the polygon. Closed form: the polygon is clipped at
-/// the horizon of the point; then the sum over its edges of angle times the normalised cross product of the rays to its
-/// ends (Lambert 1760; Baum, Rushmeier and Winget 1989). 0 behind the front side of the polygon and in its plane, so
-/// also on its edges. Its relative error is about 1e-16 times the distance over the size, 1e-10 at most, divided by
-/// both cosines where they are small.
+/// The form factor from a point, in [0, 1]: the integral of k(point, y) over the polygon, which is the share of the
+/// light that leaves a differential area at `point` with the unit `normal` and arrives at the polygon's front. Closed
+/// form: the polygon is clipped at the horizon of the point; then each edge adds the angle that it subtends times the
+/// normalised cross product of the rays to its ends, and the factor is the sum's component along the normal over 2 pi
+/// (Lambert 1760; Baum, Rushmeier and Winget 1989). The factor is 0 for points behind the polygon's front and in its
+/// plane, which includes its edges. Its relative error is about 1e-16 times the distance over the size, 1e-10 at
+/// most, divided by both cosines where they are small.
 double point_form_factor(const Vec3d& point, const Vec3d& normal, const PatchPolygon& polygon);
 
-/// F(from -> to): the mean of point_form_factor over `from`. The error is below `tolerance` times the factor, or times
-/// 1e-6 if the factor from the smaller of the two is less: neighbours that are nearly in one plane. Polygons in one
-/// plane: 0. `tolerance` is in (0, 1); what is below 1e-9 asks for more than rounding allows.
+/// F(from -> to): the mean of point_form_factor over `from`; 0 for polygons in one plane. The error is below
+/// `tolerance` times the factor. If the factor from the smaller polygon is below 1e-6, as for neighbours nearly in
+/// one plane, the error is below `tolerance` times 1e-6 instead. `tolerance` is in (0, 1); rounding does not allow
+/// for less than 1e-9.
 double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to, double tolerance = 1e-4);
 
 }  // namespace gib

@@ -29,7 +29,7 @@ constexpr std::array<QuadratureNode, N> gauss_legendre() {
         }
         return Values{p, static_cast<double>(N) * (previous - x * p) / (1 - x * x)};
     };
-    // The zeros of the rule with one node less lie between those of this one.
+    // Between two neighbouring nodes of the rule with one node less lies one node of this rule.
     std::array<double, N + 1> bounds{};
     bounds[0] = -1;
     bounds[N] = 1;
@@ -65,8 +65,8 @@ inline std::span<const QuadratureNode> gauss_rule(std::size_t n) {
     return {rules[n - 1].data(), n};
 }
 
-/// Half of Kronrod's extension of the Gauss-Legendre rule of 7 nodes, which lies symmetrically around 0. Source:
-/// QUADPACK, qk15 (Piessens et al. 1983).
+/// A node of Kronrod's extension of the Gauss-Legendre rule of 7 nodes. The rule is symmetric around 0, so only nodes
+/// with x >= 0 are listed. Source: QUADPACK, qk15 (Piessens et al. 1983).
 struct KronrodNode {
     double x, weight;
     double gauss_weight;  ///< 0 at the nodes that Gauss's rule lacks

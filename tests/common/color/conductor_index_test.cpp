@@ -1,4 +1,4 @@
-// Materials of conductors by name.
+// Tests of conductors' indices of refraction by the name of the material.
 
 #include "common/color/conductor_index.h"
 
@@ -14,7 +14,8 @@ namespace {
 using test::load;
 using ::testing::StartsWith;
 
-// Palik's measurements of copper (Handbook of Optical Constants of Solids, 1985) give the preset made of them.
+// Palik's measurements of copper (Handbook of Optical Constants of Solids, 1985) give the same index as the preset
+// that was made from them.
 TEST(ConductorIndex, IsTheMeanOfItsSpectrum) {
     const SampledSpectrum palik{
         {344.389008, 364.647003, 387.437988, 413.266998, 442.785980, 476.846008, 516.583008, 539.044006, 563.545044,

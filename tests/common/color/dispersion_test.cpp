@@ -1,5 +1,5 @@
-// Light split by wavelength: the strata and their weights, the prism's angle of minimum deviation, and what must not
-// change.
+// Tests of dispersion: the strata of wavelengths and their weights, the prism's angle of minimum deviation, and the
+// means that dispersion must not change.
 
 #include "common/color/dispersion.h"
 #include "common/core/error.h"
@@ -26,8 +26,9 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Means over seeds are tested at this many standard errors: with some 20 of them here, a false alarm in 1 of 2,000
-/// choices of seeds (Student's t with 15 degrees of freedom: 5e-5 each, half of it by either side).
+/// Means over seeds are tested at this many standard errors. Student's t with 15 degrees of freedom
+/// exceeds them with a probability of 6e-5, so that some 20 tests in this file give a false alarm for at
+/// most 1 in 800 choices of seeds.
 constexpr double sigmas = 5.5;
 constexpr int seeds = 16;
 
@@ -42,7 +43,7 @@ TEST(Dispersion, WeightsAreNotNegativeAndAverageToOne) {
         EXPECT_NEAR(sum[c] / wavelength_strata, 1, 1e-6);
 }
 
-// Violet to red: 620 nm is red, 530 nm green and 450 nm blue.
+// The strata run from violet to red: 620 nm is red, 530 nm green and 450 nm blue.
 TEST(Dispersion, StrataHaveTheColoursOfTheirWavelengths) {
     const auto weight_at = [](double wavelength) {
         int nearest = 0;
@@ -59,7 +60,7 @@ TEST(Dispersion, StrataHaveTheColoursOfTheirWavelengths) {
     EXPECT_NEAR(stratum_wavelength(wavelength_strata - 1), 700 - 300 / 64.0, 1e-9);
 }
 
-// Schott's BK7: n_d = 1.5168, Abbe's number 64.17. B = 0.0042 um^2 is the value that tables give for it.
+// Schott's BK7 has n_d = 1.5168 and Abbe's number 64.17; tables give B = 0.0042 um^2 for it.
 TEST(Dispersion, AbbesNumberGivesTheIndexAtTheLines) {
     const double b = cauchy_b_of_abbe(1.5168, 64.17);
     EXPECT_NEAR(b, 0.0042, 5e-5);
@@ -68,7 +69,7 @@ TEST(Dispersion, AbbesNumberGivesTheIndexAtTheLines) {
     EXPECT_GT(cauchy_index(1.5168, b, 400), cauchy_index(1.5168, b, 700));
 }
 
-/// A prism of apex angle 60 degrees along z, whose apex is above; the middle of its box is the origin.
+/// A prism along z with an apex angle of 60 degrees, whose apex is above; the middle of its box is the origin.
 std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
     const std::string mesh =
         folder.write("prism.obj",
@@ -82,19 +83,20 @@ std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
 Vec3 direction_at(double angle) {
     return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.f};
 }
-/// Of light that meets the left face, which rises at 60 degrees: its normal points to (-sin 60, cos 60).
+/// The angle [rad] of the direction of light that meets the left face at `incidence`. The face rises at 60 degrees,
+/// so its normal points to (-sin 60, cos 60).
 double angle_of(double incidence) { return std::numbers::pi / 6 + incidence - std::numbers::pi / 3; }
 const Vec3 on_left_face(-0.5f, 0.f, 0.1f);
 
 struct Passage {
-    Ray ray;               ///< that has left the prism
-    double transmittance;  ///< of both interfaces
+    Ray ray;               ///< after it has left the prism
+    double transmittance;  ///< the product over both interfaces
 };
 
-/// The way of a stratum through the prism; both interfaces transmit.
+/// The passage of light of a stratum through the prism; both interfaces transmit it.
 Passage passage(const Scene& scene, int stratum, double incidence) {
     const Vec3 w = direction_at(angle_of(incidence));
-    // The scene has an origin of its own.
+    // Loading moves the scene's origin, so the start is relative to the prism's box.
     const Vec3 start = bounds_of(scene.shapes()[0]).center() + on_left_face - 3.f * w;
     Passage result{Ray{start, w}, 1};
     for (int interface = 0; interface < 2; ++interface) {
@@ -119,8 +121,8 @@ double deviation(const Scene& scene, int stratum, double incidence) {
     return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-// sin((A + delta) / 2) = n sin(A / 2) at the angle of incidence (A + delta) / 2 (Born and Wolf, section 4.7.2), A = 60
-// degrees.
+// A prism of apex angle A turns light by at least delta, where sin((A + delta) / 2) = n sin(A / 2), at the angle of
+// incidence (A + delta) / 2 (Born and Wolf, section 4.7.2). Here A is 60 degrees.
 TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     const TemporaryFolder folder;
     const std::string glass =
@@ -145,8 +147,8 @@ TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     }
 }
 
-// A lamp stands where only the shorter waves are sent: the camera, which looks into the prism along one ray, sees their
-// share of white.
+// The lamp stands where the prism sends only the shorter waves. The camera looks into the prism along one ray and
+// sees their share of white light.
 TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
     const TemporaryFolder folder;
     const double incidence = std::asin(0.8), degree = std::numbers::pi / 180;
@@ -182,14 +184,14 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
     }
     for (std::size_t c = 0; c < 3; ++c) {
         const double value = expected[static_cast<int>(c)];
-        // Light that goes round once inside, reflected at all three faces, leaves in the same direction: below 1e-3 of
-        // the rest.
+        // Light that is reflected once at each of the three faces inside leaves in the same direction; it is below
+        // 1e-3 of the rest.
         EXPECT_NEAR(found[c].mean(), value, sigmas * found[c].standard_error() + 1e-3 * value) << c;
         EXPECT_LT(found[c].standard_error(), 0.02 * value) << "the test would not see an error";
     }
 }
 
-/// A ball of glass on a floor under a lamp, or under a white sky.
+/// A ball of glass of index 1.5; `parameters` are the further ones of its bsdf.
 std::string glass_ball(const std::string& bsdf_type, const std::string& parameters) {
     return "<shape type='sphere'><bsdf type='" + bsdf_type + "'><float name='int_ior' value='1.5'/>" + parameters +
            "</bsdf></shape>";
@@ -204,7 +206,7 @@ const std::string floor_and_lamp =
     "z='0'/><float "
     "name='radius' value='1.2'/><emitter type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape>";
 
-// Lossless glass under a white sky cannot be seen, in any channel, however strongly it splits light.
+// Lossless glass under a white sky is invisible in every channel, however strongly it splits light.
 TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
     const std::string sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
     for (const char* type : {"dielectric", "roughdielectric"}) {
@@ -213,14 +215,16 @@ TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
             std::string("<float name='cauchy_b' value='0.05'/>") + (rough ? "<float name='alpha' value='0.01'/>" : "");
         const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64, seeds);
         for (const Moments& m : moments) {
-            // A rough interface loses what it would scatter twice: at this roughness less than 1e-3.
+            // A rough interface loses the light that its facets would scatter a second time, which
+            // is below 1e-3 at this roughness.
             EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + (rough ? 1e-3 : 1e-6)) << type;
             EXPECT_LT(m.standard_error(), 0.01) << "the test would not see an error";
         }
     }
 }
 
-// Without dispersion the code for it is not run; with next to none it gives the same image in the mean.
+// Without dispersion, the code for it is not run; with very little dispersion, that code
+// gives the same image in the mean.
 TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
     const auto scene = [](const std::string& more) {
         return scene_of(scene_xml(camera + floor_and_lamp + glass_ball("dielectric", more)));

@@ -1,3 +1,5 @@
+// Tests of image files: EXR, PFM and PNG.
+
 #include "common/images/image_file.h"
 
 #include "common/core/error.h"
@@ -19,7 +21,7 @@ std::string temporary(const std::string& name) {
     return ::testing::TempDir() + "gib_image_file_" + std::to_string(::getpid()) + "_" + name;
 }
 
-/// Every value differs, so that any exchange of rows, columns or channels shows.
+/// An image whose values all differ, so that any exchange of rows, columns or channels shows.
 Image gradient(int width, int height, float scale = 1) {
     Image image(width, height);
     for (std::size_t i = 0; i < image.rgb.size(); ++i)
@@ -97,7 +99,7 @@ TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
     const std::string path = temporary("colour.pfm");
     write_file(path, "PF\n4 3\n-1.0\n" + bytes_of(image, {2, 1, 0}, {0, 1, 2}));
     EXPECT_EQ(read_image(path).find("")->rgb, image.rgb);
-    // One grey channel is all three.
+    // A single grey channel is read as all three channels.
     write_file(path, "Pf\n4 3\n-1.0\n" + bytes_of(image, {2, 1, 0}, {1}));
     const LayeredImage grey = read_image(path);
     for (std::size_t p = 0; p < image.pixels(); ++p)
@@ -156,7 +158,7 @@ TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {
     const auto png = encode_png(image, 2);
     const std::string path = temporary("picture.png");
     write_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
-    // Reading an 8-bit file undoes the curve: half a step of 1/255 at most.
+    // Reading an 8-bit file undoes the curve; the error is at most half a step of 1/255.
     const Image back = *read_image(path).find("");
     ASSERT_EQ(back.width, 2);
     const std::vector<float> expected = {0.5f, 0.2f, 0, 1, 0, 0, 0, 0, 0, 1, 1, 1};

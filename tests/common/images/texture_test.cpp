@@ -1,4 +1,4 @@
-// Bitmaps and checkerboards against Mitsuba's definition of them, worked out here in double from the stored values.
+// Tests of bitmaps and checkerboards against Mitsuba's definition, evaluated here in double from the stored values.
 
 #include "common/images/texture.h"
 
@@ -21,7 +21,7 @@ using test::write_image;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-/// IEC 61966-2-1, in double.
+/// The linear value of an sRGB value v (IEC 61966-2-1), in double.
 double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 
 /// An image whose values the test knows.
@@ -46,7 +46,7 @@ protected:
     std::shared_ptr<const Bitmap> load(const std::string& path, bool raw = false) const {
         return std::make_shared<const Bitmap>(cache_, path, raw);
     }
-    /// Through a float EXR file.
+    /// The texture of `p`, written to a float EXR file and read from it.
     BitmapTexture texture_of(const Picture& p, const test::FileFormat& format = {}) const {
         return {load(write_image(folder_ / "p.exr", p.width, p.height, p.channels, p.values, format))};
     }
@@ -55,7 +55,7 @@ protected:
     std::shared_ptr<TextureCache> cache_ = std::make_shared<TextureCache>();
 };
 
-/// The texel for any index: Mitsuba's and everyone's definition of the modes, by counting.
+/// The texel in [0, size) that stands for any index i, by the common definition of the modes, which is Mitsuba's.
 int wrapped(int i, int size, TextureWrap wrap) {
     if (wrap == TextureWrap::clamp) return std::clamp(i, 0, size - 1);
     if (wrap == TextureWrap::repeat) return ((i % size) + size) % size;
@@ -63,7 +63,7 @@ int wrapped(int i, int size, TextureWrap wrap) {
     return j < size ? j : 2 * size - 1 - j;
 }
 
-/// uv * size - 0.5 counts texels from the first one's centre.
+/// The filtered colour at uv; uv * size - 0.5 counts texels from the centre of the first one.
 Colord filtered(const Picture& p, const Vec2d& uv, TextureFilter filter, TextureWrap wrap) {
     const auto texel = [&](int x, int y) {
         return Colord(p.color(wrapped(x, p.width, wrap), wrapped(y, p.height, wrap)).cast<double>());
@@ -89,7 +89,7 @@ TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
                 EXPECT_TRUE(texture.color(centre).isApprox(p.color(x, y), 1e-6f)) << x << " " << y;
             }
     }
-    // Closest to v = 0 is what stands first in the file.
+    // The first row in the file is closest to v = 0.
     bitmap.wrap = TextureWrap::clamp;
     EXPECT_TRUE(Texture(bitmap).color({0, 0}).isApprox(p.color(0, 0)));
     EXPECT_TRUE(Texture(bitmap).color({1, 1}).isApprox(p.color(2, 1)));
@@ -121,7 +121,7 @@ TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
 }
 
 TEST_F(Bitmaps, HaveAValueForEveryUv) {
-    const FloatTrapsPaused paused;  // the way to it is not finite where uv is not
+    const FloatTrapsPaused paused;  // intermediate values are not finite where uv is not
     const Picture p = picture(5, 3, 3);
     BitmapTexture bitmap = texture_of(p);
     for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
@@ -140,7 +140,7 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
 }
 
 TEST_F(Bitmaps, StayWithinTheirBoundsWhereRoundingWouldLeaveThem) {
-    // Equal texels: an interpolation that rounds each product may exceed them.
+    // All texels are equal, and an interpolation that rounds each product may exceed them.
     const Picture p{2, 2, 3, std::vector<float>(12, 1.f)};
     const Texture texture(texture_of(p));
     std::mt19937 generator(3);
@@ -170,7 +170,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
         const Vec2 between(static_cast<float>(i + 1) / 256, 0.5f);
         EXPECT_NEAR(texture.color(between)[0], (decoded(i / 255.0) + decoded((i + 1) / 255.0)) / 2, 2e-6);
     }
-    // Black beside white: the mean is 0.5, not the 0.21 that decoding after the filter would give.
+    // Between black and white, the mean is 0.5, not the 0.21 that decoding after the filter would give.
     const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, {OIIO::TypeDesc::UINT8, 0, {}, {}});
     EXPECT_NEAR(Texture(BitmapTexture{load(edge)}).value({0.5f, 0.5f}), 0.5, 1e-6);
 }
@@ -351,7 +351,8 @@ TEST(Textures, ThatAreConstantAreTheSameEverywhere) {
     EXPECT_TRUE((texture.mean() == texture.maximum()).all() && (texture.minimum() == texture.maximum()).all());
 }
 
-// Surfaces of any size whose bumps have grown alike have the same normals: |dp_du| |dp_dv| would leave float's range.
+// Surfaces of any size have the same normals if their bumps scale with them. The product |dp_du| |dp_dv| would leave
+// the range of float.
 TEST_F(Bitmaps, BumpsTiltSurfacesOfAnySize) {
     const Texture height(texture_of({2, 1, 1, {0.f, 1.f}}));
     const auto inside = std::make_shared<const Material>(Scattering(Diffuse{Color::Constant(0.5f)}));

@@ -1,4 +1,5 @@
-// Environment maps: orientation, interpolation, and directions in proportion to what arrives from them.
+// Tests of environment maps: orientation, interpolation, and the sampling of directions
+// in proportion to their radiance.
 
 #include "common/lights/environment_map.h"
 #include "tests/support/light_fixtures.h"
@@ -40,9 +41,10 @@ std::vector<NamedMap> hard_maps() {
             {"one texel", image_of(1, 1, noise)}};
 }
 
-/// The cells between texel centres have their corners at these counts per half and full turn.
+/// The integral of f over the sphere by quadrature in cells with texel centres on their boundaries, where the
+/// interpolation has its kinks.
 double cell_integral(const Image& image, const std::function<double(const Vec3&)>& f) {
-    // Columns begin half a texel off, so two cells a texel keep the kinks of the interpolation on cell boundaries.
+    // Texel centres are half a texel off the first column's edge, so two cells a texel put them on cell boundaries.
     return test::sphere_integral(4 * std::max(image.height - 1, 1), 2 * image.width, 16, f);
 }
 
@@ -56,7 +58,8 @@ TEST(EnvironmentMap, TexelsLieWhereMitsubaPutsThem) {
                 envmap_direction(std::numbers::pi * y / (height - 1), 2 * std::numbers::pi * (x + 0.5) / width);
             EXPECT_TRUE(map.radiance(w).isApprox(noise(x, y), 1e-4f)) << x << ' ' << y;
         }
-    // Row 0 is up (+y). The left edge is -z, a quarter of the width +x, the centre +z: between two columns each.
+    // Row 0 is up (+y). The left edge is -z, a quarter of the width is +x and the centre is +z;
+    // each lies between two columns.
     const auto middle_row = [&](int left) { return Color(0.5f * (noise(left, 2) + noise(left + 1, 2))); };
     EXPECT_TRUE(map.radiance(Vec3::UnitX()).isApprox(middle_row(1), 1e-4f));
     EXPECT_TRUE(map.radiance(Vec3::UnitZ()).isApprox(middle_row(3), 1e-4f));
@@ -100,8 +103,8 @@ TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
         for (std::uint32_t i = 0; i < 4096; ++i) {
             const auto sample = map.sample(Sampler(PointSet::sobol, 3, 0, i).get_2d(0));
             EXPECT_NEAR(sample.w.norm(), 1.f, 1e-6f);
-            // The direction's rounding moves it by 1e-7, which is 1e-6 of a cell, in which radiance may change a
-            // millionfold.
+            // Rounding moves the direction by 1e-7, which is 1e-6 of the distance between texels; the radiance may
+            // change by a factor of a million over that distance.
             EXPECT_TRUE(sample.radiance.isApprox(map.radiance(sample.w), 1e-3f) || sample.radiance.maxCoeff() < 1e-4f)
                 << name;
             EXPECT_NEAR(sample.pdf_w / map.pdf_w(sample.w), 1.f, 1e-3f) << name;
@@ -109,8 +112,9 @@ TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
     }
 }
 
-// For any function g, the mean of g / pdf over samples is its integral: here of 1 in eight octants and of the radiance.
-// 11 maps x 9 means at 4.5 standard errors: a false alarm in 1e-3 of all seeds, and the seed is fixed.
+// For any function g, the mean of g / pdf over samples is its integral. Here g is 1 in each of eight
+// octants, and the radiance. These are 11 maps x 9 means at 4.5 standard errors: a false alarm for 1e-3 of
+// all seeds, and the seed is fixed.
 TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
     for (const auto& [name, image] : hard_maps()) {
         const EnvironmentMap map = map_of(image);
@@ -128,7 +132,8 @@ TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
         const double integral = map.integral()[1];
         EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral)
             << name;
-        // In proportion to luminance but for the uniform tenth: the estimate of a grey map's integral hardly scatters.
+        // The density is in proportion to luminance except for a uniform tenth, so the estimate of a grey map's
+        // integral hardly varies.
         const bool concentrated = std::string(name) == "sun on black" || std::string(name) == "north pole";
         EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples))
             << name;

@@ -1,6 +1,8 @@
-// Emitters against closed forms: power, irradiance, emission, and the densities that methods weigh samples with.
+// Tests of emitters against closed forms: power, irradiance, emission, and the densities
+// by which methods weight samples.
 
 #include "common/scene/effects.h"
+#include "common/scene/scene.h"
 #include "tests/support/light_fixtures.h"
 
 namespace gib {
@@ -17,7 +19,7 @@ using test::TemporaryFolder;
 constexpr double pi_d = std::numbers::pi;
 constexpr double degree = pi_d / 180;
 
-/// A ball of radius 1 around the origin, black, so that lights have a scene.
+/// A black ball of radius 1 around the origin, the surface in the lights' scenes.
 const std::string ball = "<shape type='sphere'><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf></shape>";
 
 std::string spot_xml(double cutoff, double beam, const std::string& more) {
@@ -30,7 +32,7 @@ const std::string checkers =
     "0.1'/>"
     "<transform name='to_uv'><scale x='3' y='2'/></transform></texture>";
 
-/// Irradiance at p with normal n, from samples of all lights, nothing hidden.
+/// Irradiance [W/m^2] in one channel at p with normal n, from samples of all lights without a test of visibility.
 Mean irradiance(const Scene& scene, const Vec3& p, const Vec3& n, int channel, int samples) {
     return mean_over_samples(samples, [&](const Sampler& sampler) {
         const auto light = scene.sample_light(p, sampler.get_1d(0), sampler.get_2d(1));
@@ -40,7 +42,7 @@ Mean irradiance(const Scene& scene, const Vec3& p, const Vec3& n, int channel, i
     });
 }
 
-/// Power [W] of a spot by midpoints over its cone.
+/// The power [W] of a spot by the midpoint rule over its cone.
 Colord spot_power(const SpotLight& spot, double cutoff) {
     constexpr int rings = 2000, sectors = 360;
     Colord sum = Colord::Zero();
@@ -56,7 +58,7 @@ Colord spot_power(const SpotLight& spot, double cutoff) {
     return sum * (cutoff / rings) * (2 * pi_d / sectors);
 }
 
-// The centre and the place on the surface are the same floats, or neighbours.
+// The spheres are so small that their centre and the points on them round to the same floats or to neighbours.
 TEST(AreaLight, SpheresOfSomeUlpsShineFromTheSideThatIsSeen) {
     const Vec3 center(4.3f, -1.7f, 5.f);
     for (const float radius : {1e-9f, 1e-8f, 1e-7f, 3e-7f, 1e-6f}) {
@@ -90,7 +92,7 @@ TEST(SpotLight, PowerIsTheIntegralOfItsIntensity) {
         EXPECT_NEAR(power_of(spot)[c], expected[c], 3e-3 * expected[c]);
 }
 
-// From (1, 2, 3) along +x, its y along z: Mitsuba's lookat gives left = up x forward.
+// The spot shines from (1, 2, 3) along +x and its y is along z, because Mitsuba's lookat has left = up x forward.
 TEST(SpotLight, FallsOffLinearlyInAngleFromBeamToCutoff) {
     const auto scene =
         load(ball + spot_xml(40, 10,
@@ -115,7 +117,7 @@ TEST(SpotLight, FallsOffLinearlyInAngleFromBeamToCutoff) {
     EXPECT_EQ(at(180), 0);
 }
 
-// Narrower than a float's cosine can tell from the axis: 1 - cos(0.005 degrees) is 4e-9.
+// The beam is narrower than a cosine in float can resolve near the axis: 1 - cos(0.005 degrees) is 4e-9.
 TEST(SpotLight, NarrowBeamsKeepTheirFallOff) {
     const auto scene = load(ball + spot_xml(0.01, 0, "<transform name='to_world'><translate z='-100'/></transform>"));
     for (const double share : {0.1, 0.5, 0.9}) {
@@ -127,7 +129,7 @@ TEST(SpotLight, NarrowBeamsKeepTheirFallOff) {
     }
 }
 
-// The slide fills the square around the cut-off circle: u grows along x, v along y.
+// The texture fills the square around the cut-off circle: u grows along x, v along y.
 TEST(SpotLight, ProjectsItsTexture) {
     const auto scene = load(
         ball + spot_xml(45, 45,
@@ -151,10 +153,10 @@ TEST(DirectionalLight, IrradianceIsThatOfParallelLight) {
         EXPECT_TRUE(sample->wi.isApprox(Vec3(0, -0.6f, 0.8f)));
         EXPECT_TRUE(sample->delta);
         EXPECT_NEAR(irradiance(*scene.scene, Vec3(0, 0, 1), Vec3::UnitZ(), 1, 16).value, 4 * 0.8, 1e-5);
-        // The shadow ray ends outside of everything, from anywhere.
+        // From any point, the shadow ray ends outside of the scene's bounds.
         for (const Vec3& p : {Vec3(0, 0, 1), Vec3(0, 30, -40)})
             EXPECT_GT(scene.scene->sample_light(p, 0.f, Vec2())->target.norm(), 1.8f);
-        // Its power passes the sphere around the ball's box, of radius sqrt(3).
+        // The light's power is the flux through the sphere around the ball's box, of radius sqrt(3).
         EXPECT_NEAR(scene.scene->emitted_power()[0], 2 * 3 * pi_d, 1e-3);
     }
 }
@@ -176,7 +178,7 @@ TEST(Environment, IrradianceOfAMapIsItsIntegral) {
                                               "<float name='scale' value='2'/><transform name='to_world'><rotate x='1' "
                                               "y='2' angle='33'/></transform>"));
     const Vec3 n = Vec3(1, 2, -2) / 3.f;
-    // The rotation keeps the measure, and quadrature in world space does not know of it.
+    // A rotation keeps solid angle, so quadrature in world space needs no correction for it.
     const double expected = test::sphere_integral(90, 180, 4, [&](const Vec3& w) {
         return static_cast<double>(scene.scene->environment_radiance(w)[0] * std::max(w.dot(n), 0.f));
     });
@@ -231,17 +233,18 @@ TEST(AreaLight, TexturesFollowTheUvOfTheShape) {
         EXPECT_TRUE(is_black(hit->Le(Vec3(0, 0, 1)))) << "the back emits nothing";
         return hit->Le(Vec3(0, 0, -1));
     };
-    // u grows along x; the turn about x has v grow towards -y. Squares of a quarter by half of the lamp's 4 x 2.
+    // u grows along x; the turn about x makes v grow towards -y. The squares are a quarter
+    // by a half of the lamp's 4 x 2.
     EXPECT_TRUE(Le(-1.5f, 0.5f).isApprox(Color(8, 0, 1)));
     EXPECT_TRUE(Le(-0.5f, 0.5f).isApprox(Color(0, 2, 1)));
     EXPECT_TRUE(Le(-1.5f, -0.5f).isApprox(Color(0, 2, 1)));
     EXPECT_TRUE(Le(1.5f, -0.5f).isApprox(Color(8, 0, 1)));
-    // Half of the area has each colour: pi A (L0 + L1) / 2.
+    // Each colour covers half of the area: the power is pi A (L0 + L1) / 2.
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(scene.scene->emitted_power()[c], pi_d * 8 * Colord(4, 1, 1)[c], 2e-3 * pi_d * 8);
 }
 
-// Whatever a sample of an area light says must be what a ray towards it finds.
+// A sample of an area light must agree with the hit of a ray towards it.
 TEST(AreaLight, SamplesAgreeWithRaysThatHitThem) {
     const std::string texture = checkered_radiance;
     const std::string round =
@@ -258,7 +261,7 @@ TEST(AreaLight, SamplesAgreeWithRaysThatHitThem) {
             if (!light) continue;
             const auto hit = scene.scene->intersect({p, light->wi});
             ASSERT_TRUE(hit) << shape;
-            // Another part of the same light may stand before it, and at the rim of a sphere rays miss by rounding.
+            // Another part of the same light may be in front, and rays near the rim of a sphere miss by rounding.
             if (std::abs((hit->p - p).norm() - light->distance) > 1e-3f) continue;
             ++found;
             EXPECT_NEAR(scene.scene->light_pdf_w(p, *hit) / light->pdf_w, 1.f, 0.02f) << shape;
@@ -295,14 +298,14 @@ TEST(EveryLight, MeanOfEmissionIsThePower) {
                 EXPECT_NEAR(start.ray.d.norm(), 1.f, 1e-5f);
                 return start.power[c];
             });
-            // The power of textures is a sum over 65536 points: 2e-3.
+            // The power of a textured light is a sum over 65536 points, with an error of 2e-3.
             EXPECT_NEAR(mean.value, power[c], 4 * mean.error + 2e-3 * power[c]) << name;
         }
     }
 }
 
-// Light that crosses the ball, followed from the lights, is what the ball's surface receives: power of the photons that
-// hit it against the irradiance of its points, integrated over it. The two know nothing of each other.
+// The power of emitted rays that hit the ball equals the irradiance of the ball's surface, sampled from the lights
+// and integrated over the ball. The two estimates are independent.
 TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
     const TemporaryFolder folder;
     const std::string above =
@@ -313,7 +316,7 @@ TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
     for (const auto& [name, xml] : lights) {
         const auto scene = load(ball + xml);
         const Scene& s = *scene.scene;
-        // The scene is moved by the middle of its box, which a lamp above shifts.
+        // Loading moves the scene by the centre of its box, which a lamp above the ball shifts.
         const auto& sphere = std::get<Sphere>(s.shapes()[0]);
         const auto hits_ball = [&](const Ray& ray) { return intersect(sphere, ray).has_value(); };
         const Mean followed = mean_over_samples(200'000, [&](const Sampler& sampler) {
@@ -335,7 +338,7 @@ TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
 TEST(EveryLight, DensitiesIncludeTheChoiceOfTheLight) {
     const TemporaryFolder folder;
     std::string all = ball;
-    // One environment and, in one place, one lamp: more are refused.
+    // A scene takes one environment, and one lamp in a place, so one of each is left out.
     for (const auto& [name, xml] : every_light(folder))
         if (name != "constant" && name != "area") all += xml;
     const auto scene = load(all);

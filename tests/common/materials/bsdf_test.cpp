@@ -1,4 +1,7 @@
+// Tests of Fresnel reflection, of the smooth scattering models, and of the Bsdf that is made of them.
+
 #include "common/materials/bsdf.h"
+#include "common/materials/fresnel.h"
 #include "common/sampling/sampler.h"
 #include "common/sampling/warp.h"
 
@@ -23,11 +26,12 @@ TEST(Fresnel, NormalIncidenceBrewsterAndTotalReflectionAreExact) {
     const float critical = std::sqrt(1.f - 1.f / (eta * eta));
     EXPECT_EQ(fresnel_dielectric(-critical + 1e-3f, eta).reflectance, 1.f);
     EXPECT_LT(fresnel_dielectric(-critical - 1e-3f, eta).reflectance, 1.f);
-    // Schlick gives 0.07 here.
+    // Schlick's approximation gives 0.07 here.
     EXPECT_NEAR(fresnel_dielectric(0.5f, eta).reflectance, 0.0891867f, 1e-6f);
 }
 
-// The two sides of one ray path reflect alike; Schlick with the incident side's angle would not.
+// The reflectance is the same along a ray path and its reverse; Schlick's approximation with the angle on the
+// incident side would break this.
 TEST(Fresnel, ReflectanceIsTheSameAlongTheReversedPath) {
     for (float c : {0.05f, 0.3f, 0.7f, 0.99f}) {
         const auto in = fresnel_dielectric(c, 1.7f);
@@ -42,7 +46,7 @@ TEST(Fresnel, ConductorWithoutAbsorptionIsADielectric) {
     for (float c : {0.05f, 0.3f, 0.7f, 1.f})
         EXPECT_NEAR(fresnel_conductor(c, Color::Constant(1.5f), Color::Zero())[0],
                     fresnel_dielectric(c, 1.5f).reflectance, 1e-5f);
-    // No index at all, straight on: the formula is 0 / 0.
+    // At normal incidence with eta = k = 0 the formula is 0 / 0.
     EXPECT_EQ(fresnel_conductor(1.f, Color::Zero(), Color::Zero())[0], 1.f);
     // Gold at 630 nm, normal incidence: ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2).
     const float n = 0.197f, k = 3.09f;
@@ -51,8 +55,7 @@ TEST(Fresnel, ConductorWithoutAbsorptionIsADielectric) {
 }
 
 // Radiance L / eta^2 is constant along a refracted ray: f(o -> i) / eta_i^2 is symmetric (Veach 1997, eq. 5.14). For
-// delta lobes the weight w = f |cos_i| / pdf * pdf is (1 - F) / eta_ti^2 one way and (1 - F) eta_ti^2 the other way;
-// power has no factor.
+// a delta lobe, f |cos_i| is (1 - F) / eta_ti^2 one way and (1 - F) eta_ti^2 the other way; power has no such factor.
 TEST(Dielectric, RefractionIsReciprocalWithTheSquaredIndex) {
     const Dielectric glass{1.5f};
     for (float c : {0.2f, 0.6f, 0.95f}) {
@@ -106,7 +109,8 @@ TEST(Bsdf, CoefficientsAreTheMeanWeightOfItsSamples) {
         }
 }
 
-// Both lobes together are all light: R of it stays, and 1 - R goes on, scaled by the squared index as radiance is.
+// Both lobes together scatter all light: R is reflected, and 1 - R is refracted and scaled by the
+// squared index, as radiance is.
 TEST(Bsdf, DeltaPairIsAllLightOfASmoothInterface) {
     const float eta = 1.5f;
     for (const float cosine : {0.05f, 0.4f, 0.99f, -0.8f, -0.99f}) {
@@ -150,7 +154,8 @@ TEST(Bsdf, OneSidedScattersNothingFromBehindAndTwoSidedDoes) {
     EXPECT_LT(two.sample_local(down, {0.f, 0.f}, {0.3f, 0.3f}, Transport::radiance)->wi.z(), 0.f);
 }
 
-// 20 equal-probability rings of cos^2 and 20 sectors of phi; chi-square with 399 degrees of freedom, alpha = 0.001.
+// A chi-square test of 20 rings of equal probability in cos^2 and 20 sectors of phi: 399
+// degrees of freedom, alpha = 0.001.
 TEST(Diffuse, DirectionsAreCosineDistributed) {
     const Diffuse d{Color::Ones()};
     std::vector<int> count(400, 0);

@@ -1,4 +1,5 @@
-// Mixtures of scattering models, and materials that become one at a point: blends, masks, sides, bump and normal maps.
+// Tests of mixtures of scattering models, and of materials that become one at a point: blends,
+// masks, sides, bump and normal maps.
 #include "common/materials/material.h"
 #include "common/sampling/sampler.h"
 #include "tests/support/moments.h"
@@ -28,7 +29,7 @@ Material tilted(const Vec3& n, NestedMaterial inside, PerturbationOptions option
     return Material(NormalMap{Texture(Color(0.5f * (n.array() + 1.f))), std::move(inside), options});
 }
 
-/// Mean weight of the samples from wo, and its standard error.
+/// The mean weight of the samples from wo, and its standard error.
 struct Albedo {
     double mean, error;
 };
@@ -52,7 +53,7 @@ TEST(Material, ABlendIsTheWeightedSumOfItsParts) {
     EXPECT_NEAR(sampled_albedo(*blend.constant(), wo).mean, 0.65, 1e-6);  // both parts are cosine-weighted
 }
 
-// Fresnel's share is a delta lobe, and the diffuse part keeps its own: nothing is lost between them.
+// The conductor stays a delta lobe and the diffuse part a diffuse one; the blend loses no light.
 TEST(Material, ABlendOfDeltaAndDiffuseLobesKeepsBoth) {
     const Material blend(Blend{constant(0.5f), nested(Scattering(Conductor{})), nested(diffuse(0.6f))});
     const Bsdf& bsdf = *blend.constant();
@@ -64,7 +65,7 @@ TEST(Material, ABlendOfDeltaAndDiffuseLobesKeepsBoth) {
         const Sampler u(PointSet::sobol, 1, 0, i);
         delta += bsdf.sample_local(wo, u.get_2d(0), u.get_2d(1), Transport::radiance)->delta;
     }
-    EXPECT_NEAR(delta / 4096.0, 0.5 / 0.8, 2e-3);  // in proportion to what they scatter
+    EXPECT_NEAR(delta / 4096.0, 0.5 / 0.8, 2e-3);  // chosen in proportion to the light that they scatter
     const auto mirror = bsdf.sample_local(wo, {0.1f, 0.f}, {0.5f, 0.5f}, Transport::radiance, Lobes::specular);
     ASSERT_TRUE(mirror && mirror->delta);
     EXPECT_NEAR(mirror->f[0] * std::abs(mirror->wi.z()) / mirror->pdf_w, 0.5f, 1e-6f);
@@ -78,7 +79,7 @@ TEST(Material, AMaskIsASurfaceThatIsThereWithItsOpacity) {
     EXPECT_TRUE(mask.has_holes());
     EXPECT_NEAR(mask.constant()->pass_through(), 0.7f, 1e-6f);
     EXPECT_NEAR(mask.constant()->f_local(direction(20, 0), direction(30, 0)).diffuse[0], 0.5f * inv_pi, 1e-6f);
-    // A mask in a mask: there with the product of both.
+    // A mask in a mask has the product of both opacities.
     const Material twice(Mask{constant(0.5f), nested(mask.node())});
     EXPECT_NEAR(twice.constant()->pass_through(), 1.f - 0.15f, 1e-6f);
     const Material null{Material::Node(Nothing{})};
@@ -97,7 +98,7 @@ TEST(Material, TwoSidesAreSeenFromTheirOwnSide) {
     const auto s = bsdf.sample_local(below, {0.5f, 0.5f}, {0.5f, 0.5f}, Transport::radiance);
     ASSERT_TRUE(s);
     EXPECT_NEAR((s->wi - Vec3(-below.x(), -below.y(), below.z())).norm(), 0.f, 1e-6f);
-    // A blend inside, from both sides.
+    // A blend as one side, seen from both sides.
     const Material blended(
         TwoSided{nested(Blend{constant(0.5f), nested(diffuse(0.2f)), nested(diffuse(0.6f))}), nested(diffuse(0.9f))});
     EXPECT_NEAR(blended.constant()->coefficients_local(direction(10, 0)).diffuse[0], 0.4f, 1e-6f);
@@ -114,7 +115,8 @@ TEST(Material, ANormalMapTurnsAMirror) {
     EXPECT_NEAR(s->f[0] * std::abs(s->wi.z()) / s->pdf_w, 1.f, 1e-5f);
 }
 
-// The tilted surface reflects rho / pi max(n.wi, 0); the caller multiplies by wi.z.
+// The tilted surface reflects rho / pi max(n . wi, 0), of which f_local lacks the factor wi.z:
+// the caller multiplies by that.
 TEST(Material, ATiltedDiffuseSurfaceFollowsItsOwnCosine) {
     const Vec3 n = Vec3(0.5f, 0.f, 1.f).normalized();
     const Bsdf bsdf = tilted(n, nested(diffuse(0.5f))).at(flat_point());
@@ -137,8 +139,8 @@ TEST(Material, AFlatNormalMapChangesNothing) {
     EXPECT_NEAR(bsdf.pdf_w_local(wo, wi), wi.z() * inv_pi, 1e-6f);
 }
 
-// Estevez, Lecocq and Stein 2019: 2 / (1 + sqrt(1 + alpha^2 tan^2 theta)) of the light, alpha^2 = tan^2(theta_n) / 8 up
-// to 1.
+// The shadowing of the light at an angle theta is 2 / (1 + sqrt(1 + alpha^2 tan^2 theta)), where alpha^2 =
+// tan^2(theta_n) / 8, but at most 1 (Estevez, Lecocq and Stein 2019).
 TEST(Material, ShadowingOfATiltedNormalIsThatOfTheLight) {
     const Vec3 eye = direction(10, 0), light = direction(60, 0.7f);
     const struct {
@@ -175,21 +177,21 @@ TEST(Material, ANormalThatTheEyeSeesFromBehindIsTurned) {
     EXPECT_NEAR(bsdf.f_local(behind, light).diffuse[0] * light.z(), 0.5f * inv_pi * turned.dot(light), 1e-6f);
     EXPECT_NEAR(bsdf.pdf_w_local(behind, light), turned.dot(light) * inv_pi, 1e-6f);
     EXPECT_NEAR(bsdf.coefficients_local(behind).diffuse[0], 0.5f, 1e-6f) << "one of both normals";
-    // A photon scatters towards either eye as that eye sees it. Its caller divides by the cosine of the photon's
-    // direction.
+    // A photon scatters towards either eye as that eye sees it. The caller of f_local divides by the
+    // cosine of the photon's direction.
     for (const Vec3& eye : {front, behind})
         EXPECT_NEAR(bsdf.f_local(light, eye, Transport::power).diffuse[0], bsdf.f_local(eye, light).diffuse[0], 1e-6f);
-    const Vec3 below = direction(120, 0);  // the eye inside, for which n lies behind
+    const Vec3 below = direction(120, 0);  // the eye is inside and sees n from behind
     const Bsdf glass = tilted(n, nested(Scattering(Dielectric{})), {true, false}).at(flat_point());
     EXPECT_TRUE(glass.sample_local(below, {0.01f, 0.5f}, {0.5f, 0.5f}, Transport::radiance));
-    // Holes of what lies beneath are counted once.
+    // The holes of the material under the normal map are counted once.
     const Material holes = tilted(n, nested(Mask{constant(0.4f), nested(diffuse(0.5f))}), {true, true});
     EXPECT_NEAR(holes.at(flat_point()).pass_through(), 0.6f, 1e-6f);
     EXPECT_NEAR(holes.at(flat_point()).coefficients_local(front).diffuse[0], 0.5f, 1e-6f);
 }
 
-// The mean weight of samples is the integral of f cos, whichever normal was sampled, and no light is made. A z-test of
-// each row at 5 standard errors: alpha below 1e-5 over all rows.
+// The mean weight of samples is the integral of f cos, whichever normal was sampled, and is at most 1 for radiance.
+// Each row is a z-test at 5 standard errors; alpha is below 1e-5 over all rows.
 TEST(Material, SamplesOfTurnedAndShadowedNormalsAgreeWithTheirDensity) {
     constexpr std::uint32_t n = 1 << 17;
     for (const Vec3& normal : {Vec3(0.3f, 0.1f, 1.f), Vec3(-1.f, 0.5f, 0.7f)})
@@ -224,8 +226,9 @@ TEST(Material, ATextureVariesAParameterOverTheSurface) {
     EXPECT_EQ(material.at(flat_point({0.75f, 0.25f})).coefficients_local(up).diffuse[0], 0.75f);
 }
 
-// A conductor that is sharp and tinted in places: black in red where it is cyan, in the rest where it is red, and black
-// in no place. Its lowest colour alone would hide that it is sharp.
+// A conductor whose roughness and colour vary in squares: it is cyan (no red) in some places and red (no green or
+// blue) in others, and black nowhere. The lowest value of each channel is 0, so a bound from these alone would take
+// the material for black and hide its sharp lobe.
 TEST(Material, TraitsAreThoseOfAllCombinationsOfItsTextures) {
     const auto board = [](const Color& a, const Color& b) {
         return Texture(CheckerboardTexture{Texture(a), Texture(b), {}});

@@ -1,3 +1,5 @@
+// Tests of the distributions of microfacets: their normalisation, masking, sampling and Jacobians.
+
 #include "common/materials/microfacet.h"
 
 #include "tests/common/materials/scattering_fixtures.h"
@@ -20,8 +22,8 @@ std::string name_of(const MicrofacetDistribution& d, double degrees = 0) {
            ' ' + std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
 }
 
-/// The integral of g(m) D(m) over all normals: midpoint rule over stretched slopes, r = tan^2 in [0, infinity) and
-/// their azimuth.
+/// The integral of g(m) D(m) over all normals m by the midpoint rule in polar coordinates of the stretched slopes:
+/// the radius r = t / (1 - t) in [0, infinity), and the azimuth.
 template <typename G>
 auto normal_integral(const MicrofacetDistribution& d, G&& g) {
     constexpr int rings = 1000, sectors = 128;
@@ -42,7 +44,7 @@ auto normal_integral(const MicrofacetDistribution& d, G&& g) {
     return decltype(sum)(sum * (2 * std::numbers::pi / (rings * sectors)));
 }
 
-// Walter et al. 2007, equation 4.
+// The integral of cos(m) D(m) over all normals is 1 (Walter et al. 2007, equation 4).
 TEST(Microfacet, ProjectedAreaOfAllFacetsIsOne) {
     for (const auto& d : distributions)
         EXPECT_NEAR(normal_integral(d, [](const Vec3d& m) { return m.z(); }), 1, 1e-5) << name_of(d);
@@ -57,7 +59,7 @@ TEST(Microfacet, VisibleAreaIsTheIntegralOfFacingFacets) {
         }
 }
 
-// Lambda in its textbook form: Heitz 2014, section 5.3; Walter et al. 2007, equation 34.
+// The expected values use Lambda in its textbook form (Heitz 2014, section 5.3; Walter et al. 2007, equation 34).
 TEST(Microfacet, MaskingIsSmiths) {
     for (double degrees : {5.0, 45.0, 75.0, 88.0})
         for (double alpha : {0.05, 0.3, 1.0}) {
@@ -73,8 +75,8 @@ TEST(Microfacet, MaskingIsSmiths) {
     EXPECT_EQ((MicrofacetDistribution{MicrofacetType::ggx, 0.3f, 0.3f}.g1(Vec3(0, 0, 1))), 1.f);
 }
 
-// Heitz 2014, section 3.5: without shadowing, mirror facets send everything somewhere, below the horizon included. It
-// holds only if the masking function belongs to the distribution of normals.
+// The weak white furnace test (Heitz 2014, section 3.5): without shadowing, mirror facets reflect all light, though
+// partly below the horizon. The test passes only if the masking function belongs to the distribution of normals.
 TEST(Microfacet, PassesTheWeakWhiteFurnaceTest) {
     for (const auto& d : distributions)
         for (double degrees : {0.0, 30.0, 60.0, 80.0}) {
@@ -88,7 +90,7 @@ TEST(Microfacet, PassesTheWeakWhiteFurnaceTest) {
         }
 }
 
-// Moments of the sampled normals against integrals over D.
+// Compares the moments of the sampled normals with integrals over D.
 TEST(Microfacet, SampledNormalsAreThoseThatAreVisible) {
     constexpr std::uint32_t n = 1u << 16;
     for (const auto& d : distributions)
@@ -174,7 +176,7 @@ TEST(Facet, MirrorsAndRefractsWithTheJacobianOfItsNormal) {
         const Vec3 down = (-wo / eta + 0.01f * (eta - 1) * Vec3(1, 2, 0) - Vec3(0, 0, (eta - 1) * 0.3f)).normalized();
         const auto facet = refracting_facet(wo, down, eta);
         ASSERT_TRUE(facet) << eta;
-        // Snell's law: the components along the facet, times the index, are opposite.
+        // Snell's law: the tangential components of the two directions, each times its index, cancel.
         EXPECT_LT((wo + eta * down).cross(facet->m).norm(), 1e-5f);
         EXPECT_NEAR(wo.dot(facet->m), facet->cos_o, 1e-5f);
         EXPECT_NEAR(-down.dot(facet->m), facet->cos_i, 1e-5f);

@@ -1,3 +1,5 @@
+// Tests of the modified Phong model: its density, energy, sampling and lobes.
+
 #include "common/materials/phong.h"
 
 #include "common/sampling/warp.h"
@@ -10,7 +12,7 @@ namespace {
 
 Phong glossy(float exponent) { return {Color::Zero(), Color::Ones(), exponent}; }
 
-// What is missing from 1 is the part of the lobe below the surface: the share of empty samples.
+// The density integrates to less than 1, because the part of the lobe below the surface gives empty samples.
 TEST(Phong, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
     for (float n : {0.f, 1.f, 30.f, 300.f})
         for (double degrees : {0.0, 40.0, 80.0, 89.0}) {
@@ -24,7 +26,8 @@ TEST(Phong, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
         }
 }
 
-// Lafortune and Willems 1994, section 4: both lobes together reflect rho_d + rho_s at normal incidence, and never more.
+// Both lobes together reflect rho_d + rho_s at normal incidence, and never more
+// (Lafortune and Willems 1994, section 4).
 TEST(Phong, ReflectsAtMostTheSumOfItsReflectances) {
     for (float n : {0.f, 1.f, 30.f, 1e3f, 1e6f}) {
         const Phong m{Color::Constant(0.3f), Color::Constant(0.5f), n};
@@ -47,7 +50,7 @@ TEST(Phong, ReflectsAtMostTheSumOfItsReflectances) {
     }
 }
 
-// In closed form: the mean of cos(alpha) under (n + 1) / (2 pi) cos^n is (n + 1) / (n + 2).
+// The mean of cos(alpha) under the density (n + 1) / (2 pi) cos^n is (n + 1) / (n + 2).
 TEST(Phong, SamplesKeepTheirDigitsForHighExponents) {
     for (float n : {1.f, 100.f, 1e4f, 1e7f}) {
         const Vec3 wo = direction_at(45, 0.3), r = mirrored_direction(wo);

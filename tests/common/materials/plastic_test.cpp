@@ -1,4 +1,7 @@
+// Tests of smooth and rough plastic: a dielectric coat over a diffuse base.
+
 #include "common/materials/plastic.h"
+#include "common/materials/fresnel.h"
 
 #include "tests/common/materials/scattering_fixtures.h"
 
@@ -39,7 +42,7 @@ double reflected_integral(const Model& m, const Vec3& wo, int channel = 0) {
     });
 }
 
-/// Walsh 1926, "The reflection factor of a polished glass surface for diffused light", for n > 1.
+/// The closed form of Walsh 1926, "The reflection factor of a polished glass surface for diffused light", for n > 1.
 double walsh(double n) {
     const double n2 = n * n, n4 = n2 * n2;
     return 0.5 + (n - 1) * (3 * n + 1) / (6 * sqr(n + 1)) +
@@ -55,7 +58,7 @@ TEST(Plastic, DiffuseFresnelReflectanceIsWalshs) {
                     1 - (1 - walsh(n)) / (n * n), 2e-6);
     }
     EXPECT_NEAR(diffuse_fresnel_reflectance(1.f), 0.f, 1e-7f);
-    // From inside by integration over all angles, total reflection included.
+    // The reflectance from inside is compared with the integral over all angles, total reflection included.
     double sum = 0;
     for (int i = 0; i < 20000; ++i) {
         const double c = (i + 0.5) / 20000;
@@ -64,8 +67,8 @@ TEST(Plastic, DiffuseFresnelReflectanceIsWalshs) {
     EXPECT_NEAR(static_cast<double>(diffuse_fresnel_reflectance(1 / 1.5f)), sum, 2e-5);
 }
 
-// Nothing is absorbed: what is not reflected by the coat comes back from the base. The tolerance is the quadrature's,
-// which loses more where light cannot enter beyond a critical angle.
+// A white base absorbs nothing: all light that the coat does not reflect comes back from the base. The tolerance is
+// the error of the quadrature, which is larger for eta < 1, where light cannot enter beyond a critical angle.
 TEST(Plastic, AWhiteOneReflectsAllLight) {
     for (float eta : {1.2f, 1.49f, 1.9f, 0.8f})
         for (bool nonlinear : {false, true})
@@ -80,8 +83,8 @@ TEST(Plastic, AWhiteOneReflectsAllLight) {
             }
 }
 
-// The sum over rounds under the coat: T rho (1 - R) (1 + rho R + (rho R)^2 ...), with what is thrown back not absorbed
-// unless nonlinear.
+// The colour is the sum over internal reflections under the coat: T rho (1 - R) (1 + rho R + (rho R)^2 ...). Unless
+// nonlinear, the base does not absorb the light that the coat reflects back to it, so the sum is T rho.
 TEST(Plastic, ColorsAreTheSumOverInternalReflections) {
     const Color rho(0.9f, 0.5f, 0.1f);
     const Vec3 wo = direction_at(30, 1);
@@ -148,7 +151,8 @@ TEST(Plastic, IsReciprocalAndOneSided) {
     expect_reciprocal_and_one_sided(rough_plastic(MicrofacetType::ggx, 0.4f, Color(0.9f, 0.5f, 0.1f), true));
 }
 
-// The table against the rough dielectric, whose sampled shares have a standard error below 4e-4: four of them.
+// Compares the table of the coat with the rough dielectric, whose sampled shares have a standard error below 4e-4;
+// the tolerance is four of these.
 TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
     for (auto type : types)
         for (float alpha : {0.05f, 0.3f, 1.f}) {
@@ -164,7 +168,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
             }
             const float between = 10.25f / 63;
             EXPECT_NEAR(coat.transmittance(between), 0.75f * coat.nodes[10] + 0.25f * coat.nodes[11], 1e-6f);
-            // Mitsuba's plain mean over 64 cosines.
+            // The internal reflectance is a plain mean over 64 cosines, as in Mitsuba.
             double mean = 0;
             for (int node = 1; node < 64; ++node) {
                 const float c = static_cast<float>(node) / 63;
@@ -207,8 +211,8 @@ TEST(RoughPlastic, ReflectsAtMostAllLight) {
             }
 }
 
-// By the tables alone: of the light that gets in, a white base gives off no more than all. R is rounded to a
-// float, which counts as much as 1 - R is small; besides, four roundings of numbers below 1.
+// According to the tables, a white base gives off at most the light that enters. The tolerance is the rounding of R
+// to a float, whose effect grows as 1 / (1 - R), and four roundings of numbers below 1.
 TEST(RoughPlastic, ItsBaseGivesOffAtMostWhatComesIn) {
     for (auto type : types)
         for (float alpha : {1e-4f, 0.01f, 0.1f, 1.f})
@@ -246,7 +250,8 @@ TEST(RoughPlastic, ItsCoatIsSpecularIfItIsSmoothEnough) {
     EXPECT_TRUE(narrow.traits().glossy && narrow.traits().rough && narrow.traits().diffuse && !narrow.traits().delta);
     EXPECT_TRUE(!wide.traits().glossy && wide.traits().rough && wide.traits().diffuse);
     const LobeValues f = narrow.f_local(wo, wi, Transport::radiance);
-    // F D / (4 cos^2) at the facet along z, D = 1 / (pi alpha^2); masking is 1 here but for 1e-9.
+    // The expected value is F D / (4 cos^2) at the facet along z, with D = 1 / (pi alpha^2); the masking differs from
+    // 1 by only 1e-9 here.
     EXPECT_NEAR(f.specular[0], fresnel_dielectric(wo.z(), 1.49f).reflectance / (0.04f * pi * sqr(wo.z())), 1e-4f);
     EXPECT_LT(f.diffuse[0], inv_pi);
     EXPECT_EQ(wide.f_local(wo, wi, Transport::radiance).specular[0], 0.f);

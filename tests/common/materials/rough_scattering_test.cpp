@@ -1,4 +1,7 @@
+// Tests of the rough conductor and the rough dielectric.
+
 #include "common/materials/rough_scattering.h"
+#include "common/materials/fresnel.h"
 
 #include "tests/common/materials/scattering_fixtures.h"
 
@@ -31,7 +34,7 @@ TEST(RoughScattering, SamplesCarryTheirOwnValueAndDensityAndWeighAtMostOne) {
             }
 }
 
-// What is missing from 1 is what the facets send to the wrong side: the share of empty samples.
+// The density integrates to less than 1, because the light that facets send to the wrong side gives empty samples.
 TEST(RoughScattering, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
     for (auto type : types)
         for (auto [au, av] : {std::pair(0.2f, 0.2f), std::pair(0.6f, 0.6f), std::pair(1.f, 0.3f)})
@@ -58,8 +61,8 @@ TEST(RoughScattering, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
             }
 }
 
-// Veach 1997, equation 5.14: f(o, i) / eta_i^2 is symmetric for radiance; for power, f is that of radiance with its
-// arguments exchanged.
+// For radiance, f(o, i) / eta_i^2 is symmetric (Veach 1997, equation 5.14). The f of power is that of
+// radiance with exchanged arguments.
 TEST(RoughScattering, IsReciprocalWithTheSquaredIndex) {
     for (auto type : types) {
         const MicrofacetDistribution d{type, 0.7f, 0.4f};
@@ -86,7 +89,8 @@ TEST(RoughScattering, IsReciprocalWithTheSquaredIndex) {
     }
 }
 
-// The table at the head of common/materials/rough_scattering.h: the light that single scattering loses [percent].
+// Checks the table at the head of common/materials/rough_scattering.h: the share of light
+// [percent] that single scattering loses.
 TEST(RoughScattering, LosesTheTabulatedShareOfLight) {
     struct Row {
         float alpha;
@@ -117,7 +121,7 @@ TEST(RoughScattering, LosesTheTabulatedShareOfLight) {
         }
 }
 
-// The same shares by integrating f instead of sampling it.
+// The share of light by sampling equals the integral of f.
 TEST(RoughScattering, LightOfSamplesIsTheIntegralOfTheFunction) {
     for (auto type : types)
         for (double degrees : {0.0, 45.0, 80.0}) {
@@ -155,7 +159,7 @@ TEST(RoughScattering, TendsToTheSmoothModel) {
             const ConductorIndex gold{Color(0.2f, 0.9f, 1.5f), Color(3.f, 2.f, 2.f)};
             EXPECT_NEAR(sampled_share(RoughConductor{gold, d}, up).weight,
                         fresnel_conductor(up.z(), gold.eta, gold.k)[0], 1e-3);
-            // Where the light goes: around the directions of the smooth interface.
+            // The light goes close to the directions of the smooth interface.
             const auto reflected = glass(d).sample_local(up, 0.f, {0.3f, 0.3f}, Transport::radiance, Lobes::all);
             const auto refracted = glass(d).sample_local(up, 0.999f, {0.3f, 0.3f}, Transport::radiance, Lobes::all);
             ASSERT_TRUE(reflected && refracted);
@@ -180,7 +184,7 @@ TEST(RoughScattering, AnInterfaceWithoutAnIndexChangesNothing) {
         EXPECT_TRUE(is_black(none.f_local(wo, -wo, Transport::radiance).sum()));
         EXPECT_FALSE(none.sample_local(wo, 0.5f, {0.2f, 0.7f}, Transport::radiance, Lobes::diffuse));
     }
-    // Its neighbours are no special case.
+    // An index close to 1, which is not a special case of the code, gives nearly the same.
     for (float eta : {1.f + 1e-6f, 1.f - 1e-6f, 1.001f})
         EXPECT_NEAR(sampled_share(glass({MicrofacetType::ggx, 0.1f, 0.1f}, eta), direction_at(40, 1)).weight, 1, 5e-3)
             << eta;

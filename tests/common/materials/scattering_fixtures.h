@@ -1,5 +1,5 @@
 #pragma once
-// What tests of scattering models share: directions, integrals over the sphere, shares of light by sampling.
+// Fixtures of the tests of scattering models: directions, integrals over the sphere, shares of light by sampling.
 
 #include "common/materials/scattering.h"
 #include "common/sampling/sampler.h"
@@ -18,8 +18,8 @@ inline Vec3 direction_at(double degrees, double phi) {
 
 inline Vec3 mirrored_direction(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
 
-/// The integral over the sphere by the midpoint rule in polar coordinates around `axis`, whose rings crowd there:
-/// (1 - cos theta) / 2 = t^3.
+/// The integral of f over the sphere by the midpoint rule in polar coordinates around `axis`. The rings are narrower
+/// near the axis: (1 - cos theta) / 2 = t^3, with uniform steps of t.
 template <typename F>
 double sphere_integral(const Vec3& axis, F&& f, int rings = 600, int sectors = 240) {
     const Frame frame(axis.normalized());
@@ -43,8 +43,9 @@ struct SampledShare {
     double valid = 0;   ///< the share of the samples that are not empty
 };
 
-/// With 2^16 points, one in each of 64 x 32 x 32 boxes of what chooses the lobe and what the direction. A jump of the
-/// weight crosses some 3000 of them, each with a variance of 1/4 at most: the standard error is below 4e-4.
+/// Samples the model at 2^16 stratified points: one in each of 64 x 32 x 32 boxes of the number that chooses the lobe
+/// and the two that choose the direction. A jump of the weight crosses some 3000 boxes, each with a variance of at
+/// most 1/4, so the standard error is below 4e-4.
 template <typename Model>
 SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transport = Transport::power,
                            Lobes which = Lobes::all) {
@@ -67,7 +68,8 @@ SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transpo
     return share;
 }
 
-/// A sample's own figures are those of f_local and pdf_w_local, and its weight is at most `largest_weight`.
+/// Expects that f and pdf_w of each sample are those of f_local and pdf_w_local, and that its
+/// weight is at most `largest_weight`.
 template <typename Model>
 void expect_samples_agree(const Model& model, const Vec3& wo, float tolerance, const std::string& name,
                           float largest_weight = 1.f) {
@@ -87,7 +89,7 @@ void expect_samples_agree(const Model& model, const Vec3& wo, float tolerance, c
     }
 }
 
-/// No value, density or sample is NaN, infinite or negative, whatever the directions.
+/// Expects that no value, density or sample is NaN, infinite or negative, whatever the directions.
 template <typename Model>
 void expect_finite(const Model& model, const std::string& name) {
     std::vector<Vec3> directions = {Vec3(0, 0, 1),  Vec3(0, 0, -1),     Vec3(1, 0, 0),

@@ -1,3 +1,5 @@
+// Tests of media against closed forms: phase functions, values on grids, free flights and transmittance.
+
 #include "common/media/medium.h"
 
 #include "common/core/parallel.h"
@@ -15,8 +17,8 @@ namespace {
 using test::Moments;
 
 constexpr double pi_d = std::numbers::pi;
-/// Means are tested at this many standard errors: with some 100 comparisons in this file, a false alarm in 1 of 10,000
-/// seeds.
+/// Means are tested at this many standard errors: with some 100 comparisons in this file, a
+/// false alarm for 1 in 10,000 seeds.
 constexpr double sigmas = 5;
 
 TEST(PhaseFunction, HasItsMeanCosine) {
@@ -38,12 +40,12 @@ TEST(PhaseFunction, IsIsotropicWithoutAMeanCosine) {
 TEST(PhaseFunction, PrefersToGoOnForwards) {
     const Vec3 wo = Vec3::UnitX();
     EXPECT_GT(PhaseFunction{0.5f}.value(wo, -wo), PhaseFunction{0.5f}.value(wo, wo));
-    // (1 - g^2) / (4 pi (1 -+ g)^3)
+    // Henyey and Greenstein's function is (1 - g^2) / (4 pi (1 -+ g)^3) forwards and backwards.
     EXPECT_NEAR(PhaseFunction{0.5f}.value(wo, -wo), 0.75 / (4 * pi_d * 0.125), 1e-6);
     EXPECT_NEAR(PhaseFunction{0.5f}.value(wo, wo), 0.75 / (4 * pi_d * 3.375), 1e-6);
 }
 
-/// A grid of n voxels along x over [0, 1]^3, moved and stretched: x in [at, at + length].
+/// A grid of n voxels along x that covers x in [at, at + length].
 GridVolume layers(const std::vector<float>& values, int channels, double at, double length,
                   VolumeFilter filter = VolumeFilter::trilinear) {
     GridVolume::Data data{{static_cast<int>(values.size()) / channels, 1, 1}, channels, values, {}};
@@ -80,7 +82,7 @@ TEST(GridVolume, RepeatsAndMirrors) {
     EXPECT_FLOAT_EQ(wrapped(VolumeWrap::clamp, 1.1f), 2);
 }
 
-/// What a medium does to light on a stretch along x: the optical depth up to x, and extinction and albedo there.
+/// A medium on a stretch along x in closed form: the optical depth up to x, and the extinction and the albedo at x.
 struct Stretch {
     std::string name;
     Medium medium;
@@ -91,7 +93,8 @@ std::vector<Stretch> stretches() {
     const Color sigma(0.5f, 1.5f, 3.f), grey(0.8f, 0.8f, 0.8f), albedo(0.9f, 0.5f, 0.2f);
     const auto constant = [](const Color& c) { return [c](double) { return c; }; };
     const auto times_x = [](const Color& c) { return [c](double x) { return Color(c * static_cast<float>(x)); }; };
-    // From 0 to 2: 0.2 up to the first centre at 0.5, a line to 2.2 at 1.5, 2.2 up to the end.
+    // The extinction from 0 to 2 is 0.2 up to the first centre at 0.5, linear up to 2.2
+    // at 1.5, and 2.2 from there on.
     const auto ramp = [](double x) { return static_cast<float>(0.2 + 2 * std::clamp(x - 0.5, 0.0, 1.0)); };
     const auto ramp_depth = [](double x) {
         const double y = std::clamp(x - 0.5, 0.0, 1.0);
@@ -122,7 +125,8 @@ std::vector<Stretch> stretches() {
     return all;
 }
 
-// What passes, and the scattered light weighted by 1 and by the place, in each channel.
+// Compares means over flights with integrals in each channel: the transmitted light, and the scattered light weighted
+// by 1 and by its place.
 TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
     constexpr double length = 2;
     const Color before(0.5f, 1.f, 3.f);
@@ -164,8 +168,8 @@ TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
     }
 }
 
-// The chance of an event is the optical depth, here 1e-11; of 5e7 flights none ends (alpha = 5e-4). Were it made of one
-// number of 24 bits, three would.
+// The probability of an event is the optical depth, here 1e-11, so none of 5e7 flights has an event (alpha = 5e-4).
+// If flights were sampled by a single number of 24 bits, three would.
 TEST(Medium, ThinOnesScatterAsRarelyAsTheyShould) {
     const Medium medium(GridVolume(Color::Constant(1e-11f)), 1.f, GridVolume(Color::Ones()), {});
     std::atomic<int> events = 0;
@@ -201,7 +205,7 @@ TEST(Medium, TransmittanceHasItsMean) {
         }
 }
 
-// A grid's medium ends with its cube, from whichever side a ray comes.
+// The medium of a grid ends with the grid's cube, from whichever side a ray comes.
 TEST(Medium, OnAGridEndsWithTheGrid) {
     const Medium medium(layers({1, 1}, 1, 3, 2), 1.f, GridVolume(Color::Ones()), {});
     const Sampler sampler(PointSet::independent, 1, 0, 0);
@@ -221,7 +225,7 @@ TEST(Medium, OnAGridEndsWithTheGrid) {
     EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error());
 }
 
-// An ulp of the way to the grid is longer than a flight between collisions.
+// An ulp of the distance to the far grid is longer than a flight between collisions.
 TEST(Medium, OfAFarGridIsThatOfANearOne) {
     const Medium medium(layers({1, 1000}, 1, 0, 2, VolumeFilter::nearest), 1.f, GridVolume(Color::Ones()), {});
     for (const float distance : {0.f, 1e5f}) {

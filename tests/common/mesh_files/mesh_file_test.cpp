@@ -1,4 +1,4 @@
-// OBJ and PLY files: what they mean and where they are wrong.
+// Tests of OBJ and PLY files: their meaning, and the place of what is wrong in them.
 
 #include "common/core/error.h"
 #include "common/mesh_files/mesh_data.h"
@@ -61,7 +61,8 @@ TEST(ObjFile, SplitsAVertexWithTwoNormals) {
     EXPECT_EQ(mesh.normals[mesh.triangles[1][0]], Vec3(1, 0, 0));
 }
 
-/// `count` normals and as many triangles with one of them at the first corner: all at one vertex, or each at its own.
+/// An OBJ file of `count` normals and, `times` over, `count` triangles. Triangle i has normal i at its first corner,
+/// which is one vertex for all or a vertex of its own.
 std::string many_normals(std::uint32_t count, bool one_vertex, int times = 1) {
     std::string text, faces;
     for (std::uint32_t i = 1; i <= count; ++i) {
@@ -74,7 +75,7 @@ std::string many_normals(std::uint32_t count, bool one_vertex, int times = 1) {
     return text;
 }
 
-// So many that those beyond the first few are kept apart.
+// These are more normals at a vertex than the first few, beyond which the reader stores them in another way.
 TEST(ObjFile, SplitsAVertexWithManyNormals) {
     constexpr std::uint32_t count = 1000;
     const MeshData mesh = parse_obj(many_normals(count, true, 2), "m.obj");
@@ -88,8 +89,9 @@ TEST(ObjFile, SplitsAVertexWithManyNormals) {
     }
 }
 
-// With the normals of a vertex in one list, which is searched for each corner, 1e5 of them take a hundred times as long
-// as where each has its own vertex, and 1e6 take hours. 20 lies far from both that and 1.
+// If the reader kept the normals of a vertex in a list and searched it for each corner, 1e5 normals at one vertex
+// would take a hundred times as long as with a vertex each, and 1e6 would take hours. The limit of 20 is far from
+// both 100 and 1.
 TEST(ObjFile, ManyNormalsAtOneVertexTakeNoLongerThanElsewhere) {
     const auto clocks_of = [](const std::string& text) {
         const std::clock_t begin = std::clock();
@@ -130,7 +132,7 @@ void append(std::string& bytes, T value, bool big) {
     bytes += raw;
 }
 
-/// The square [0, 3]^2 with a property in between that means nothing.
+/// The square [0, 3]^2 with an unknown property between the known ones.
 std::string binary_square(bool big) {
     std::string ply =
         std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\ncomment c\n" + square_header;
@@ -218,8 +220,8 @@ TEST(PlyFile, ErrorsNameThePlace) {
 }
 
 TEST(MeshNormals, AreWeightedWithTheAngleAtTheVertex) {
-    // A corner of a box whose side x = 0 is split in two and whose other sides are not: each side counts for its right
-    // angle.
+    // The corner of a box whose side x = 0 is split into two triangles, unlike the other sides. Each side has the
+    // weight of its right angle.
     MeshData mesh =
         parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 3 2\nf 1 2 4\nf 1 4 5\nf 1 5 3\n", "m.obj");
     compute_normals(mesh);

@@ -1,7 +1,8 @@
-// MilkShape 3D ASCII files: what they mean and where they are wrong.
+// Tests of MilkShape 3D ASCII files: their meaning, and the place of what is wrong in them.
 
 #include "common/mesh_files/mesh_ms3d.h"
 #include "common/core/error.h"
+#include "common/scene/scene.h"
 #include "tests/support/input_error.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/texture_fixtures.h"
@@ -16,8 +17,8 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Two meshes: a square with one normal, and a folded one whose triangles share an edge but no normal; two materials, a
-/// bone.
+/// The model has two meshes (a square with one normal, and a folded one whose triangles share an edge but no normal),
+/// two materials and a bone.
 const std::string meshes =
     "// MilkShape 3D ASCII\n"  // line 1
     "\n"
@@ -88,7 +89,7 @@ const std::string bones =
     "ModelComment: 1\n"
     "\n";
 
-/// The map of the second material.
+/// Writes the bitmap that the second material refers to.
 void write_map(const TemporaryFolder& folder) {
     test::FileFormat bytes;
     bytes.type = OIIO::TypeDesc::UINT8;
@@ -129,12 +130,12 @@ TEST(Ms3dFile, ReadsCarriageReturnsCommentsAndNoLastLineEnd) {
     std::string text;
     for (const char c : meshes + materials + bones)
         text += c == '\n' ? std::string("\r\n// between\r\n\r\n") : std::string(1, c);
-    // A line of comment follows its index at once.
+    // The text of a comment must follow the line of its index at once.
     text.replace(text.find("0\r\n// between\r\n\r\nanything"), 17, "0\r\n");
     const Ms3dModel model = parse_ms3d(text, "m.txt");
     EXPECT_EQ(model.groups.size(), 2u);
     EXPECT_EQ(model.materials[1].name, "polished brass");
-    // Without bones, and without the last line's end.
+    // A file without bones, and without the end of its last line.
     std::string boneless = meshes + materials;
     boneless.replace(boneless.find("0 2 2 0 1 0 0"), 13, "0 2 2 0 1 0 -1");
     boneless.pop_back();
@@ -152,7 +153,8 @@ TEST(Ms3dFile, GroupsWithoutTrianglesAreLeftOut) {
 
 TEST(Ms3dFile, EveryTruncationIsAnErrorUpToTheLastBlock) {
     const std::string whole = meshes + materials + bones;
-    // The meshes need their materials and the bone; the bone's keys end with a number of one digit.
+    // A file that ends before the comments is an error, because the meshes need their materials and the bone. The
+    // last digit of the bone's keys and the end of its line are not tested.
     for (std::size_t size = 0; size + 2 < whole.find("GroupComments"); ++size)
         EXPECT_NE(error_of(whole.substr(0, size)), "no error") << size;
     EXPECT_THAT(error_of(whole.substr(0, whole.find("1 0 2 3 0"))), HasSubstr("truncated: the file ends"));
@@ -160,7 +162,7 @@ TEST(Ms3dFile, EveryTruncationIsAnErrorUpToTheLastBlock) {
     EXPECT_THAT(error_of("Meshes: 1\n\"a\" 0 -1\n2000000000\n"), StartsWith("m.txt:4:1: truncated"));
 }
 
-/// The error after the first `from` has become `to`.
+/// The error of the model in which `to` replaces the first `from`.
 std::string error_with(const std::string& from, const std::string& to) {
     std::string text = meshes + materials + bones;
     text.replace(text.find(from), from.size(), to);
@@ -226,8 +228,8 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     };
     const auto scene = load("");
     ASSERT_EQ(scene->shapes().size(), 2u);
-    // Half transparent; its map is red on the left and green on the right, and what the highlight leaves of 0.9 / 1.9
-    // bounds it.
+    // The floor is half transparent. Its bitmap is red on the left and green on the right; the highlight takes 0.9 /
+    // 1.9 and bounds the diffuse reflectance by the rest.
     EXPECT_NEAR(albedo(*scene, 0, 0.25f)[0], 1 - 0.9f / 1.9f, 1e-6f);
     EXPECT_EQ(albedo(*scene, 0, 0.25f)[1], 0.f);
     EXPECT_NEAR(albedo(*scene, 0, 0.75f)[1], 1 - 0.8f / 1.9f, 1e-6f);

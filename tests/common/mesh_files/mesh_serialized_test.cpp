@@ -1,7 +1,8 @@
-// Mitsuba's serialized meshes: what they mean, and that no kind of damage goes unnoticed.
+// Tests of Mitsuba's serialized meshes: their meaning, and that no kind of damage goes unnoticed.
 
 #include "common/core/error.h"
 #include "common/mesh_files/mesh_data.h"
+#include "common/scene/scene.h"
 #include "tests/support/input_error.h"
 #include "tests/support/scene_text.h"
 
@@ -75,7 +76,7 @@ struct Square {
             append(bytes, i);
         return bytes + extra;
     }
-    /// With its uncompressed header.
+    /// The compressed mesh with its uncompressed header.
     std::string stream() const {
         std::string bytes;
         append<std::uint16_t>(bytes, 0x041c);
@@ -139,12 +140,12 @@ TEST(SerializedMesh, ShapeIndexChoosesTheMesh) {
         EXPECT_THAT(error_of(file, 3),
                     StartsWith("m.serialized:1:1: shape_index 3 is out of range: there are 3 meshes"));
     }
-    // The first mesh needs no dictionary.
+    // The first mesh can be read without a dictionary at the end of the file.
     EXPECT_EQ(parse_serialized(Square().stream(), "m", 0).data.triangles.size(), 2u);
 }
 
 TEST(SerializedMesh, BlocksFollowEachOther) {
-    // More items than are read at once.
+    // The mesh has more items than the reader takes at once.
     constexpr std::uint32_t n = 10'000;
     std::string raw;
     append<std::uint32_t>(raw, 0x1000);
@@ -175,7 +176,8 @@ TEST(SerializedMesh, TruncatedFilesAreErrorsAtEveryLength) {
         EXPECT_NE(error_of(whole.substr(0, size), 1), "no error") << size;
 }
 
-/// A few bits of a deflate stream mean nothing (padding, codes that do not occur): all others are noticed.
+/// Every flipped bit is noticed, except for a few bits of the deflate stream without a meaning (padding, codes that
+/// do not occur).
 TEST(SerializedMesh, NoFlippedBitOfTheCompressedDataChangesTheMesh) {
     const std::string whole = Square{4, 0x1003}.stream();
     const MeshData right = parse_serialized(whole, "m", 0).data;
@@ -221,7 +223,7 @@ TEST(SerializedMesh, ErrorsSayWhatIsWrong) {
                 HasSubstr("the position of vertex 3 is not finite"));
     EXPECT_THAT(with([](Square& s) { s.triangles = 0; }), HasSubstr("the mesh is empty"));
     EXPECT_THAT(with([](Square& s) { s.extra = "x"; }), HasSubstr("more data than its header says"));
-    // Counts that the data cannot fill must not take memory.
+    // Counts that the data cannot fill must be refused before memory is taken.
     EXPECT_THAT(with([](Square& s) { s.triangles = 1ull << 60; }), HasSubstr("less data than its header says"));
     EXPECT_THAT(with([](Square& s) { s.triangles = ~0ull; }), HasSubstr("less data than its header says"));
     EXPECT_THAT(with([](Square& s) { s.vertices = 0xffffffffull; }), HasSubstr("less data than its header says"));

@@ -50,7 +50,7 @@ std::string bitmap(const std::string& name, const std::string& file) {
     return "<texture name=\"" + name + "\" type=\"bitmap\">\n" + word("filename", file) + "</texture>";
 }
 
-/// Where the value of a property `tag` of that name on line 4 stands.
+/// The place (line:column) where the value of the property `tag` with this name stands on line 4.
 std::string value_place(const std::string& tag, const std::string& name) {
     return "4:" + std::to_string((tag + name).size() + std::string("< name=\"\" ").size() + 1);
 }
@@ -165,7 +165,7 @@ TEST(BsdfErrors, IndicesOfRefraction) {
     }
 }
 
-/// As in Mitsuba, which takes the smooth models with equal indices, and these not.
+/// As in Mitsuba, the smooth models accept equal indices and the rough ones do not.
 TEST(BsdfErrors, RoughInterfacesWithoutAChangeOfIndex) {
     const std::string by_number = number("int_ior", "1.5") + number("ext_ior", "1.5"), by_name = word("int_ior", "air"),
                       outside = word("ext_ior", "polypropylene");
@@ -234,7 +234,7 @@ TEST(BsdfErrors, Roughnesses) {
              {type, number("distribution", "1"), "4:1", "'distribution' cannot be a <float>; it takes: <string>"},
              {type, number("sample_visible", "1"), "4:1", "'sample_visible' cannot be a <float>; it takes: <boolean>"},
              {type, "<boolean name=\"sample_visible\" value=\"yes\"/>", "4:32", "'yes' is neither true nor false"}});
-        // Acts as MicrofacetDistribution::min_alpha, as in Mitsuba.
+        // A roughness of 0 acts as MicrofacetDistribution::min_alpha, as in Mitsuba.
         EXPECT_EQ(error_of(type, number("alpha", "0")), "no error");
     }
     for (const std::string type : {"roughdielectric", "roughconductor"}) {
@@ -243,7 +243,8 @@ TEST(BsdfErrors, Roughnesses) {
     }
 }
 
-/// Its tables are made for one roughness; Mitsuba takes one number, too, though it may be given twice.
+/// The tables of a roughplastic are made for one roughness. Mitsuba takes a single number too, but it may be given as
+/// two equal ones.
 TEST(BsdfErrors, ARoughplasticHasOneRoughness) {
     const std::string u = number("alpha_u", "0.1");
     expect_errors(

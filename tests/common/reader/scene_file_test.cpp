@@ -1,6 +1,7 @@
-// What a scene file means: Mitsuba 3's scalar_rgb.
+// Tests the meaning of scene files, which is that of Mitsuba 3's variant scalar_rgb.
 
 #include "common/core/error.h"
+#include "common/scene/scene.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_path.h"
 
@@ -15,7 +16,7 @@ using test::TemporaryFolder;
 
 const std::string ball = "<shape type=\"sphere\"/>";
 
-/// The hit of a ray given in the file's coordinates; the scene's own are relative to the centre of its bounds.
+/// The hit of a ray in the file's coordinates; those of the loaded scene are relative to the centre of its bounds.
 std::optional<SurfaceHit> hit(const LoadedScene& loaded, const Vec3& o, const Vec3& d, const Vec3& center) {
     return loaded.scene->intersect({o - center, d});
 }
@@ -35,7 +36,7 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
 }
 
 Vec3 center_of_disk(const std::string& operations) {
-    // A second disk far away holds the centre of the bounds in place: the origin is the mean of both.
+    // The transform also moves the scene's origin, but the normal of the disk does not depend on it.
     const auto loaded =
         load("<shape type=\"disk\"><transform name=\"to_world\">" + operations + "</transform></shape>");
     return std::get<Disk>(loaded.scene->shapes()[0]).normal;
@@ -78,7 +79,7 @@ TEST(SceneFile, CameraRaysFollowTheFieldOfView) {
     expect_near(camera_ray(sensor("y", 90), 0, 0).d, expected(2));
     expect_near(camera_ray(sensor("smaller", 90), 0, 0).d, expected(2));
     expect_near(camera_ray(sensor("diagonal", 90), 0, 0).d, expected(2 / std::sqrt(5.0)));
-    // 35 mm film: a diagonal of 43.27 mm, seen from 50 mm.
+    // The default is 35 mm film: a diagonal of 43.27 mm, seen from 50 mm.
     const double half_diagonal = std::hypot(36, 24) / 100;
     expect_near(camera_ray("<sensor type=\"perspective\">" + film(4, 2) + "</sensor>", 0, 0).d,
                 expected(half_diagonal * 2 / std::sqrt(5.0)));
@@ -291,7 +292,7 @@ TEST(SceneFile, NestedIncludesAreFoundBesideTheirFileFirst) {
     EXPECT_EQ(radii, (std::vector<float>{2, 3, 4, 1}));
 }
 
-/// The normals at the front and below, of the first hit along -z from (0.1, 0.2, 9).
+/// The geometric normal of the first hit along -z from (0.1, 0.2, 9).
 Vec3 normal_from_above(const std::string& shape) {
     const auto loaded = load(shape);
     const auto h = hit(loaded, Vec3(0.1f, 0.2f, 9), Vec3(0, 0, -1), Vec3::Zero());
@@ -312,7 +313,7 @@ TEST(SceneFile, NormalsFollowMitsuba) {
         EXPECT_EQ(sign(""), 1) << type;
         EXPECT_EQ(sign(flip), -1) << type;
     }
-    // Flat shapes and cubes follow the inverse transpose; a mirrored sphere turns inside out.
+    // The normals of flat shapes and cubes follow the inverse transpose; a mirrored sphere turns inside out.
     for (const std::string type : {"rectangle", "disk"}) {
         expect_near(normal_from_above("<shape type=\"" + type + "\">" + mirror_x + "</shape>"), up);
         expect_near(normal_from_above("<shape type=\"" + type + "\">" + mirror_z + "</shape>"), down);

@@ -1,4 +1,4 @@
-// The reader of media: what it accepts means what Mitsuba means by it, and what is wrong is an error at its place.
+// Tests of the reader of media: what it accepts has Mitsuba's meaning, and what is wrong is an error at its place.
 
 #include "common/core/error.h"
 #include "common/scene/effects.h"
@@ -97,7 +97,7 @@ TEST(MediumErrors, Grids) {
                 HasSubstr("t.xml:4:1: volume 'gridvolume' does not take a parameter 'value'"));
 }
 
-// A file that is wrong is named itself, for it has neither lines nor columns.
+// The error of a wrong volume file names the file alone, because it has neither lines nor columns.
 TEST(MediumErrors, VolumeFiles) {
     const TemporaryFolder folder;
     const std::string good = volume_bytes({2, 1, 1}, 1, {1, 2});

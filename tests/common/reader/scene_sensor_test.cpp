@@ -1,7 +1,8 @@
-// Sensors, films, samplers and integrators of scene files: Mitsuba 3's parameters.
+// Tests of sensors, films, samplers and integrators in scene files, which take Mitsuba 3's parameters.
 
 #include "common/core/error.h"
 #include "common/scene/effects.h"
+#include "common/scene/scene.h"
 #include "tests/support/scene_text.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +16,7 @@ using ::testing::StartsWith;
 
 const std::string ball = "<shape type=\"sphere\"/>";
 
-/// A film from line 1, `size` pixels square.
+/// A film of `size` x `size` pixels that starts on line 1.
 std::string film(int size, const std::string& body = "") {
     const std::string pixels = std::to_string(size);
     return "<film type=\"hdrfilm\"><integer name=\"width\" value=\"" + pixels +
@@ -51,7 +52,7 @@ TEST(SceneSensor, ThinLensesHaveAnApertureAndAFocus) {
     const Ray chief = lens.generate_ray(2, 1, middle, middle), other = lens.generate_ray(2, 1, middle, rim);
     EXPECT_NEAR((other.o - chief.o).norm(), 0.5f, 1e-6f);
     EXPECT_LT((chief.o + 3.f / chief.d.z() * chief.d - other.o - 3.f / other.d.z() * other.d).norm(), 1e-5f);
-    // The default focus is the default far clip distance, 1e4, or the one given.
+    // The focus distance is the default far clip distance, 1e4, or the given one.
     const auto meet = [](const Sensor& sensor) {
         const Ray a = sensor.generate_ray(2, 1, middle, middle), b = sensor.generate_ray(2, 1, middle, rim);
         return (b.o - a.o).norm() / (a.d / a.d.z() - b.d / b.d.z()).norm();
@@ -79,7 +80,7 @@ TEST(SceneSensor, ACropIsTheImage) {
     EXPECT_EQ(part.width(), 10);
     EXPECT_EQ(part.height(), 2);
     EXPECT_EQ(part.generate_ray(4, 1, rim).d, whole.generate_ray(7, 10, rim).d);
-    // Only a size: the film's top left corner.
+    // A crop with only a size starts at the film's top left corner.
     const Sensor corner = sensor_of("perspective", number("fov", "40") + film(16, crop("", "", "4", "4")));
     EXPECT_EQ(corner.generate_ray(1, 2, rim).d, whole.generate_ray(1, 2, rim).d);
     const Sensor all = sensor_of("perspective", number("fov", "40") + film(16, crop("0", "0", "16", "16")));
@@ -98,7 +99,7 @@ TEST(SceneSensor, AnotherResolutionShowsTheSameCrop) {
 }
 
 TEST(SceneSensor, FiltersSpreadByTheirParameter) {
-    // The offset of the film position in pixels that the number 3/4 gives.
+    // The offset of the film position [pixels] that the random number 3/4 gives.
     const auto offset = [](const std::string& filter) {
         const Sensor sensor = sensor_of("orthographic", film(2, filter));
         return (sensor.generate_ray(0, 0, middle).o - sensor.generate_ray(0, 0, {0.75f, 0.5f}).o).x();
@@ -108,7 +109,7 @@ TEST(SceneSensor, FiltersSpreadByTheirParameter) {
     EXPECT_NEAR(offset("<rfilter type=\"box\">" + radius + "</rfilter>"), 1.5f, 1e-6f);
     EXPECT_NEAR(offset("<rfilter type=\"tent\"/>"), 1 - std::sqrt(0.5f), 1e-6f);
     EXPECT_NEAR(offset("<rfilter type=\"tent\">" + radius + "</rfilter>"), 3 - 3 * std::sqrt(0.5f), 1e-6f);
-    // The quartile of a normal distribution, less what the cut at 4 deviations takes.
+    // The offset is the quartile of a normal distribution, less the small effect of the cut at 4 standard deviations.
     EXPECT_NEAR(offset("<rfilter type=\"gaussian\"/>"), 0.6745f * 0.5f, 2e-3f);
     EXPECT_NEAR(offset(""), 0.6745f * 0.5f, 2e-3f);
 }
@@ -136,7 +137,7 @@ TEST(SceneSensor, WhatExistingScenesSayOfFilmsAndSamplersIsAccepted) {
     EXPECT_EQ(referred.scene->sensor().width(), 3);
 }
 
-// As Mitsuba does by default.
+// As in Mitsuba, only the first of several sensors counts by default.
 TEST(SceneSensor, TheFirstOfSeveralCounts) {
     const auto scene = load("<sensor type=\"perspective\">" + film(3) + "</sensor><sensor type=\"orthographic\">" +
                             film(5) + "</sensor>");

@@ -1,6 +1,7 @@
-// <texture> elements: what they mean, and what is wrong with them at which place.
+// Tests of <texture> elements: their meaning, and the errors of wrong ones with their place.
 
 #include "common/reader/scene_texture.h"
+#include "common/scene/scene.h"
 
 #include "common/images/linear_file.h"
 #include "common/materials/material.h"
@@ -20,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr float decoded_128 = 0.21586050f;  ///< what the byte 128 means in sRGB
+constexpr float decoded_128 = 0.21586050f;  ///< the linear value of the sRGB byte 128
 const test::FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
 
 class SceneTextures : public ::testing::Test {
@@ -58,7 +59,7 @@ protected:
     std::string error_of(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
         return test::input_error_of([&] { parse(body, range, kind); });
     }
-    /// Of a bsdf whose content starts on line 3.
+    /// The error of a bsdf whose content starts on line 3.
     std::string error_in(const std::string& content, ColorRange range = ColorRange::unit) const {
         return error_of("<bsdf type=\"diffuse\">\n" + content + "</bsdf>", range);
     }

@@ -1,3 +1,5 @@
+// Tests of random numbers, of choices among items and of the power heuristic.
+
 #include "common/sampling/sampler.h"
 #include "common/sampling/warp.h"
 
@@ -34,8 +36,9 @@ TEST(Sampler, GivesAVertexTheNumbersOfItsDimensions) {
             }
 }
 
-// A (0, 2)-sequence: every aligned run of 2^m points has one point in each elementary interval of area 2^-m, and Owen's
-// scrambling and the shuffling of indices (which permutes within aligned runs) keep it.
+// Sobol's points are a (0, 2)-sequence: every aligned run of 2^m points has one point in each elementary
+// interval of area 2^-m. Owen's scrambling keeps this property, and so does the shuffling of indices,
+// which permutes within aligned runs.
 TEST(Sampler, SobolPointsFormNetsInEveryDimension) {
     constexpr int m = 6, n = 1 << m;
     for (std::uint64_t pixel : {0u, 1u, 77u})
@@ -55,8 +58,8 @@ TEST(Sampler, SobolPointsFormNetsInEveryDimension) {
                 }
 }
 
-// The mean of x y over [0,1)^2 is 1/4 for independent coordinates; the standard error of 2^20 points is 2.1e-4. Two
-// numbers of different dimensions or pixels must not be correlated either.
+// The mean of x y over [0,1)^2 is 1/4 for independent coordinates; the standard error of 2^20 points is 2.1e-4.
+// Numbers of different dimensions or different pixels must be uncorrelated too.
 TEST(Sampler, DimensionsAndPixelsAreUncorrelated) {
     constexpr int n = 1 << 20;
     for (PointSet set : {PointSet::independent, PointSet::sobol}) {
@@ -87,7 +90,8 @@ TEST(DiscreteDistribution, NeverChoosesAWeightOfZeroAndReturnsItsProbability) {
     EXPECT_EQ(d.total(), 4);
 }
 
-// Random numbers are multiples of 2^-24: of that many, an item owns as many as its probability says.
+// Random numbers are multiples of 2^-24. The number of these multiples that choose an item, of 2^24, is
+// exactly the item's probability.
 TEST(DiscreteDistribution, ProbabilitiesAreThoseThatNumbersHave) {
     std::vector<double> weights(100'000, 1.0);
     for (std::size_t i = 0; i < weights.size(); i += 7)

@@ -1,4 +1,4 @@
-// Surfaces in the same place: which of them a scene may not have.
+// Tests of surfaces in the same place, of which a scene accepts some, lifts lamps off others and refuses the rest.
 
 #include "common/scene/coincident_shapes.h"
 
@@ -23,7 +23,7 @@ std::string blend(const std::string& first, const std::string& second) {
 std::string masked(const std::string& nested) {
     return "<bsdf type='mask'><float name='opacity' value='0.5'/>" + nested + "</bsdf>";
 }
-/// Of two spheres in one place.
+/// The error of a scene with two spheres in one place.
 std::string error_of(const std::string& bsdf, const std::string& other_bsdf) {
     return input_error_of([&] { load(sphere(bsdf) + sphere(other_bsdf)); });
 }
@@ -88,7 +88,8 @@ std::string placed(const std::string& type, const std::string& operations, const
     return "<shape type='" + type + "'><transform name='to_world'>" + operations + "</transform>" + inside + "</shape>";
 }
 
-// A lamp in a wall, of its size or smaller, at any angle and place: rays find it, and from nearly where it was.
+// A flat lamp in the plane of a wall, of the wall's size or smaller, at any angle and place, is lifted off the wall
+// so that rays find it, but by less than 1e-5 of the scene's size.
 TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
     for (const std::string place :
          {"", "<rotate x='1' y='2' z='3' angle='50'/>", "<translate x='7' y='8' z='9'/>",
@@ -120,7 +121,7 @@ TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
             }
 }
 
-// A lamp that touches a wall with its edge, or is a hundredth away, stays.
+// A lamp that only touches a wall with its edge, or is 0.01 away from it, is not moved.
 TEST(CoincidentShapes, OtherLampsStayWhereTheyAre) {
     for (const std::string wall : {"<rotate y='1' angle='90'/><translate x='1'/>", "<translate z='0.01'/>"}) {
         const LoadedScene loaded = load(placed("rectangle", "", emitter) + placed("rectangle", wall, diffuse));
@@ -131,7 +132,8 @@ TEST(CoincidentShapes, OtherLampsStayWhereTheyAre) {
     }
 }
 
-// Of two cubes of glass that touch, a path meets one face of the two; in which medium it is after that, no one knows.
+// Where two cubes of glass touch, a path meets only one of the two faces, so that its
+// medium behind them is undefined.
 TEST(CoincidentShapes, InterfacesThatFaceEachOtherAreRefused) {
     for (const std::string axis : {"x", "y", "z"}) {
         const auto beside = [&](const std::string& by, const std::string& inside) {

@@ -1,3 +1,5 @@
+// Tests of cameras: pinhole and orthographic, thin lenses, crops and reconstruction filters.
+
 #include "common/scene/sensor.h"
 #include "common/sampling/sampler.h"
 
@@ -58,7 +60,7 @@ Sensor::Parameters behind_a_lens() {
 constexpr std::uint32_t lens_samples = 4096;
 Vec2 lens_sample(std::uint32_t i) { return Sampler(PointSet::sobol, 1, 0, i).get_2d(dimension::lens); }
 
-/// Where a ray is at distance z from the sensor, along its axis.
+/// The point of a ray at distance z from the sensor, measured along the sensor's axis.
 Vec3 at_depth(const Ray& ray, const Sensor::Parameters& p, double z) {
     const Vec3 axis = p.to_world.block<3, 1>(0, 2).cast<float>(), o = p.to_world.block<3, 1>(0, 3).cast<float>();
     return ray.o + (static_cast<float>(z) - (ray.o - o).dot(axis)) / ray.d.dot(axis) * ray.d;
@@ -78,8 +80,9 @@ TEST(ThinLens, RaysOfAFilmPositionMeetInThePlaneOfFocus) {
     }
 }
 
-// Similar triangles: the cone from the lens to the point of focus has the radius A |1 - z / f| at depth z. Over a disc,
-// radius^2 is uniform: mean R^2 / 2, standard deviation R^2 / sqrt(12).
+// By similar triangles, the cone from a lens of radius A to the point of focus at depth f has the radius R = A |1 - z
+// / f| at depth z. Over a disc, the squared radius is uniform in [0, R^2]: its mean is R^2 / 2, its standard
+// deviation R^2 / sqrt(12).
 TEST(ThinLens, CircleOfConfusionIsInClosedForm) {
     const auto p = behind_a_lens();
     const Sensor sensor(p);
@@ -165,7 +168,8 @@ TEST(Sensor, ACropShowsItsPartOfTheFilm) {
     }
 }
 
-// Pearson's test at alpha = 0.001: 41 bins of equal width against the integral of the tent, 40 degrees of freedom.
+// Pearson's test at alpha = 0.001 of 41 bins of equal width against the integral of the
+// tent, with 40 degrees of freedom.
 TEST(ReconstructionFilter, TentSamplesFollowItsDensity) {
     constexpr int bins = 41;
     constexpr std::uint32_t n = 200000;
@@ -189,8 +193,8 @@ TEST(ReconstructionFilter, TentSamplesFollowItsDensity) {
     }
 }
 
-// Offsets are distributed like the filter: its second moment in closed form, the cut at 4 deviations and the shift
-// included.
+// Offsets are distributed like the filter, so their second moment is the filter's. Its closed form includes the cut
+// at 4 standard deviations and the shift that makes the filter 0 there.
 TEST(ReconstructionFilter, GaussianSamplesHaveItsMoments) {
     const double sigma = 0.5, r = 4 * sigma, cut = std::exp(-8.0), root = sigma * std::sqrt(2 * std::numbers::pi);
     const double mass = root * std::erf(r / (sigma * std::sqrt(2.0))) - cut * 2 * r;

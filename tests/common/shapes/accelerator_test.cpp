@@ -1,4 +1,7 @@
+// Tests of the intersection of rays with all kinds of shapes, in packets and in any units.
+
 #include "common/shapes/accelerator.h"
+#include "common/scene/scene.h"
 
 #include "common/sampling/sampler.h"
 #include "common/sampling/warp.h"
@@ -32,9 +35,9 @@ LoadedScene every_shape(const std::string& scale = "1") {
                       resize + "</shape>");
 }
 
-// Packets of every size, of rays side by side and of rays in all directions. Embree's kernels for one ray and for eight
-// round differently: t by some ulp of the ray's length, u and v by that over the triangle's size and the cosine of a
-// slanting hit.
+// Packets of every size, of neighbouring rays and of rays in all directions, find what single rays find. Embree's
+// kernels for one ray and for eight round differently: t by some ulps of the ray's length, u and v by that over the
+// triangle's size and over the cosine of a slanting hit.
 TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
     const LoadedScene loaded = every_shape();
     const Scene& scene = *loaded.scene;
@@ -76,8 +79,8 @@ TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
     EXPECT_GT(misses, 1000);
 }
 
-// Where a ray meets a scene is where it meets the scene in other units. The powers of two change no digit;
-// 1e-10 leaves a determinant of 1e-20, which Embree takes for zero.
+// A ray meets a scaled scene at the scaled point. Powers of two change no digit; a scale of 1e-10 leaves a
+// determinant of 1e-20, which Embree takes for zero.
 TEST(Accelerator, FindsTheSameInAnyUnits) {
     const LoadedScene loaded = every_shape();
     const Scene& scene = *loaded.scene;
@@ -94,7 +97,7 @@ TEST(Accelerator, FindsTheSameInAnyUnits) {
             const Ray ray{from, (at - from).normalized()};
             const auto expected = scene.accelerator().intersect(ray);
             const auto found = resized.accelerator().intersect({scale * ray.o, ray.d});
-            // Scaled coordinates are rounded: a ray may pass an edge on the other side.
+            // The scaled coordinates are rounded, so a ray may pass an edge on its other side.
             if (found.has_value() != expected.has_value() ||
                 (found && (found->shape != expected->shape || found->primitive != expected->primitive))) {
                 ++differing;

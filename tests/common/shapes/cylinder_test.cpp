@@ -1,6 +1,7 @@
-// The cylinder: rays meet it where the formula says, its points are uniform, and it shines.
+// Tests of the cylinder: rays meet it where the formula says, its sampled points are uniform, and it can be a lamp.
 
 #include "common/sampling/sampler.h"
+#include "common/scene/scene.h"
 #include "tests/support/moments.h"
 #include "tests/support/random.h"
 #include "tests/support/scene_text.h"
@@ -13,7 +14,7 @@ namespace {
 using test::load;
 using test::Random;
 
-/// Anywhere, of any size, much longer than wide or the other way round.
+/// A random cylinder at any place and of any size; it may be much longer than wide or much wider than long.
 Cylinder any_cylinder(Random& random) {
     const auto magnitude = [&] { return std::pow(10.f, 4.f * random.next() - 2.f); };
     const Frame frame(random.direction());
@@ -21,13 +22,13 @@ Cylinder any_cylinder(Random& random) {
     return {magnitude() * random.direction(), length * frame.n, frame.s, frame.t, magnitude(), random.next() < 0.5f};
 }
 
-/// The distance from the axis, in double.
+/// The distance of p from the axis, in double.
 double distance_from_axis(const Cylinder& c, const Vec3& p) {
     const Vec3d axis = c.axis.cast<double>().normalized(), d = p.cast<double>() - c.base.cast<double>();
     return (d - d.dot(axis) * axis).norm();
 }
 
-/// Every root of the textbook's quadratic in long double, the first that lies on the cylinder.
+/// The first root of the textbook's quadratic that lies on the cylinder, in long double.
 std::optional<long double> textbook_hit(const Cylinder& c, const Ray& ray) {
     using V = Eigen::Matrix<long double, 3, 1>;
     const V axis = c.axis.cast<long double>(), o = ray.o.cast<long double>() - c.base.cast<long double>();
@@ -59,7 +60,7 @@ TEST(Cylinder, RaysMeetItWhereTheFormulaSays) {
         if (random.next() < 0.3f) ray.t_min = size * random.next();
         const auto expected = textbook_hit(c, ray);
         const auto found = intersect(c, ray);
-        // A rim or a grazing ray may fall on either side of the border.
+        // A ray at the rim or a grazing ray may hit or miss by rounding.
         if (expected.has_value() != found.has_value()) {
             Cylinder wider = c, narrower = c;
             wider.radius *= 1 + 1e-6f;
@@ -79,7 +80,7 @@ TEST(Cylinder, RaysAlongItsAxisMissIt) {
     EXPECT_FALSE(intersect(c, {Vec3(0.5f, 0, -1), Vec3::UnitZ()}));
     EXPECT_FALSE(intersect(c, {Vec3(1, 0, -1), Vec3::UnitZ()}));
     EXPECT_FALSE(intersect(c, {Vec3(2, 0, -1), Vec3::UnitZ()}));
-    // Through the open end to the wall.
+    // This ray passes the open end and meets the wall from inside.
     const auto t = intersect(c, {Vec3(0, 0, -1), Vec3(1, 0, 2)});
     ASSERT_TRUE(t);
     EXPECT_FLOAT_EQ(*t, 1);
@@ -91,7 +92,7 @@ TEST(Cylinder, RaysThatLeaveItDoNotMeetTheSamePointAgain) {
     for (int i = 0; i < 100'000; ++i) {
         const Cylinder c = any_cylinder(random);
         const SurfacePoint q = AreaSampler(c).sample(c, random.next_2d());
-        // The points found by a ray and those that are sampled.
+        // Both a sampled point (q) and a point as rays find it (s) are tested.
         const SurfaceGeometry s = surface_at(c, 0, 0, 0, q.p + 0.1f * c.radius * random.direction());
         for (const SurfacePoint& from : {q, static_cast<const SurfacePoint&>(s)}) {
             EXPECT_NEAR(from.ng.norm(), 1, 1e-6);
@@ -104,7 +105,7 @@ TEST(Cylinder, RaysThatLeaveItDoNotMeetTheSamePointAgain) {
             if (cosine >= 0) {
                 EXPECT_FALSE(t) << cosine;
             } else if (t) {
-                // On the far wall: the chord is 2 R cos / sin^2 of the angle with the axis.
+                // The ray meets the far wall: the chord is 2 R cos(w, normal) / sin^2(w, axis).
                 const float across2 = 1.f - sqr(w.dot(c.axis) / c.axis.norm());
                 const float chord = -2.f * c.radius * cosine / across2;
                 EXPECT_NEAR(*t, chord, 1e-3f * chord + 4.f * from.offset / std::abs(cosine));
@@ -133,7 +134,7 @@ TEST(Cylinder, BoundsTouchIt) {
     }
 }
 
-/// Chi-square over 8 x 8 cells of uv; family of one, alpha = 0.001: 103.4 for 63 degrees of freedom.
+/// A chi-square test of 8 x 8 bins of uv at alpha = 0.001: the quantile is 103.4 for 63 degrees of freedom.
 TEST(Cylinder, SamplesAreUniformOverItsArea) {
     const Cylinder c{Vec3(1, 2, 3), Vec3(0, 0, 5), Vec3::UnitX(), Vec3::UnitY(), 0.5f};
     EXPECT_NEAR(area_of(c), 5 * std::numbers::pi, 1e-12);
@@ -172,8 +173,8 @@ TEST(Cylinder, LightsWithItsOuterSide) {
     EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
 }
 
-/// The irradiance at a distance d from the axis of a lamp of height 2 h and radius r, on a plane that faces it, by
-/// quadrature over the directions of the hemisphere.
+/// The irradiance [W/m^2] at p on a plane with this normal, by quadrature over the
+/// cosine-weighted directions of the hemisphere.
 double irradiance_by_quadrature(const Scene& scene, const Vec3& p, const Vec3& normal) {
     constexpr int n = 1000;
     const Frame frame(normal);
@@ -202,7 +203,7 @@ TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
             e = static_cast<double>(s->Le[0] * std::max(s->wi.dot(normal), 0.f) / s->pdf_w);
         if (e > 0) {
             const auto hit = scene.intersect({p, s->wi});
-            // At the silhouette the two points' rounding decides.
+            // Near the silhouette, the rounding of the two points decides the densities.
             if (hit && -hit->ng.dot(s->wi) > 0.1f) {
                 EXPECT_NEAR(scene.light_pdf_w(p, *hit) / s->pdf_w, 1, 1e-3);
             }

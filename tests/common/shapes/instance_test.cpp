@@ -1,7 +1,9 @@
-// Instances: a group seen through an affine map is the same as the shape that was moved, and costs next to no memory.
+// Tests of instances: a group seen through an affine map looks like the shape moved by the
+// map, and costs next to no memory.
 
 #include "common/sampling/sampler.h"
 #include "common/scene/effects.h"
+#include "common/scene/scene.h"
 #include "tests/support/random.h"
 #include "tests/support/scene_text.h"
 
@@ -17,7 +19,8 @@ using test::Random;
 using test::scene_with;
 using test::TemporaryFolder;
 
-/// A closed surface r(theta, phi) around the origin as an OBJ file, with uv and smooth normals unless `faceted`.
+/// A closed surface r(theta, phi) around the origin, as an OBJ file with uv and smooth
+/// normals; an ellipsoid if `convex`.
 std::string blob(int rings, bool convex) {
     std::string obj;
     const auto point = [&](int i, int k) {
@@ -53,7 +56,7 @@ std::string matrix(const Mat4d& m) {
     return "<transform name=\"to_world\"><matrix value=\"" + text + "\"/></transform>";
 }
 
-/// Turned, stretched up to 100 : 1, sheared, perhaps mirrored, and moved.
+/// A random affine map that turns, stretches by up to 100 : 1, shears, perhaps mirrors, and moves.
 Mat4d any_affine(Random& random, double reach) {
     Mat4d m = Mat4d::Identity();
     const auto turn = [&] {
@@ -73,7 +76,7 @@ std::string file_shape(const std::string& name, const std::string& body = "") {
 std::string instance_of(const std::string& shapes, const std::string& placed) {
     return "<shape type=\"instance\">" + placed + "<shape type=\"shapegroup\">" + shapes + "</shape></shape>";
 }
-/// Two balls in opposite corners, so that the centre of the scene is the file's origin whatever stands between.
+/// Two balls in opposite corners, which keep the centre of the scene at the file's origin whatever stands between.
 std::string corners(double reach) {
     std::string balls;
     for (const double x : {-reach, reach})
@@ -81,7 +84,7 @@ std::string corners(double reach) {
     return balls;
 }
 
-/// A ray towards a scene's bounds from around them.
+/// A random ray that starts outside of the bounds and is directed into them.
 Ray towards(const Bounds& bounds, Random& random) {
     const Vec3 o = bounds.center() + bounds.diagonal() * random.direction();
     const Vec3 extent = 0.5f * (bounds.upper - bounds.lower);
@@ -95,7 +98,7 @@ struct Comparison {
     int hits = 0, differences = 0;
 };
 
-/// Returns the hit of the instance if both scenes have the same one.
+/// Expects the same surface where both scenes have the same hit, and returns that hit of the instance.
 std::optional<SurfaceHit> expect_same_surface(const Scene& moved, const Scene& instanced, const Ray& ray,
                                               Comparison& count) {
     const auto a = moved.intersect(ray), b = instanced.intersect(ray);
@@ -114,8 +117,9 @@ std::optional<SurfaceHit> expect_same_surface(const Scene& moved, const Scene& i
     return b;
 }
 
-/// Shading normals are interpolated in the group and carried by the inverse transpose. A mesh that was moved
-/// interpolates unit normals of the scene, which differs under a stretch (in Mitsuba too).
+/// An instance interpolates shading normals in the group and carries them by the inverse transpose. A
+/// mesh that was moved itself interpolates the unit normals of the scene, which gives other normals
+/// under a stretch (in Mitsuba too).
 TEST(Instance, IsTheMovedMesh) {
     const TemporaryFolder folder;
     const std::string file = folder.write("m.obj", blob(12, false)), balls = corners(90);
@@ -135,7 +139,7 @@ TEST(Instance, IsTheMovedMesh) {
             const Vec3d d = to_group.topLeftCorner<3, 3>() * ray.d.cast<double>();
             const auto in_group = unmoved.scene->intersect({o.cast<float>(), d.cast<float>()});
             if (!in_group || in_group->primitive != hit->primitive) continue;
-            if (hit->delta_only || in_group->delta_only) continue;  // about the geometric normal
+            if (hit->delta_only || in_group->delta_only) continue;  // the frame is about the geometric normal
             const Vec3d ns = to_group.topLeftCorner<3, 3>().transpose() * in_group->ns.cast<double>();
             EXPECT_LT((hit->ns - ns.normalized().cast<float>()).norm(), 3e-3f);
         }
@@ -187,7 +191,7 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
             "y=\"{}\"/></transform></shape>",
             group, y);
     };
-    // Instances before the group that they show, a group that none shows.
+    // Instances may precede the group that they show, and a group may have no instance.
     const auto loaded =
         load(bsdfs + instance("h", 10) + ball(0, "b0") + instance("g", 20) + "<shape type=\"shapegroup\" id=\"g\">" +
              ball(0, "b1") + ball(5, "b2") + "</shape>" + "<shape type=\"shapegroup\" id=\"unseen\">" + ball(0, "b1") +
@@ -197,7 +201,7 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
     EXPECT_EQ(scene.shapes().size(), 6u);
     EXPECT_EQ(scene.instances().size(), 3u);
     const auto reflectance = [&](float x, float y) {
-        // The scene reaches from -1 to 6 and from -1 to 31.
+        // The scene reaches from -1 to 6 in x and from -1 to 31 in y; loading moves its centre to the origin.
         const auto hit = scene.intersect({Vec3(x - 2.5f, y - 15.f, 9), Vec3(0, 0, -1)});
         return hit ? hit->bsdf->coefficients_local(Vec3(0, 0, 1)).diffuse[0] : -1.f;
     };
@@ -242,7 +246,7 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
             const auto hit = loaded.scene->intersect(towards(bounds, random));
             if (!hit || hit->instance == no_instance) continue;
             const Vec3 w = random.direction();
-            // A ray within the rounding of its direction of the plane may fall on either side.
+            // The rounding of its direction may put a ray on either side of a surface that it is nearly parallel to.
             if (std::abs(w.dot(hit->ng)) < 1e-4f) continue;
             const auto next = loaded.scene->intersect(hit->spawn_ray(w));
             const bool instance_again = next && next->instance != no_instance;
@@ -252,7 +256,7 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
             } else {
                 ++entering;
                 lost += !instance_again;
-                // Not the same face, which is the front from outside only.
+                // The ray must not meet the face that it starts on, which alone it would meet from outside.
                 near += instance_again && next->ng.dot(w) < 0;
             }
         }
@@ -265,7 +269,8 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
     EXPECT_LT(static_cast<double>(lost), 0.002 * static_cast<double>(entering));
 }
 
-/// Whatever the map, the start of a ray lies on its side of the triangle that it leaves, in the group as in the scene.
+/// Whatever the map, the offset origin of a ray lies on the ray's side of the triangle that it leaves, in the group
+/// as in the scene.
 TEST(Instance, OffsetsTakeRaysToTheirSide) {
     const TemporaryFolder folder;
     const auto loaded = load(file_shape(folder.write("m.obj", blob(6, false))));
@@ -287,7 +292,7 @@ TEST(Instance, OffsetsTakeRaysToTheirSide) {
         for (const float side : {1.f, -1.f}) {
             const Vec3 w = side * s.ng;
             const Vec3d o = carried_to_group(*instance, {offset_origin(s, w), w}).o.cast<double>();
-            // In units of the offset, which its errors may use up to a half.
+            // The distance is in units of the offset, of which rounding errors may use up to a half.
             const double map = (instance->inverse.transpose() * n.normalized()).norm();
             const double distance = static_cast<double>(side) * (o - v[0]).dot(n.normalized()) / map;
             nearest = std::min(nearest, distance / static_cast<double>(s.offset));
@@ -325,9 +330,9 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
         EXPECT_TRUE(scene.intersect({2.f * p, -p}));
         return resident_bytes() - before;
     };
-    growth(4);                                                // whatever is set up once
+    growth(4);                                                // for allocations that happen only once
     const std::size_t small = growth(4), large = growth(40);  // 48 and 6240 triangles
-    // Flattened, the indices of the large one alone would take 7.5 GB.
+    // If instances were flattened, the indices of the large mesh alone would take 7.5 GB.
     EXPECT_LT(large, small + (std::size_t{100} << 20)) << small << " " << large;
     EXPECT_LT(large, std::size_t{600} << 20);
     RecordProperty("bytes_per_instance", static_cast<int>(large / count));

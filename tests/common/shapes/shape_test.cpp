@@ -1,7 +1,8 @@
-// Shapes: where their texture coordinates lie and how the surface moves with them.
+// Tests of shapes: their texture coordinates, and the derivatives of their points by these.
 
 #include "common/shapes/shape.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/scene.h"
 #include "tests/support/random.h"
 #include "tests/support/scene_text.h"
 
@@ -29,7 +30,8 @@ const std::string mirrored =
     "</transform>";
 const std::string flipped = "<boolean name=\"flip_normals\" value=\"true\"/>";
 
-/// A point of a shape, and one that is `h` away in a random direction of the surface, on the same triangle.
+/// A point of a shape, and another one at a distance of `h` in a random direction on the
+/// surface, on the same triangle.
 struct Neighbours {
     std::uint32_t primitive = 0;
     SurfaceGeometry a, b;
@@ -62,14 +64,14 @@ double worst_difference(const Shape& s, std::uint64_t seed) {
         const Vec2 duv = n.b.uv - n.a.uv;
         // The angle wraps around, and has no finite differences near a pole.
         if (!std::holds_alternative<Mesh>(s) && duv.cwiseAbs().maxCoeff() > 0.01f) continue;
-        // Between the two points: the error is of second order.
+        // With derivatives in the middle of the two points, the error is of second order.
         SurfaceGeometry middle = n.a;
         middle.uv = 0.5f * (n.a.uv + n.b.uv);
         middle.ng = (n.a.ng + n.b.ng).normalized();
         const SurfaceDerivatives d = derivatives_at(s, n.primitive, middle);
         const Vec3 dp = n.b.p - n.a.p;
         const double length = static_cast<double>(dp.norm());
-        if (length < 2e-4 * static_cast<double>(bounds_of(s).diagonal())) continue;  // float's digits are used up
+        if (length < 2e-4 * static_cast<double>(bounds_of(s).diagonal())) continue;  // too short for float's digits
         worst = std::max(worst, static_cast<double>((dp - duv.x() * d.dp_du - duv.y() * d.dp_dv).norm()) / length);
     }
     return worst;
@@ -103,7 +105,7 @@ TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
     expect_uv(plain, Vec3(0, -1, 1), Vec2(0.75f, 0.25f));
     expect_uv(plain, Vec3(0, 0, 1), Vec2(0, 0));
     expect_uv(plain, Vec3(0, 0, -1), Vec2(0, 1));
-    // x to y, y to -x.
+    // The rotation takes x to y and y to -x.
     const Shape quarter = shape_of(
         shape("sphere", "<transform name=\"to_world\"><scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/></transform>"));
     expect_uv(quarter, Vec3(0, 2, 0), Vec2(0, 0.5f));
@@ -129,7 +131,7 @@ TEST(SurfaceParametrisation, DisksHaveRadiusAndAngle) {
     expect_uv(s, Vec3(0, 0, 0), Vec2(0, 0));
 }
 
-/// Unit tangents, at right angles to each other and to the normal.
+/// Expects tangents that are not degenerate, and are at right angles to each other and to the normal.
 void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
     const Vec3 u = d.dp_du.normalized(), v = d.dp_dv.normalized();
     EXPECT_NEAR(u.norm(), 1, 1e-5);
@@ -166,7 +168,7 @@ TEST(SurfaceParametrisation, SampledPointsHaveTheUvOfTheirPlace) {
             if (!std::holds_alternative<Mesh>(s)) {
                 EXPECT_EQ(at.uv, surface_at(s, 0, 0, 0, plain.p).uv) << type;
             } else {
-                // A step along the derivatives from the corner where uv are 0 leads there.
+                // On one of the triangles, a step along the derivatives from a corner to the uv leads to the point.
                 const auto& mesh = std::get<Mesh>(s);
                 double nearest = 1;
                 for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) {
@@ -195,19 +197,19 @@ TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
     }
 }
 
-/// The uv of a mesh file with `body`, hit along -z from above (x, y).
+/// The uv where a ray along -z from above (x, y) hits the mesh file m.`type` with `body` in its element.
 Vec2 uv_from_above(const TemporaryFolder& folder, const std::string& type, const std::string& body, float x, float y) {
     const std::string name = folder / ("m." + type);
     const auto loaded = load(shape(type, "<string name=\"filename\" value=\"" + name + "\"/>" + body));
     const auto hit = loaded.scene->intersect({Vec3(x, y, 5) - loaded.scene->bounds().center(), Vec3(0, 0, -1)});
-    // The scene's origin is the centre of its bounds, so that the ray has to start relative to that of the file's.
+    // The ray starts at the file's (x, y, 5); the origin of the loaded scene is the centre of its bounds.
     EXPECT_TRUE(hit) << type << body;
     return hit ? hit->uv : Vec2(-1, -1);
 }
 
 TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
     const TemporaryFolder folder;
-    // Symmetric around the origin.
+    // The meshes are symmetric around the origin, so that loading does not move them.
     folder.write("m.obj",
                  "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
     folder.write(
@@ -229,7 +231,7 @@ TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
     EXPECT_LT((at("ply", flip(true)) - turned_over).norm(), 1e-6f);
 }
 
-/// Mitsuba's: smooth unless face_normals, also where the file has no normals.
+/// As in Mitsuba, meshes are smooth unless face_normals is set, even if the file has no normals.
 TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
     const TemporaryFolder folder;
     const std::string points[] = {"-1 -1 0", "1 -1 0", "1 1 1", "-1 1 0"};
@@ -263,7 +265,7 @@ TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
         EXPECT_LT((full.normals[3] - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f) << type;
         EXPECT_TRUE(mesh("bare", faceted).normals.empty()) << type;
         EXPECT_TRUE(mesh("full", faceted).normals.empty()) << type;
-        // Both normals turn.
+        // flip_normals turns both the geometric and the shading normal.
         const Shape turned_over = mesh("full", flipped);
         const SurfaceGeometry at = surface_at(turned_over, 0, 0.3f, 0.3f, Vec3::Zero());
         EXPECT_LT(at.ng.z(), 0.f) << type;
@@ -277,7 +279,7 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
     for (const std::string faces : {"f 1 2 3\n", "vn 0 0 1\nf 1//1 2//1 3//1\n"}) {
         folder.write("m.obj", triangle + faces);
         EXPECT_LT((uv_from_above(folder, "obj", "", -0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(), 1e-6f) << faces;
-        // A mirror moves the corners, not their order.
+        // A mirror moves the corners but keeps their order.
         EXPECT_LT(
             (uv_from_above(folder, "obj", "<transform name=\"to_world\"><scale x=\"-1\"/></transform>", 0.5f, -0.8f) -
              Vec2(0.25f, 0.1f))
@@ -285,7 +287,7 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
             1e-6f)
             << faces;
     }
-    // A line of uv has no area either.
+    // If the uv lie on a line they span no area either, and give no basis.
     folder.write("m.obj", triangle + "vt 0 0\nvt 1 1\nvt 2 2\nf 1/1 2/2 3/3\n");
     const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
     for (const std::string& body : {turned, turned + flipped}) {
@@ -298,7 +300,7 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
     }
 }
 
-// What a large mesh keeps for its points, on pages of its own, changes nothing about them.
+// The data that a large mesh prepares for its points, on memory pages of its own, does not change the points.
 TEST(Mesh, ItsPointsAreTheSameBeforeAndAfterItIsPrepared) {
     constexpr std::size_t triangles = 300'000;  // 19 MB of facets
     Random random(11);
@@ -321,7 +323,7 @@ TEST(Mesh, ItsPointsAreTheSameBeforeAndAfterItIsPrepared) {
         const Vec3d n = (corner(2) - corner(0)).cross(corner(1) - corner(0));
         const Vec3d expected = corner(0) + b.x() * (corner(1) - corner(0)) + b.y() * (corner(2) - corner(0));
         const double weights[3] = {1. - b.x() - b.y(), b.x(), b.y()};
-        bool at_an_edge = false;  // from which points are kept off
+        bool at_an_edge = false;  // points are kept off edges
         for (std::size_t k = 0; k < 3; ++k)
             at_an_edge |= weights[k] * n.norm() / (corner((k + 2) % 3) - corner((k + 1) % 3)).norm() < 5e-5;
         if (at_an_edge) continue;
@@ -330,7 +332,8 @@ TEST(Mesh, ItsPointsAreTheSameBeforeAndAfterItIsPrepared) {
     }
 }
 
-/// Of a triangle of exactly these vertices times a power of two, which has to be one that floats do not resolve.
+/// Tests the area and the normal of a triangle with exactly these vertices times `scale`, a power of two. The
+/// triangle must be one whose area in float is wrong.
 void expect_area_and_normal(const std::array<Vec3, 3>& vertices, float scale) {
     Mesh mesh;
     for (const Vec3& v : vertices)
@@ -349,7 +352,7 @@ void expect_area_and_normal(const std::array<Vec3, 3>& vertices, float scale) {
     EXPECT_LT((ng - expected).norm(), 1e-6) << vertices[0].transpose() << " * " << scale;
 }
 
-// Longest edge squared over twice the area: 1e6, 1e7 and 1e9.
+// These triangles have a longest edge squared over twice the area of 1e6, 1e7 and 1e9.
 TEST(Mesh, NeedlesHaveTheAreaAndTheNormalOfTheirVertices) {
     for (const float scale : {1.f, 0x1p-22f, 0x1p-80f}) {
         expect_area_and_normal(
@@ -364,7 +367,8 @@ TEST(Mesh, NeedlesHaveTheAreaAndTheNormalOfTheirVertices) {
     }
 }
 
-// 1e6 and 1e9. The differences of these vertices have 25 bits: as floats they are the edges of another triangle.
+// These triangles have a longest edge squared over twice the area of 1e6 and 1e9. The differences of their vertices
+// have 25 bits; rounded to float, they would be the edges of another triangle.
 TEST(Mesh, NeedlesHaveTheAreaOfTheirVerticesWhereEdgesAreNoFloats) {
     for (const float scale : {1.f, 0x1p-22f}) {
         expect_area_and_normal(
@@ -376,7 +380,7 @@ TEST(Mesh, NeedlesHaveTheAreaOfTheirVerticesWhereEdgesAreNoFloats) {
     }
 }
 
-// Far from the origin a small sphere's points are its centre.
+// Far from the origin, the points of a small sphere round to its centre.
 TEST(Spheres, HaveANormalWhereTheirRadiusIsLost) {
     const Vec3 center(37, 20, 5);
     const SurfaceGeometry at = surface_at_analytic(Shape(Sphere{center, 1e-8f}), center);

@@ -1,7 +1,8 @@
-// Spectra become the RGB that Mitsuba's RGB variants make of them.
+// Tests that spectra become the RGB that Mitsuba's RGB variants make of them.
 
 #include "common/xml/scene_spectrum.h"
 #include "common/core/float_traps.h"
+#include "common/scene/scene.h"
 
 #include "common/color/cie.h"
 #include "common/core/error.h"
@@ -30,7 +31,7 @@ void expect_near(const Color& a, const Color& b, float tolerance) {
     EXPECT_LT((a - b).abs().maxCoeff(), tolerance) << "(" << a.transpose() << ") is not (" << b.transpose() << ")";
 }
 
-/// x and y of a colour; the primaries and the white point of ITU-R BT.709.
+/// The chromaticity (x, y) of a colour in RGB with the primaries and the white point of ITU-R BT.709.
 Vec2d chromaticity(const Color& rgb) {
     Eigen::Matrix3d from_rgb;
     for (int i = 0; i < 3; ++i)
@@ -39,7 +40,8 @@ Vec2d chromaticity(const Color& rgb) {
     return xyz.head<2>() / xyz.sum();
 }
 
-// The sums that CIE 15:2004 prints below its table of the observer, from 380 nm to 780 nm in steps of 5 nm.
+// The expected values are the sums that CIE 15:2004 prints below its table of the observer, from 380 nm to 780 nm in
+// steps of 5 nm.
 TEST(Cie, TheObserversCurvesHaveTheirPublishedSums) {
     Colord sum = Colord::Zero();
     for (int wavelength = 380; wavelength <= 780; wavelength += 5)
@@ -47,7 +49,7 @@ TEST(Cie, TheObserversCurvesHaveTheirPublishedSums) {
     EXPECT_LT((sum - Colord(21.371524, 21.371327, 21.371540)).abs().maxCoeff(), 2e-6) << sum.transpose();
 }
 
-// CIE defines D65 every 10 nm and straight lines between.
+// CIE defines D65 at every 10 nm, and by straight lines in between.
 TEST(Cie, D65IsLinearOverTenNanometres) {
     for (int wavelength = 365; wavelength < 830; wavelength += 10)
         EXPECT_NEAR(cie_d65(wavelength), (cie_d65(wavelength - 5) + cie_d65(wavelength + 5)) / 2, 1e-5) << wavelength;
@@ -58,14 +60,15 @@ TEST(Cie, CurvesEndWithTheirTables) {
     EXPECT_NEAR(cie_1931_xyz(557.5)[1], (1.0 + 0.995) / 2, 1e-12);
     EXPECT_GT(cie_1931_xyz(830)[0], 0.0);
     EXPECT_GT(cie_d65(360), 0.0);
-    const FloatTrapsPaused paused;  // not a number is given
+    const FloatTrapsPaused paused;  // the test passes NaN
     for (const double outside : {359.9, 830.1, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
         EXPECT_TRUE((cie_1931_xyz(outside) == 0.0).all());
         EXPECT_EQ(cie_d65(outside), 0.0);
     }
 }
 
-// The chromaticities that CIE 15 gives for equal energy and for D65; those of D65 are the white point of RGB.
+// The expected values are the chromaticities that CIE 15 gives for equal energy and for D65. The latter is the white
+// point of RGB.
 TEST(Cie, WhitesHaveTheirChromaticities) {
     const Colord equal = rgb_of_spectrum([](double) { return 1.0; }, Illuminant::none);
     EXPECT_LT((chromaticity(equal.cast<float>()) - Vec2d(1.0 / 3, 1.0 / 3)).norm(), 1e-4);
@@ -102,7 +105,7 @@ TEST(Spectrum, ColoursOutOfGamutAreClamped) {
     const Color cyan = color_of_list("490:5 500:5", ColorRange::emission);
     EXPECT_EQ(cyan[0], 0.f);
     EXPECT_GT(cyan[1], 0.f);
-    // More red than any reflectance of RGB.
+    // This spectrum is redder than any RGB reflectance.
     EXPECT_EQ(color_of_list("580:1 780:1", ColorRange::unit)[0], 1.f);
     EXPECT_GT(color_of_list("580:1 780:1", ColorRange::non_negative)[0], 1.f);
 }
@@ -137,9 +140,9 @@ Color blackbody(double temperature) {
                     ColorRange::emission);
 }
 
-// CIE's illuminant A is Planck's radiation of 2848 K for a second radiation constant of 14350 um K. And the candela was
-// once a sixtieth of what a square centimetre of freezing platinum, 2041.4 K, emits: luminance = 683 lm/W times the
-// integral of y.
+// CIE's illuminant A is Planck's radiation of 2848 K for a second radiation constant of 14350 um K. The candela was
+// once defined as a sixtieth of the intensity of a square centimetre of freezing platinum, 2041.4 K, whose luminance
+// is therefore 60e4 cd/m^2; the luminance is 683 lm/W times the integral of y.
 TEST(Spectrum, BlackbodiesHaveTheirColourAndLuminance) {
     EXPECT_LT((chromaticity(blackbody(2848 * 14387.77 / 14350)) - Vec2d(0.44757, 0.40745)).norm(), 1e-4);
     const double luminance_at_platinum = static_cast<double>(luminance(blackbody(2041.4))) * 683 * 106.857;

@@ -1,3 +1,4 @@
+// Comparisons of methods: errors at equal time, the Pareto frontier, and the law of the bias in a sweep.
 #include "experiments/analysis/comparison.h"
 
 #include <gmock/gmock.h>
@@ -7,7 +8,7 @@
 namespace gib {
 namespace {
 
-/// A run whose rel_mse is c / seconds at 1, 2, 4, ... up to `seconds`.
+/// A run whose rel_mse is c / seconds, with checkpoints at first, 2 first, 4 first, ... up to `seconds`.
 Cell run(const std::string& method, double c, double first, double seconds) {
     Cell cell;
     cell.scene = "box";
@@ -37,7 +38,7 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     ASSERT_EQ(rows[0].entries.size(), 2u) << "no image after 16 s, no entry";
     EXPECT_EQ(rows[0].entries[0].method, "photons");
     EXPECT_NEAR(rows[0].entries[0].relative_rmse, std::sqrt(1e-4 / 16), 1e-12);
-    // Between the checkpoints at 11.2 and 22.4 s.
+    // The error lies between the checkpoints at 11.2 and 22.4 s.
     EXPECT_NEAR(rows[0].entries[1].relative_rmse, std::sqrt(4e-4 / 16), 1e-12);
     EXPECT_THAT(comparison_text(analysis),
                 ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
@@ -71,7 +72,7 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     };
     for (const auto& [text, x] : {std::pair{"1e4", 1e4}, {"1e5", 1e5}, {"1e6", 1e6}})
         analysis.rows.push_back(row(std::string("photons k=50 photons=") + text, bias(x, 1.2)));
-    // Below what the reference resolves, and of another sweep.
+    // The first row is below what the reference resolves, the second belongs to another sweep.
     analysis.rows.push_back(row("photons k=50 photons=1e7", Estimate{1e-10, Interval{-1e-9, 1e-9}}));
     analysis.rows.push_back(row("photons k=auto photons=1e5", bias(1e7, 1.2)));
     const auto laws = bias_laws(analysis);
@@ -81,7 +82,8 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     EXPECT_EQ(laws[0].resolved_count, 3u);
     EXPECT_EQ(laws[0].values.size(), 4u);
     EXPECT_NEAR(laws[0].exponent.value, 1.5, 1e-9);
-    // Three points at log 10 apart with deviation log 1.2 / 1.96 each: standard error deviation / (log 10 sqrt 2).
+    // Three points are log 10 apart, each with the deviation log 1.2 / 1.96:
+    // standard error deviation / (log 10 sqrt 2).
     const double half = std::log(1.2) / (std::log(10.0) * std::sqrt(2.0));
     EXPECT_NEAR(laws[0].exponent.interval->hi, 1.5 + half, 1e-9);
     EXPECT_NEAR(laws[0].exponent.interval->lo, 1.5 - half, 1e-9);

@@ -1,4 +1,4 @@
-// When the best method changes, what the last halving cost, and the sentences made of them.
+// The price of an error: when the best method changes, the cost of the last halving, and the sentences about them.
 
 #include "experiments/analysis/footing_warnings.h"
 #include "experiments/report/price_text.h"
@@ -52,8 +52,8 @@ TableRow row(const Analysis& analysis, const std::string& method, const std::str
     return row;
 }
 
-/// Biased quickly, unbiased slowly: 9e-4 + 1e-3 / t against 1.6e-2 / t cross where 9e-4 t = 1.5e-2. Seeds differ by a
-/// few percent in their noise.
+/// The quick method is biased, 9e-4 + 1e-3 / t, the slow one is not, 1.6e-2 / t. The curves cross where 9e-4 t =
+/// 1.5e-2. Seeds differ by a few percent in their noise.
 Analysis crossing() {
     Analysis analysis;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -95,9 +95,10 @@ TEST(Crossovers, IgnoreMethodsThatAreLevel) {
 
 TEST(LastHalving, IsMeasuredWithPreparation) {
     Analysis analysis = crossing();
-    // Noise alone: error halves when time grows fourfold.
+    // The error is noise alone, so it halves when time grows fourfold.
     EXPECT_NEAR(row(analysis, "exact").last_halving->value, 4, 1e-9);
-    // 9e-4 + 1e-3 / t: twice the root of the end's 9.156e-4 is never seen after 0.37 s.
+    // The squared error is 9e-4 + 1e-3 / t. Twice the final error, whose
+    // square is 9.156e-4, occurs only before 0.37 s.
     EXPECT_FALSE(row(analysis, "quick").last_halving.has_value());
 }
 
@@ -114,7 +115,7 @@ TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
     EXPECT_THAT(answers[1].text, HasSubstr("(extrapolated)")) << "160 s were not measured";
     const TableRow quick = row(analysis, "quick");
     EXPECT_EQ(unmeasured_time(quick, 0.01), "never (floor 3.00 %)");
-    // The floor's bias^2 is at most what the images' split says: 2e-4 of 9e-4.
+    // The floor's bias^2 is at most that of the split of the images: 2e-4 of 9e-4.
     EXPECT_NEAR(floor_bias2(quick), 2e-4, 1e-12);
     EXPECT_THAT(price_text(analysis), HasSubstr("bias 1.41, fixed noise 2.65"));
 }

@@ -1,4 +1,4 @@
-// The measuring loop: what it charges, when it looks, when it stops.
+// The measuring loop: which work it charges, after which passes it takes images, and when it stops.
 
 #include "experiments/measuring/measure.h"
 

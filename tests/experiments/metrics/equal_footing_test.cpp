@@ -1,4 +1,4 @@
-// Equal footing: what is too bright or too dark is found, what is only noisy or blurred is not.
+// Equal footing: images that are too bright or too dark are found, images that are only noisy or blurred are not.
 
 #include "experiments/metrics/equal_footing.h"
 
@@ -30,7 +30,7 @@ struct Scene {
             groups.push_back(noisy(random, mean, deviation));
         reference = layer_of_groups(std::move(groups));
     }
-    /// Relative standard error of the mean of `seeds` images: deviation / (mean sqrt(3072 seeds)).
+    /// Checks `seeds` images, whose mean has the relative standard error deviation / (mean sqrt(3072 seeds)).
     std::optional<Footing> check(double mean, double deviation, int seeds) {
         std::vector<Image> images;
         for (int i = 0; i < seeds; ++i)
@@ -49,9 +49,8 @@ TEST(EqualFooting, FindsOnePercentTooMuchLight) {
     }
 }
 
-// A method that is 1 % too bright is passed as agreeing in less than 0.5 % of the experiments, however noisy: 2000 of
-// them leave room for 10 and 4 standard errors. One that is right is accused in less than 1 %: 20 and 4 standard
-// errors.
+// A method that is 1 % too bright passes as agreeing in less than 0.5 % of the experiments, however noisy: 10 of
+// 2000, to which 4 standard errors are added. A right method is accused in less than 1 %: 20, and 4 standard errors.
 TEST(EqualFooting, ErrsAsSeldomAsItSays) {
     for (const double deviation : {0.1, 0.5, 2.0}) {
         Scene scene(2);
@@ -81,7 +80,7 @@ TEST(EqualFooting, MeasuresFaintComponentsAgainstTheWhole) {
     std::vector<Image> images(3, Image(32, 32));
     for (Image& image : images)
         image = noisy(faint.random, 2e-4, 1e-6);
-    // Twice its light, but a hundredth of a percent of the whole.
+    // The component has twice its light, which is only a hundredth of a percent of the whole.
     EXPECT_NEAR(equal_footing(images, faint.reference, whole.reference.mean)->excess.value, 0.01, 1e-4);
     const Image black(32, 32);
     EXPECT_FALSE(equal_footing({black, black}, {black, {}, {}}, black).has_value());

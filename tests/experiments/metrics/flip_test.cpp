@@ -44,7 +44,7 @@ Image random_image(int width, int height, unsigned seed, float largest = 1) {
     return image;
 }
 
-/// 0, and 1 from the column `first_bright` on.
+/// A plane of 0, with 1 from the column `first_bright` on.
 Plane step_plane(int width, int height, int first_bright) {
     Plane plane(width, height);
     for (int y = 0; y < height; ++y)
@@ -81,7 +81,8 @@ TEST(FlipFilters, AConstantStaysAndHasNoFeatures) {
     }
 }
 
-// Beside a straight step all positive weights, or all negative ones, meet the bright side: the edge's strength is 1.
+// Beside a straight step, all positive weights or all negative ones lie on the
+// bright side, so the edge's strength is 1.
 TEST(FlipFilters, AStepHasAnEdgeOfStrengthOneOnBothSides) {
     const Features features = detected_features(step_plane(60, 20, 30), default_pixels_per_degree);
     for (int y = 0; y < 20; ++y) {
@@ -92,7 +93,8 @@ TEST(FlipFilters, AStepHasAnEdgeOfStrengthOneOnBothSides) {
     }
 }
 
-// One bright pixel meets the middle weights of the point filter: -1 over the sum of the negative ones, along both axes.
+// One bright pixel meets the middle weights of the point filter: -1 over the
+// sum of the negative ones, along both axes.
 TEST(FlipFilters, AnIsolatedPixelIsAPoint) {
     Plane plane(41, 41);
     plane.row(20)[20] = 1;
@@ -124,8 +126,8 @@ TEST(Flip, IsSymmetricAndFromZeroToOne) {
     EXPECT_GT(map.mean(), 0.1);
 }
 
-// 100 apart in lightness, none in colour. Green and blue are 203.302 apart: the knee is 0.4 of 203.302^0.7 = 41.2761,
-// so 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
+// Black and white are 100 apart in lightness and equal in colour. Green and blue are 203.302 apart: the knee is 0.4
+// of 203.302^0.7 = 41.2761, so the error is 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
 TEST(Flip, BlackAgainstWhiteIsAsTheFormulasSay) {
     const FlipMap map = ldr_flip(constant_image({0, 0, 0}), constant_image({1, 1, 1}));
     EXPECT_THAT(map.values, Each(::testing::FloatNear(0.967380f, 1e-5f)));
@@ -139,7 +141,7 @@ TEST(Flip, ConstantColorsDifferByTheirColorErrorAtEverySize) {
             for (const Color& b : colors) {
                 const double expected =
                     paper::color_error(paper::hunt_lab(a.cast<double>()), paper::hunt_lab(b.cast<double>()));
-                // A pixel of equal colours is 0; rounding is 1e-5 of 100 in lightness, to the power 0.7.
+                // Equal colours have the error 0; rounding is 1e-5 of 100 in lightness, to the power 0.7.
                 EXPECT_THAT(ldr_flip(constant_image(a, width, height), constant_image(b, width, height)).values,
                             Each(::testing::FloatNear(static_cast<float>(expected), 2e-4f)));
             }
@@ -159,7 +161,7 @@ TEST(Flip, GreenAgainstBlueAloneIsOne) {
 
 TEST(Flip, IsThePapersMapComputedByPlainSums) {
     for (const double pixels_per_degree : {8.0, 40.0}) {
-        // Noise, and a soft image against a shifted one: features of both kinds.
+        // The cases are noise, and an image with a bright point against one with an edge: features of both kinds.
         Image smooth = constant_image({0.3f, 0.4f, 0.2f}, 17, 13), edge = smooth;
         for (std::size_t i = 0; i < smooth.pixels(); ++i) {
             if (i % 17 > 8) edge.set(i, {0.7f, 0.6f, 0.1f});
@@ -205,7 +207,7 @@ TEST(Flip, GrowsWithTheError) {
     }
 }
 
-// 0.16002 x^2 - 0.2829 x - 0.119 = 0 has the root 2.118872, which the curve shows as 0.85.
+// 2.118872 is the root of 0.16002 x^2 - 0.2829 x - 0.119 = 0, the radiance that the curve shows as 0.85.
 TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
     constexpr float shown = 2.118872f;
     EXPECT_NEAR(filmic(2.118872), 0.85, 1e-6);
@@ -222,7 +224,7 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
     EXPECT_NEAR(range.at(0), -2, 1e-5);
     EXPECT_NEAR(range.at(range.count - 1), 3, 1e-5);
 
-    // The median of an even number lies between two: (1/8 + 7/8) / 2 = 1/2.
+    // The median of an even number of pixels lies between two: (1/8 + 7/8) / 2 = 1/2.
     Image even = constant_image(Color::Constant(shown / 8), 4, 1);
     even.set(0, Color::Constant(shown * 3.5f));
     even.set(1, Color::Constant(shown * 7 / 8));
@@ -239,7 +241,7 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
 TEST(HdrFlip, DarkPixelsOfTheReferenceSetNoExposure) {
     Image mostly_black = constant_image({0, 0, 0}, 5, 1);
     mostly_black.set(0, {2.118872f, 2.118872f, 2.118872f});
-    // The rounding that is left where equal components were subtracted.
+    // 1e-9 is rounding that is left where equal components were subtracted.
     mostly_black.set(2, {1e-9f, 1e-9f, 1e-9f});
     const ExposureRange range = flip_exposures(mostly_black);
     EXPECT_NEAR(range.start, 0, 1e-5);
@@ -292,7 +294,7 @@ TEST(HdrFlip, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(maps[0].values, maps[1].values);
 }
 
-// Among them 128, which lies between two of the colours that the program holds.
+// The value 128 lies between two of the colours that the program holds.
 TEST(FlipImage, HasTheColorsOfMagma) {
     const Image image = flip_image({4, 1, {0.f, 51 / 255.f, 128 / 255.f, 1.f}});
     const std::vector<Color> expected = {{0.001462f, 0.000466f, 0.013866f},
@@ -305,7 +307,7 @@ TEST(FlipImage, HasTheColorsOfMagma) {
 }
 
 TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
-    const FloatTrapsPaused paused;  // not a number is given
+    const FloatTrapsPaused paused;  // a NaN is passed below
     const Image image = constant_image({1, 1, 1});
     Image bad = image;
     bad.rgb[7] = std::numeric_limits<float>::quiet_NaN();

@@ -1,6 +1,6 @@
 #pragma once
 // LDR-FLIP as its paper writes it down, in double and by plain sums over square kernels: slow, and independent of the
-// shortcuts of experiments/flip.
+// shortcuts of experiments/metrics.
 
 #include "common/images/image.h"
 
@@ -13,7 +13,7 @@
 
 namespace gib::test::paper {
 
-/// One value a pixel.
+/// An image with one value a pixel.
 struct Grid {
     int width, height;
     std::vector<double> values;
@@ -42,7 +42,7 @@ inline Grid filtered(const Grid& grid, const SquareKernel& kernel) {
     return result;
 }
 
-/// Each sign's weights sum to 1 in size.
+/// Scales the weights so that those of each sign sum to 1 in absolute value.
 inline SquareKernel normalised(const SquareKernel& kernel) {
     double positive = 0, negative = 0;
     for (int y = -kernel.radius; y <= kernel.radius; ++y)
@@ -64,7 +64,7 @@ inline Eigen::Matrix3d xyz_of_rgb() {
 }
 inline Vec3d white() { return xyz_of_rgb() * Vec3d::Ones(); }
 
-/// L, a, b with Hunt's adjustment.
+/// L, a, b of linear RGB, with Hunt's adjustment.
 inline Colord hunt_lab(const Colord& rgb) {
     const Vec3d xyz = (xyz_of_rgb() * rgb.matrix()).cwiseQuotient(white());
     const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (t * 24389 / 27 + 16) / 116; };
@@ -77,7 +77,7 @@ inline double hyab(const Colord& a, const Colord& b) {
     return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/// Of two colours of hunt_lab.
+/// The colour error, from 0 to 1, of two colours of hunt_lab.
 inline double color_error(const Colord& a, const Colord& b) {
     const double largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), 0.7), knee = 0.4 * largest;
     const double error = std::pow(hyab(a, b), 0.7);
@@ -126,7 +126,7 @@ inline std::vector<Colord> seen(const Image& image, double pixels_per_degree) {
     return colors;
 }
 
-/// The strength of a feature: the filter along x, and turned along y.
+/// The strength of a feature at each pixel: the length of the filter's responses along x and, turned, along y.
 inline std::vector<double> strength(const Image& image, const SquareKernel& kernel) {
     Grid luminance = opponent(image)[0];
     for (double& v : luminance.values)
@@ -141,7 +141,7 @@ inline std::vector<double> strength(const Image& image, const SquareKernel& kern
 
 enum class Terms { all, color };
 
-/// `color`: without the exponent of the features.
+/// The error of each pixel, from 0 to 1; `color` leaves out the exponent of the features.
 inline std::vector<double> flip(const Image& test, const Image& reference, double pixels_per_degree, Terms terms) {
     const double deviation = 0.5 * 0.082 * pixels_per_degree;
     const int radius = static_cast<int>(std::ceil(3 * deviation));

@@ -1,4 +1,5 @@
-// The law error^2 = floor + factor (t - start)^-slope: exact curves give it back, noisy ones with honest intervals.
+// The law error^2 = floor + factor (t - start)^-slope: a fit finds it in exact curves,
+// and gives honest intervals for noisy ones.
 
 #include "experiments/metrics/price_law.h"
 
@@ -41,26 +42,26 @@ TEST(PriceLaw, GivesBackTheLawOfExactCurves) {
         EXPECT_NEAR(price->floor.value, law.floor, 1e-3 * law.floor + 1e-7);
         EXPECT_LT(price->misfit, 1e-4);
         EXPECT_NEAR(price->last_seconds, law.start + 16, 1e-9);
-        // Equal runs: no scatter, an interval of no width.
+        // Equal runs have no scatter, so the interval has no width.
         ASSERT_TRUE(price->slope.interval.has_value());
         EXPECT_NEAR(price->slope.interval->lo, price->slope.interval->hi, 1e-9);
     }
 }
 
 TEST(PriceLaw, NextHalvingIsWhenTheLawSaysSo) {
-    // Pure noise of slope 1 after no preparation: four times the time. With a preparation of 16 s half of which is the
-    // end: (16 + 4 * 16) / 32.
+    // Pure noise of slope 1 without preparation needs four times the time. If half of the time at the end is a
+    // preparation of 16 s, the factor is (16 + 4 * 16) / 32.
     EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 0}, 1), 0)->next_halving.value().value, 4, 1e-3);
     EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 16}, 1), 16)->next_halving.value().value, 2.5, 1e-3);
-    // At 16 s the floor is above a quarter of the squared error: never.
+    // At 16 s the floor is above a quarter of the squared error, so the error never halves.
     EXPECT_FALSE(fit_price_law(exact_runs({1e-3, 4e-3, 1, 0}, 4), 0)->next_halving.has_value());
     const ErrorLaw law{1e-4, 4e-3, 1, 2};
     EXPECT_NEAR(*law.seconds_to(law.error2(37)), 37, 1e-9);
     EXPECT_FALSE(law.seconds_to(1e-4).has_value());
 }
 
-// Four runs whose last points scatter by more than the floor that their mean seems to have: "never" is not known, and a
-// law without floor gives the least time. A floor that all runs have alike is believed.
+// The last points of four runs scatter by more than the floor that their mean seems to have. So "never" is not known,
+// and a law without floor gives the least time. A floor that all runs have alike is believed.
 TEST(PriceLaw, AFloorThatIsNotResolvedForbidsNothing) {
     Runs runs = exact_runs({0, 4e-3, 1, 0}, 4);
     for (std::size_t s = 0; s < 4; ++s)
@@ -83,15 +84,16 @@ TEST(PriceLaw, SaysNothingOfTooLittleOrOfErrorsThatDoNotFall) {
     EXPECT_FALSE(fit_price_law({}, 0).has_value());
     EXPECT_FALSE(fit_price_law({{{1, 1e-2}, {2, 5e-3}, {4, 2.5e-3}}}, 0).has_value()) << "three points, three unknowns";
     EXPECT_FALSE(fit_price_law({{{1, 1e-3}, {2, 1e-3}, {4, 1e-3}, {8, 1e-3}}}, 0).has_value()) << "a floor alone";
-    // What is below the reference's resolution ends the curve.
+    // A value below the reference's resolution ends the curve.
     EXPECT_FALSE(fit_price_law({{{1, 1e-2}, {2, 5e-3}, {4, 2e-3}, {8, -1e-4}, {16, 1e-4}}}, 0).has_value());
     EXPECT_FALSE(fit_price_law({{{1, NAN}, {2, 5e-3}, {4, 2e-3}, {8, 1e-3}, {16, 1e-4}}}, 0).has_value());
     const auto two = fit_price_law(exact_runs({0, 4e-3, 1, 0}, 2), 0);
     EXPECT_FALSE(two->slope.interval.has_value()) << "two runs leave no scatter to speak of";
 }
 
-// Low-discrepancy points: t^-1.5 at first, t^-1 at last. The fit takes the bend for a floor; the end, which falls as
-// noise does, denies it. A floor that carries half of the end's error is seen.
+// The squared error of low-discrepancy points falls as t^-1.5 at first and as t^-1 at last. The
+// fit takes the bend for a floor, but the end, which falls as noise does, disproves it. A floor
+// that makes half of the final error is found.
 TEST(PriceLaw, ABendTowardsTheSlopeOfNoiseIsNoFloor) {
     const auto price_of = [](double floor) {
         Runs runs;
@@ -112,8 +114,9 @@ TEST(PriceLaw, ABendTowardsTheSlopeOfNoiseIsNoFloor) {
     EXPECT_FALSE(floored.extrapolate(1e-6).has_value());
 }
 
-/// Runs whose squared error has a fixed part of relative scatter 10 % that stays in all points of a run, and noise of
-/// relative scatter 5 % that is summed up over the passes: points of a run are correlated.
+/// Runs whose squared error has two parts: a fixed one, equal in all points of a run, with a
+/// relative scatter of 10 %, and noise with a relative scatter of 5 %. The noise is summed up over
+/// the passes, so the points of a run are correlated.
 Runs noisy_runs(const ErrorLaw& law, int seeds, std::mt19937_64& random) {
     std::normal_distribution<double> normal;
     Runs runs;
@@ -131,8 +134,8 @@ Runs noisy_runs(const ErrorLaw& law, int seeds, std::mt19937_64& random) {
     return runs;
 }
 
-// 500 repetitions: a proportion of 95 % has a standard error of 1 %; the bounds are those of the intervals of bias and
-// variance, 92 to 98.5 %, and two standard errors.
+// Over 500 repetitions a proportion of 95 % has a standard error of 1 %. The bounds are those of the intervals of
+// bias and variance, 92 to 98.5 %, widened by two standard errors.
 TEST(PriceLaw, IntervalsContainTheTruth) {
     constexpr int repetitions = 500;
     for (const int seeds : {4, 8}) {

@@ -1,3 +1,4 @@
+// Spectra of noise and of bias: noise of known spectra, masks, and patterns below the noise.
 #include "experiments/metrics/spectrum.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 namespace gib {
 namespace {
 
-/// Noise made of white noise by convolution with a Gaussian (periodic), or what that takes away (blue).
+/// White noise after a convolution with a Gaussian (periodic), or, if `blue`, the white noise less the result.
 struct Filter {
     double sigma = 0;  // [pixels]
     bool blue = false;
@@ -96,7 +97,7 @@ double smooth(int x, int, int size) { return std::pow(10.0, static_cast<double>(
 double step(int x, int, int size) { return x < size / 2 ? 1 : 10; }
 double black_disc(int x, int y, int size) { return std::hypot(x - size / 2, y - size / 2) < size / 5 ? 0 : 1; }
 
-/// A spectrum from `seeds` replicates whose noise and reference have the brightness `amplitude`.
+/// A spectrum from `seeds` replicates; the brightness of their noise and of the reference is `amplitude`.
 NoiseSpectrum measure(const Filter& filter, int size, int seeds, const Amplitude& amplitude, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     Image reference(size, size);
@@ -119,7 +120,7 @@ TEST(NoiseSpectrum, WhiteNoiseHasTheCentroidOfTheSquareAndPowerOne) {
     for (const Amplitude& amplitude : {Amplitude(flat), Amplitude(smooth), Amplitude(step), Amplitude(black_disc)}) {
         const NoiseSpectrum s = measure({}, 128, 5, amplitude, 11);
         EXPECT_NEAR(s.centroid, 0.3826, 0.01 * 0.3826);
-        // 508 frequencies from 5 seeds: a standard deviation of 4 %.
+        // 508 frequencies from 5 seeds have a standard deviation of 4 %.
         EXPECT_NEAR(s.low_ratio, 1, 0.15);
         double power = 0, points = 0;
         for (const SpectrumPoint& p : s.curve) {
@@ -133,8 +134,9 @@ TEST(NoiseSpectrum, WhiteNoiseHasTheCentroidOfTheSquareAndPowerOne) {
     }
 }
 
-// The estimator's bias, from the mean over 8 data sets of 5 seeds, and that it suffices for one data set. The standard
-// deviation of one centroid is 0.4 % (white) to 1.5 % (sigma 2): with so few cells of correlation there is no better.
+// The mean over 8 data sets of 5 seeds shows the estimator's bias; single data sets show that one
+// suffices. The standard deviation of one centroid is 0.4 % (white) to 1.5 % (sigma 2): an image with so
+// few areas of correlation allows no better.
 TEST(NoiseSpectrum, GaussianNoiseHasItsCentroidFlatUnequalAndMasked) {
     for (const double sigma : {0.7, 1.0, 2.0})
         for (const Amplitude& amplitude : {Amplitude(flat), Amplitude(smooth), Amplitude(black_disc)}) {
@@ -152,7 +154,7 @@ TEST(NoiseSpectrum, GaussianNoiseHasItsCentroidFlatUnequalAndMasked) {
     const Filter filter{2, false};
     EXPECT_NEAR(measure(filter, 256, 5, flat, 5).centroid / theory(filter, 256).centroid, 1, 0.02);
     EXPECT_NEAR(measure(filter, 128, 3, flat, 5).centroid / theory(filter, 128).centroid, 1, 0.05);
-    // Beside a step the variance is pooled over both sides, which no mask undoes.
+    // Beside a step the variance is pooled over both sides, and no mask can undo that.
     EXPECT_NEAR(measure(filter, 256, 5, step, 5).centroid / theory(filter, 256).centroid, 1, 0.03);
 }
 
@@ -177,7 +179,7 @@ TEST(NoiseSpectrum, TheNoiseOfEdgesIsMasked) {
         Image image = reference;
         for (std::size_t p = 0; p < image.pixels(); ++p) {
             const std::size_t x = p % static_cast<std::size_t>(size);
-            // The same down the whole edge: all its power is at low vertical frequencies.
+            // The noise is equal down the whole edge, so that all its power is at low vertical frequencies.
             const double n = x == 40 ? 30 * noise[0] : noise[p];
             image.set(p, image.at(p) + Color::Constant(static_cast<float>(0.01 * n)));
         }
@@ -193,7 +195,7 @@ TEST(NoiseSpectrum, IsEmptyWithoutScatterOrWithTwoSeeds) {
     Image other = image;
     other.rgb[40] = 1;
     EXPECT_FALSE(noise_spectrum({image, other}, image).has_value());
-    // One scattering pixel, an image that is not square, odd sizes: finite.
+    // One scattering pixel, an image that is not square, and odd sizes give finite results.
     const auto s = noise_spectrum({image, other, image}, image);
     ASSERT_TRUE(s.has_value());
     EXPECT_TRUE(std::isfinite(s->centroid));
@@ -228,7 +230,7 @@ TEST(BiasSpectrum, FindsAPatternBelowTheNoiseAtItsFrequency) {
     const auto peak =
         std::max_element(curve.begin(), curve.end(), [](const auto& a, const auto& b) { return a.power < b.power; });
     EXPECT_NEAR(peak->frequency, 8.0 / size, 0.5 / size);
-    // The noise's own power in the mean of all images, 1/8 + 1/16, is not in the rest of the curve.
+    // The power that noise has in the mean of all images, 1/8 + 1/16, is not in the rest of the curve.
     double rest = 0;
     for (const auto& p : curve)
         if (p.frequency > 0.25) rest += p.power / static_cast<double>(curve.size());

@@ -1,3 +1,4 @@
+// Errors of images, their split into bias and variance with intervals, noise floors and times to an error.
 #include "experiments/metrics/statistics.h"
 
 #include "common/core/error.h"
@@ -48,7 +49,7 @@ std::vector<double> correlated_noise(Random& random, int size) {
     return noise;
 }
 
-/// A method of known bias and variance, its replicates and references.
+/// A method of known bias and variance, with its replicates and references.
 struct Synthetic {
     int size = 16;
     double bias = 0, reference_noise = 0.5;
@@ -68,7 +69,7 @@ struct Synthetic {
     double amplitude(std::size_t pixel) const {
         return 0.5 + static_cast<double>(pixel) / static_cast<double>(truth.pixels());
     }
-    /// Noise in all channels alike, as most of a renderer's noise is.
+    /// All channels get the same noise, as most of a renderer's noise is.
     Image draw(Random& random, const Image& mean, double scale) const {
         Image image = mean;
         const auto noise = correlated_noise(random, size);
@@ -104,7 +105,7 @@ TEST(StudentT, QuantilesAgreeWithTables) {
     EXPECT_GT(between, student_t_two_sided(0.05, 5));
 }
 
-// Squares of the variances leave double's range from 1e154 on, and below 1e-154.
+// The squares of the variances overflow a double from a unit of 1e154 on, and underflow below 1e-154.
 TEST(StudentT, HalfWidthsScaleWithAnyUnit) {
     const double width = half_width({{1, 2}, {3, 7}}, 0.05);
     EXPECT_NEAR(width, 2 * student_t_two_sided(0.05, 16 / (1 / 2. + 9 / 7.)), 1e-9);
@@ -193,14 +194,15 @@ TEST(ReplicateStatistics, OneSeedHasNoIntervalAndNoSplit) {
     EXPECT_EQ(s.seeds, 1);
     EXPECT_NEAR(s.mse.value, 1, 1e-12);
     EXPECT_FALSE(s.mse.interval || s.bias2 || s.variance);
-    // Deterministic replicates: all bias, intervals of width zero.
+    // Deterministic replicates have only bias, with intervals of width zero.
     const auto same = replicate_statistics(std::vector<Image>(4, constant(4, 4, 2)), exact, exact.mean, 0.01);
     EXPECT_NEAR(same.bias2->value, 1, 1e-12);
     EXPECT_NEAR(same.bias2->interval->hi, 1, 1e-12);
     EXPECT_EQ(same.variance->value, 0);
 }
 
-// 400 repetitions: the mean of an unbiased estimator lies within 4 of its standard errors (alpha = 6e-5, fixed seed).
+// Over 400 repetitions the mean of an unbiased estimator lies within 4 of its
+// standard errors (alpha = 6e-5, fixed seed).
 TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     for (const double bias : {0.0, 0.5}) {
         Random random(7);
@@ -220,8 +222,9 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     }
 }
 
-// Coverage of the 95 % intervals: correlated noise, a reference redrawn each time, 1000 repetitions: 92 to 98.5 %.
-// Three seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
+// The 95 % intervals contain the truth in 92 to 98.5 % of 1000 repetitions, with correlated noise
+// and a reference redrawn each time. Three seeds, fewer than the intervals are made for, are allowed
+// two standard errors of a proportion more.
 TEST(ReplicateStatistics, IntervalsContainTheTruth) {
     constexpr int repetitions = 1000;
     for (const int seeds : {3, 5, 8})
@@ -246,9 +249,9 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
         }
 }
 
-// White noise of the same power in all channels has it in closed form: sqrt(2 / (m (m - 1) pixels)) times the variance
-// of a group, times 1.96. A perfect image seems to have more error than that against one reference in forty: 25 of
-// 1000, within 3 standard errors of 5.
+// White noise of the same power in all channels has a noise floor in closed form: sqrt(2 / (m (m - 1) pixels)) times
+// the variance of a group, times 1.96. The error of a perfect image seems larger than that against one reference in
+// forty: 25 of 1000, within 3 standard errors of 5.
 TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
     Random random(11);
     std::normal_distribution<double> normal;
@@ -285,7 +288,7 @@ TEST(TimeToError, InterpolatesInTheLogarithms) {
     EXPECT_NEAR(std::log(two->interval->lo / two->value), -widening, 1e-9);
     EXPECT_FALSE(time_to_error({curve, {{1, 1}, {16, 0.25}}}, 0.1).has_value());
     EXPECT_FALSE(time_to_error({}, 0.1).has_value());
-    // Reached by the first checkpoint: not extrapolated below it. NaN does not count as reached.
+    // The first checkpoint reaches this error; times below it are not extrapolated. NaN does not count as reached.
     EXPECT_NEAR(time_to_error({curve}, 2)->value, 1, 1e-12);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(time_to_error({{{1, nan}, {2, nan}}}, 0.1).has_value());

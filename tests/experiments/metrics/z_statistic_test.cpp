@@ -1,4 +1,4 @@
-// The z-tests of `gibench compare`: how often they reject what is right, and what they catch.
+// The z-tests of `gibench compare`: how often they reject a right image, and which differences they find.
 
 #include "experiments/metrics/z_statistic.h"
 
@@ -17,15 +17,15 @@ namespace {
 
 using Random = std::mt19937_64;
 
-/// A scene as images: what every pixel is in truth, and how its noise is made.
+/// A scene as images: the true radiance of every pixel, and the distribution of its noise.
 struct Truth {
     int width = 64, height = 64;
-    double noise = 0.3;            ///< standard deviation of the test over the radiance
-    double reference_noise = 0.1;  ///< the same of the reference's mean
-    bool skewed = false;           ///< rare bright paths instead of a normal law
+    double noise = 0.3;            ///< relative standard deviation of the test
+    double reference_noise = 0.1;  ///< relative standard deviation of the reference's mean
+    bool skewed = false;           ///< rare bright paths instead of normal noise
 
-    /// A bright and a dark half, the channels of different brightness; noise follows brightness, and is twice as large
-    /// in the upper half.
+    /// The left half is bright and the right one dark, and the channels differ in brightness. Noise is proportional
+    /// to brightness, and twice as large in the upper half.
     double radiance(int x, std::size_t channel) const {
         return (x < width / 2 ? 1.0 : 0.25) * (1 + 0.5 * static_cast<double>(channel));
     }
@@ -33,7 +33,7 @@ struct Truth {
 
     double deviation(Random& random) const {
         if (!skewed) return std::normal_distribution<double>()(random);
-        // Poisson's law with a mean of 0.05: skewness 4.5, kurtosis 20. Variance 1.
+        // Poisson's distribution with a mean of 0.05, scaled to variance 1: skewness 4.5, kurtosis 20.
         const int hits = std::poisson_distribution<int>(0.05)(random);
         return (hits - 0.05) / std::sqrt(0.05);
     }
@@ -57,7 +57,7 @@ struct Truth {
         return result;
     }
     ReferenceLayer reference(Random& random) const {
-        // The mean of many samples is normal whatever one sample is.
+        // The mean of many samples is normal, whatever the distribution of one sample.
         Truth many = *this;
         many.skewed = false;
         return {many.image(random, reference_noise), standard_error(reference_noise), {}};
@@ -75,7 +75,7 @@ ZTestVerdict verdict(const ReferenceLayer& x, const ReferenceLayer& r, const ZTe
     return verdict_of({{"total", z_test(x, r, r.mean)}}, limits);
 }
 
-/// The smallest and the largest count that `trials` of probability p leave out with a probability below 1e-4 together.
+/// The bounds of a count in `trials` of probability p: counts outside have a probability below 1e-4 together.
 std::pair<int, int> binomial_bounds(int trials, double p) {
     std::vector<double> probability;
     for (int k = 0; k <= trials; ++k)
@@ -108,8 +108,8 @@ void PrintTo(const Source& source, std::ostream* out) { *out << source.name; }
 
 class ZTestLevel : public ::testing::TestWithParam<Source> {};
 
-// alpha 0.2 and not 0.01, so that few trials say something. The bound fails a right program once in 20000. From below
-// the test may be cautious, but not to the point of never rejecting.
+// alpha is 0.2 instead of 0.01, so that few trials are conclusive. A right program breaks the upper bound once in
+// 20000 times. The test may be cautious, but the lower bound demands that it rejects sometimes.
 TEST_P(ZTestLevel, NoiseAloneIsRejectedAtMostAtAlpha) {
     constexpr int trials = 150;
     constexpr double alpha = 0.2;
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Source{"FourSkewedReplicates", 4, true, true}),
     [](const auto& test) { return std::string(test.param.name); });
 
-/// The same noise with and without a change of the image, in ten trials.
+/// Multiplies the test image by `factor` in ten trials, always with the same noise; returns the number of rejections.
 int rejections(const Truth& truth, int replicates, const std::function<double(int x, int y)>& factor) {
     Random random(3);
     int rejected = 0;
@@ -195,7 +195,7 @@ TEST(ZTest, SaysWhereTheDifferenceIs) {
     EXPECT_EQ(blocks.largest.channel, 2u);
 }
 
-// A difference that changes within the block looks like noise to a single image, not to replicates.
+// A difference that changes within the block looks like noise to a single image, but replicates show it.
 TEST(ZTest, ReplicatesSeeWhatScatterHides) {
     Truth truth;
     truth.noise = 0.02;
@@ -235,8 +235,8 @@ TEST(ZTest, MeansAgreeOnlyIfThatIsShown) {
     }
 }
 
-// At a deviation of exactly the margin, agreement is claimed by mistake in at most 2.5 % of all cases in a channel (the
-// channels' noise is independent here: 3 of 3 would hardly ever happen). One channel deviates, the others do not.
+// If the deviation is exactly the margin, agreement is claimed by mistake in at most 2.5 % of all cases in a channel.
+// Only one channel deviates: the channels' noise is independent here, so three of three would hardly ever pass.
 TEST(ZTest, MeansThatDeviateByTheMarginRarelyPass) {
     constexpr int trials = 300;
     Random random(9);
@@ -261,7 +261,7 @@ TEST(ZTest, BlocksWithoutNoiseAreEqualOrNot) {
         r.mean.rgb[i] = i / 3 % 32 < 16 ? 0.f : 18.4f;
     ReferenceLayer x{r.mean, std::nullopt, {}};
     EXPECT_TRUE(verdict(x, r).accepted());
-    // What sums of floats round is no difference.
+    // The rounding of sums of floats is no difference.
     for (float& v : x.mean.rgb)
         v *= 1.000002f;
     EXPECT_TRUE(verdict(x, r).accepted());
@@ -279,7 +279,7 @@ TEST(ZTest, BlocksWithoutNoiseAreEqualOrNot) {
         EXPECT_EQ(v.scales[0].largest.x, 0);
         EXPECT_EQ(v.scales[0].largest.y, 8);
     }
-    // All black: nothing to divide by.
+    // If all is black, there is nothing to divide by.
     const ReferenceLayer black{Image(16, 16), std::nullopt, {}};
     EXPECT_TRUE(verdict(black, black).accepted());
     ReferenceLayer grey = black;
@@ -309,13 +309,13 @@ TEST(ZTest, BlocksCoverEverySizeOnce) {
         }
         EXPECT_TRUE(verdict(r, r).accepted());
         EXPECT_TRUE(verdict({r.mean, std::nullopt, {}}, r).accepted());
-        // One pixel says nothing of its noise.
+        // One pixel tells nothing about its noise.
         EXPECT_EQ(result.means[0].interval.has_value(), width * height > 1);
     }
 }
 
-// Each 4 x 4 pixels get the same noise, as from photons that they share: taking them for independent would find the
-// means of 8 x 8 blocks four times too scattered.
+// Each 4 x 4 pixels get the same noise, as from photons that they share. If they counted as independent, the means of
+// 8 x 8 blocks would seem to scatter four times too much.
 TEST(ZTest, ReplicatesTellNoiseThatPixelsShare) {
     Random random(21);
     Truth truth;

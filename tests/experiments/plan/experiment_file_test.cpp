@@ -1,4 +1,4 @@
-// Experiment files: what they mean, and what is said about wrong ones.
+// Experiment files: their meaning, and the messages about wrong ones.
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/hard_cases/hard_case_file.h"
@@ -90,7 +90,7 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),
                 AllOf(StartsWith("e.toml:2:11: "), HasSubstr("from 1e-60 to 1e+60, not 1e-310")));
-    // toml++ would overflow the stack: it has a table for each part.
+    // toml++ would overflow the stack, because it makes a table for each part of a key.
     std::string deep = "a";
     for (int i = 0; i < 300000; ++i)
         deep += ". \"b\"";
@@ -140,7 +140,7 @@ TEST_F(ExperimentFileTest, DotsCountInKeysAloneWhateverStringsStandBeside) {
          {R"("""|)" + dots + "|" + dots + R"(""")", R"(""" \""" )" + dots + R"(""")",
           R"(""""")" + dots + R"("" )" + dots + R"(""""")", "'''" + dots + "|'" + dots + "'''"})
         EXPECT_THAT(error_in("title = " + string), HasSubstr("no.xml")) << string;
-    // Columns are those of characters.
+    // Columns count characters.
     EXPECT_THAT(error_in("'\xc3\xbc\xc3\xbc'" + dots), StartsWith("e.toml:1:37: a key has"));
     EXPECT_THAT(error_in("title = '''\xc3\xbc|\xc3\xbc'''|" + dots), StartsWith("e.toml:3:33: a key has"));
 }

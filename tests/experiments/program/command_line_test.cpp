@@ -90,7 +90,7 @@ TEST_F(CommandLineTest, RenderWritesLayersAndMetadata) {
     EXPECT_EQ(image.metadata.at("scene"), "tiny");
 }
 
-// Of a scene's integrator, where -1 is unlimited; 0 edges show nothing, as in Mitsuba.
+// The max_depth of a scene's integrator: -1 is unlimited; 0 edges show nothing, as in Mitsuba.
 TEST_F(CommandLineTest, AMaxDepthOfZeroIsABlackImage) {
     std::string xml = tiny_scene_xml();
     xml.insert(xml.find("<sensor"), "<integrator type='path'><integer name='max_depth' value='0'/></integrator>");

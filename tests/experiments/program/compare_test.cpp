@@ -1,3 +1,4 @@
+// `gibench compare`: its numbers as JSON and as text, and its errors.
 #include "experiments/program/compare.h"
 
 #include "common/core/error.h"
@@ -22,7 +23,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Image files in a folder that goes with the test.
+/// Image files in a folder that is removed with the test.
 class Compare : public ::testing::Test {
 protected:
     std::string folder_ = ::testing::TempDir() + "gib_compare_" + std::to_string(::getpid()) + "_" +
@@ -57,7 +58,7 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_NEAR(result["rel_mse"], 0.25 / 4.01, 1e-12);
     EXPECT_NEAR(result["rel_rmse"], std::sqrt(0.25 / 4.01), 1e-12);
     EXPECT_EQ(result["nonfinite"], 0);
-    // The exposure shows 2 as 0.85, and so 2.5 as filmic(2.118872 / 2 * 2.5).
+    // The exposure shows 2 as 0.85, and therefore 2.5 as filmic(2.118872 / 2 * 2.5).
     EXPECT_NEAR(result["flip"],
                 test::paper::color_error(test::paper::hunt_lab(Colord::Constant(filmic(2.64859))),
                                          test::paper::hunt_lab(Colord::Constant(0.85))),
@@ -72,7 +73,7 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_TRUE(result["components"].empty());
 }
 
-// The largest difference between floats, over the least epsilon: every number that the replicates give stays finite.
+// With the largest difference between floats over the least epsilon, every number from the replicates stays finite.
 TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
     constexpr float largest = std::numeric_limits<float>::max();
     const std::string r = file("r.exr", {{{"", constant(0)}}, {}});
@@ -83,7 +84,7 @@ TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
     const auto result = json(options);
     for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
         EXPECT_TRUE(result[key].is_number()) << key;
-    // Intervals in units of the value are those of images of 1, 0 and 1.
+    // Relative to the value, the intervals are those of images of 1, 0 and 1.
     CompareOptions plain{
         {file("u.exr", {{{"", constant(1)}}, {}}), options.tests[1], file("w.exr", {{{"", constant(1)}}, {}})}, r};
     const auto expected = json(plain);
@@ -126,7 +127,7 @@ TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     // A component's relative error has the total's radiance in the denominator.
     const auto& direct = result["components"]["direct"];
     EXPECT_NEAR(direct["rel_mse"], direct["mse"].get<double>() / 9.01, 1e-9);
-    // FLIP is of the whole image, and its mean over the replicates.
+    // FLIP is measured for the whole image only; the result is its mean over the replicates.
     EXPECT_TRUE(direct["flip"].is_null());
     double flip = 0;
     for (const std::string& test : options.tests)
@@ -163,7 +164,7 @@ TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
 }
 
 TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
-    const FloatTrapsPaused paused;  // not a number is given
+    const FloatTrapsPaused paused;  // a NaN is passed below
     const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
     const std::string small = file("small.exr", {{{"", constant(2, 4, 3)}}, {}});
     EXPECT_THAT(

@@ -1,4 +1,4 @@
-// `gibench compare --z-test` as a user meets it, and the decision of Mitsuba's test.
+// `gibench compare --z-test` as a user meets it, and the decision rule of Mitsuba's test.
 
 #include "common/images/image_file.h"
 #include "experiments/metrics/mitsuba_z_test.h"
@@ -25,11 +25,11 @@ Image constant(float value, int width = 20, int height = 20) {
     return image;
 }
 
-/// Linear RGB of which Mitsuba's matrix makes X = Y = Z = v (solved to seven digits).
+/// The linear RGB for which Mitsuba's matrix gives X = Y = Z = v (solved to seven digits).
 Color rgb_of_equal_xyz(float v) { return v * Color(1.2047935f, 0.9482910f, 0.9089164f); }
 
 TEST(MitsubaZTest, FourHundredPixelsMayHaveThreeBadValues) {
-    // 0.9975 x 400 pixels = 399: with one pixel off in X, Y and Z the test still passes, with two not.
+    // 0.9975 x 400 pixels are 399: the test passes with one pixel off in X, Y and Z, but not with two.
     const Image r = constant(1), variance = constant(0.04f);
     Image x = r;
     x.set(42, Color::Constant(2));
@@ -51,7 +51,8 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
     const MitsubaZTest none = mitsuba_z_test(r, r, r, 1);
     EXPECT_NEAR(none.threshold / (1 - std::pow(0.99, 1 / 400.0)), 1, 1e-9);
     EXPECT_EQ(none.smallest_p, 1);
-    // P(|Z| > z) = 2.51e-5 at z = 4.2140. Variance 4 in X, Y and Z, 100 samples: a deviation of 0.2 is z = 1.
+    // P(|Z| > z) = 2.51e-5 at z = 4.2140. With a variance of 4 in X, Y and Z and
+    // 100 samples, a deviation of 0.2 is z = 1.
     Image variance(20, 20), x(20, 20);
     for (std::size_t p = 0; p < x.pixels(); ++p)
         variance.set(p, rgb_of_equal_xyz(4));
@@ -66,7 +67,7 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
 }
 
 TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
-    // Variance in Y alone: as RGB it is negative in R and B. A deviation in Y alone is judged by it.
+    // The variance is in Y alone; as RGB it is negative in R and B. It judges a deviation in Y alone.
     const Color y_alone(-1.537150f, 1.875991f, -0.204043f);
     Image x(20, 20), variance(20, 20);
     for (std::size_t p = 0; p < x.pixels(); ++p) {
@@ -74,15 +75,16 @@ TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
         variance.set(p, 4 * y_alone);
     }
     EXPECT_EQ(mitsuba_z_test(x, constant(0), variance, 100).passing, 1200u);  // z = 0.1 / 0.2
-    // Without variance the floor of 1e-4 holds; white has Y = 1 and X and Z within 9 % of it: z = 0.0035 sqrt(100 /
-    // 1e-4) = 3.5, and 5.
+    // Without variance the floor of 1e-4 holds. White has Y = 1, and X and Z within 9 % of it: z = 0.0035 sqrt(100 /
+    // 1e-4) = 3.5, and 5 for 0.005.
     EXPECT_EQ(mitsuba_z_test(constant(0.0035f), constant(0), constant(0), 100).passing, 1200u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 100).passing, 0u);
     EXPECT_EQ(mitsuba_z_test(constant(0.005f), constant(0), constant(0), 50).passing, 1200u);
 }
 
 TEST(MitsubaZTest, FloatsLimitTheSmallestProbability) {
-    // 480 x 480 pixels: the exact threshold is z = 5.476. In floats p is a multiple of 2^-23 and 0 above z = 5.348.
+    // For 480 x 480 pixels the exact threshold is z = 5.476. In floats p is a
+    // multiple of 2^-23, and 0 above z = 5.348.
     const Image r = constant(0, 480, 480);
     const auto passes = [&](float z) {
         Image x(480, 480);
@@ -105,7 +107,7 @@ TEST(MitsubaZTest, ValuesThatAreNotFiniteDoNotPass) {
     EXPECT_FALSE(result.accepted());
 }
 
-/// Noisy images as files, and the program beside them.
+/// Noisy images as files, and the program to compare them.
 class CompareZTest : public ::testing::Test {
 protected:
     Image noisy(float mean, float noise, int size = 64) {

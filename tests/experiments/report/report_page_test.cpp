@@ -1,4 +1,5 @@
-// report.html as text: HDR images come back as they were, the data are JSON, nothing outside the file is asked for.
+// report.html as text: HDR images come back as they were, the data are JSON, and
+// the page asks for nothing outside the file.
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/image_pack.h"
@@ -49,7 +50,7 @@ float float_of_half(unsigned bits) {
     return exponent == 0 ? sign * std::ldexp(mantissa, -24) : sign * std::ldexp(1024 + mantissa, exponent - 25);
 }
 
-/// What the page's script does, from the text and the size alone.
+/// Unpacks an image as the page's script does, from the text and the size alone.
 std::vector<float> unpacked(const std::string& text, std::size_t width, std::size_t height, std::size_t channels,
                             int exponent) {
     const auto packed = bytes_of_base64(text);
@@ -173,7 +174,7 @@ TEST_F(ReportPageTest, AsksForNothingOutsideTheFile) {
     const std::string library = script_safe_code(report_scripts().front());
     const std::size_t at = page.find(library);
     ASSERT_NE(at, std::string::npos);
-    page.erase(at, library.size());  // its comments name its home
+    page.erase(at, library.size());  // its comments contain web addresses
     EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("://")));
     EXPECT_FALSE(std::regex_search(page, std::regex("(src|href)=\"[^#]"))) << "links lead to the page itself";
     EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("{{")));

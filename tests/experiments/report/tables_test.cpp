@@ -82,7 +82,7 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
                 ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) | 0.125 |"));
 }
 
-// A file may be called so, and a title may have several lines.
+// Files may have such names, and a title may have several lines.
 TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     Analysis analysis = small_analysis();
     analysis.index.title = "T\n| a | b |";

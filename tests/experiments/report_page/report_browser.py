@@ -1,4 +1,4 @@
-"""A report in headless Chromium: opening it, finding controls by their names, reading what is shown."""
+"""A report in headless Chromium: opens it, finds its controls by their names, and reads what it shows."""
 import os
 import shutil
 import tempfile
@@ -13,7 +13,7 @@ from selenium.webdriver.support.ui import Select, WebDriverWait
 import report_fixture as fixture
 
 LAPTOP, PHONE = (1366, 768), (390, 844)
-HALF = 2.0 ** -10  # twice what a half float is rounded by: totals are sums of rounded components
+HALF = 2.0 ** -10  # twice the rounding of a half float: totals are sums of rounded components
 PATH, PHOTONS = fixture.METHODS[0], fixture.METHODS[1]
 BOX = "cornell-box"
 
@@ -52,7 +52,7 @@ class ReportCase(unittest.TestCase):
         self.open(LAPTOP)
 
     def tearDown(self):
-        # Anything that is not there, that is blocked, or that throws.
+        # The log has an entry for anything that is missing, that is blocked, or that throws.
         self.assertEqual([entry for entry in self.driver.get_log("browser") if entry["level"] != "INFO"], [])
 
     def open(self, size, scheme="light", scene=0):
@@ -79,7 +79,7 @@ class ReportCase(unittest.TestCase):
     def shot(self, name):
         self.driver.save_screenshot(os.path.join(self.shots, name + ".png"))
 
-    # Controls by their names, as a reader of the screen finds them.
+    # Controls are found by their names, as a user of the page finds them.
 
     def control(self, name, within=".viewer"):
         """The <select> or slider with this label."""

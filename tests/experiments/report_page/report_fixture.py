@@ -1,4 +1,4 @@
-"""What tests/experiments/report_page/report_test.py compares with: results made by the built gibench, and their pixels as oiiotool prints them."""
+"""The truth for report_test.py: results made by the built gibench, and their pixels as oiiotool prints them."""
 import atexit
 import csv
 import functools
@@ -36,7 +36,7 @@ spp = 8
 
 @functools.cache
 def shared_results(program):
-    """A small experiment's result folder, until the process ends."""
+    """The result folder of a small experiment; it exists until the process ends."""
     parent = tempfile.TemporaryDirectory()
     atexit.register(parent.cleanup)
     return make_results(program, parent.name)
@@ -54,7 +54,7 @@ def make_results(program, folder):
 
 
 def cell_folder(results, scene, method, seed):
-    """A cell's folder by its record."""
+    """The folder of a cell, found by the cell's record."""
     cells = os.path.join(results, "cells")
     plain = re.sub(r"[^\w.=+-]", "_", f"{scene}-{method}")
     found = [name for name in os.listdir(cells) if name.startswith(plain + "-") and name.endswith(f"-s{seed}")]
@@ -68,7 +68,7 @@ def record(folder, name):
 
 
 def checkpoints(results, scene, method, seed):
-    """Of a cell's record: passes, seconds, errors by component."""
+    """The checkpoints in a cell's record: passes, seconds, errors by component."""
     return record(cell_folder(results, scene, method, seed), "cell.json")["checkpoints"]
 
 
@@ -90,7 +90,7 @@ def rows(results, name):
 
 
 def linear(byte):
-    """Of an sRGB byte."""
+    """The linear value, from 0 to 1, of an sRGB byte."""
     v = byte / 255
     return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
 

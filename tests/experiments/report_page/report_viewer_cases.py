@@ -1,4 +1,4 @@
-"""The viewer of a report: what it shows, and what its controls change."""
+"""The viewer of a report: the pixels that it shows, and the effects of its controls."""
 import math
 import os
 
@@ -75,7 +75,7 @@ class ViewerTest(ReportCase):
         self.focus_stage()
         self.keys(self.stage, "[")
         self.assertEqual(split.get_attribute("aria-valuetext"), "94 %")
-        # By hand: from where the divider is to the middle of the stage.
+        # The divider is dragged from where it is to the middle of the stage.
         width = self.stage.size["width"]
         ActionChains(self.driver).move_to_element_with_offset(self.stage, round(0.44 * width), 0).click_and_hold() \
             .move_to_element(self.stage).release().perform()
@@ -92,7 +92,7 @@ class ViewerTest(ReportCase):
         self.assertEqual(slider.get_attribute("aria-valuetext"), "-1 stop")
         self.assertLess(max(bright), 0.99, "nothing is clipped")
         for one, other in zip(dark, bright):
-            step = (other + 0.055) * 2.4 / 255 * 1.5  # one and a half of 8 bits, at this brightness
+            step = (other + 0.055) * 2.4 / 255 * 1.5  # one and a half steps of 8 bits at this brightness
             self.assertLess(abs(other - 2 * one), 1.5 * step)
         self.assertEqual(self.values("A"), values, "values are radiance, whatever the exposure")
         self.focus_stage()

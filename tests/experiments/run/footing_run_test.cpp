@@ -1,4 +1,4 @@
-// A method that is made too bright on purpose is flagged in the tables of a run, and no other.
+// In the tables of a run, a method that is made too bright on purpose is flagged, and no other method.
 
 #include "common/images/image_file.h"
 #include "experiments/results/result_folder.h"
@@ -15,7 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Scales every layer of the final images of a method's cells, and lets their records know these images.
+/// Scales every layer of the final images of a method's cells, and stores the
+/// hashes of the new images in their records.
 void brighten(const std::string& results, const std::string& method, float factor) {
     const ResultFolder folder(results);
     for (const auto& [name, key] : folder.read_index().cell_keys) {
@@ -33,7 +34,7 @@ void brighten(const std::string& results, const std::string& method, float facto
     }
 }
 
-/// Of the rows of one method, component by component.
+/// The verdicts in the rows of one method, one for each component.
 std::vector<std::string> footings(const std::string& folder, const std::string& method) {
     const CsvTable table = parse_csv(read_file(folder + "/table.csv"), "table.csv");
     const auto at = static_cast<std::size_t>(std::find(table.columns.begin(), table.columns.end(), "footing") -

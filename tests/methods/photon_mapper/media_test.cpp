@@ -19,7 +19,7 @@ using test::scene_of;
 using test::scene_xml;
 
 constexpr double pi_d = std::numbers::pi;
-constexpr double sigmas = 5;  ///< of means of seeds
+constexpr double sigmas = 5;  ///< allowed errors, in standard errors of means over seeds
 constexpr int unlimited = std::numeric_limits<int>::max();
 
 const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
@@ -38,9 +38,9 @@ const std::string no_surface = "<bsdf type='null'/>";
 const std::string glass =
     "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
 
-/// Of the unit ball with extinction sigma under a sky of radiance 1 that nothing absorbs: the integral of fluence over
-/// it. All is 4 pi V. What comes straight from the sky: every line crosses a chord l = 2 mu, cosine-distributed over
-/// the surface, integral of exp(-sigma t) over it = (1 - exp(-sigma l)) / sigma.
+/// The integral of fluence over the unit ball with extinction sigma and albedo 1 under a sky of radiance 1. All light
+/// together gives 4 pi V. For the light that comes straight from the sky, every line crosses a chord l = 2 mu with mu
+/// cosine-distributed over the surface, and the integral of exp(-sigma t) along it is (1 - exp(-sigma l)) / sigma.
 double fluence_of_ball(double sigma, bool straight_only) {
     if (!straight_only) return 4 * pi_d * 4 / 3 * pi_d;
     const double a = 2 * sigma;
@@ -65,8 +65,8 @@ TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
     }
 }
 
-// Nothing is absorbed: what leaves the light escapes again, in each channel, though the channels are scattered
-// differently.
+// Nothing is absorbed, so all light that is emitted escapes again, in each channel,
+// though the channels are scattered differently.
 TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
     const auto scene = scene_of(scene_xml(camera(4, 40) + constant_sky + ball(glass, "0.3, 1, 4", 0.3)));
     std::array<Moments, 3> escaped, lost;
@@ -85,20 +85,21 @@ TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
     }
 }
 
-// The camera stands outside of a ball of fog, the lamp in its middle: what the lamp lies in is found from the camera.
+// The camera stands outside a ball of fog, the lamp in its middle. The medium
+// around the lamp is found from the camera.
 TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
     const auto scene = scene_of(scene_xml(camera(4, 40) +
                                           "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
                                           "name='intensity' value='1'/></emitter>" +
                                           ball(no_surface, "0.5, 0.5, 0.5")));
     EXPECT_FALSE(trace_photons(*scene.scene, PhotonMapKind::volume, 1000, unlimited, 1).photons.empty());
-    // Once scattered a photon of a path of three edges is stored at its second event only.
+    // Paths have at most three edges, so a photon is scattered once and stored at its second event only.
     for (const Photon& photon : trace_photons(*scene.scene, PhotonMapKind::volume, 1000, 3, 1).photons)
         EXPECT_EQ(photon.edges, 2);
 }
 
-// A medium that absorbs nothing cannot be seen under a sky of radiance 1. Photons hold what was scattered before: in a
-// thin ball that is the same everywhere, nearly.
+// A medium that absorbs nothing is invisible under a sky of radiance 1. Photons hold light that was scattered before,
+// which is nearly the same everywhere in a thin ball.
 TEST(PhotonMapperInMedia, WhiteMediaVanish) {
     const std::vector<std::pair<std::string, std::string>> bodies = {
         {"thin", ball(no_surface, "0.3, 0.3, 0.3")},    {"denser", ball(no_surface, "2, 2, 2")},
@@ -116,8 +117,9 @@ TEST(PhotonMapperInMedia, WhiteMediaVanish) {
         }
 }
 
-// In a dense ball that fluence falls by half towards the surface, which is all that the camera sees. Estimates there
-// take photons from up to a radius further inside: too bright by a share that is proportional to the radius.
+// In a dense ball, the fluence of scattered light falls by half towards the surface, which is all that the camera
+// sees. Estimates there take photons from up to a radius further inside, so they are too bright by a share that is
+// proportional to the radius.
 TEST(PhotonMapperInMedia, DenseWhiteMediaVanishAsTheRadiusShrinks) {
     const auto scene = scene_of(scene_xml(camera(16, 25) + constant_sky + ball(no_surface, "8, 8, 8")));
     const auto excess = [&](const char* radius) {
@@ -169,8 +171,9 @@ const std::string grey_wall =
     "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
     "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
 
-// A cube of fog over a floor, with a ball of glass in it and a lamp outside: every class of paths once, also those that
-// a surface sends into the fog and the fog to a surface. Emission is left out: the lamp is not in view.
+// A cube of fog stands over a floor, with a ball of glass in it and a lamp outside. All path
+// classes occur, also those from a surface into the fog and from the fog to a surface. Emission is
+// left out, because the lamp is not in view.
 TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
     const std::string fog =
         "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
@@ -187,7 +190,8 @@ TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
                       {Component::direct, Component::caustic, Component::indirect, Component::volume});
 }
 
-// The floor is seen through the ball that split the light which falls on it: both paths have a stratum.
+// The floor is seen through the ball that splits the light on the floor, so
+// eye paths and photons both have a stratum.
 TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
     const std::string split =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "

@@ -1,5 +1,4 @@
-// What must hold for the photon mapper whatever its options: every combination that its parameter table allows is
-// tried.
+// Laws that hold for the photon mapper with any options: every combination that its parameter table allows is tried.
 
 #include "tests/support/scene_fixtures.h"
 
@@ -19,8 +18,8 @@ bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
 
 bool has(const std::string& label, const char* option) { return label.find(option) != std::string::npos; }
 
-/// `start` with every combination of the choices of those parameters that `counts`, and of the words that stand beside
-/// a number with that number's default.
+/// `start` with every combination of values of the parameters that `counts` accepts. The values are a parameter's
+/// choices; if they stand beside a number, that number's default is one, too.
 template <typename Counts>
 std::vector<std::string> combined(const std::string& start, Counts&& counts) {
     std::vector<std::string> labels = {start};
@@ -37,28 +36,28 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
     return labels;
 }
 
-/// Those of the density estimates without gathering, and those of gathering with each of the options that reach into
-/// it.
+/// All combinations for density estimates without final gathering, and for final gathering those of its own options
+/// and of the options that affect it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
-        // Without shadow photons, which have tests of their own, what they are for makes no difference.
+        // Shadow photons have tests of their own. Without them, the option `shadows` makes no difference.
         return !is_one_of(name, gathering) && name != "shadows";
     });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
     });
-    // Estimates at every ray's end are slow; a record's are few, and 8 would be too noisy for 1.5 % of the image's
-    // mean.
+    // Estimates at the end of every gather ray are slow, so fewer rays are used there. The records of a cache are
+    // few; 8 rays would be too noisy for 1.5 % of the image's mean.
     for (std::string& label : gathered)
         if (has(label, "source=photons") && has(label, "cache=off"))
             label.replace(label.find("gather=32"), 9, "gather=8");
-    // Refused: there are no records to space.
+    // The method refuses these, because there are no records to space.
     std::erase_if(gathered,
                   [](const std::string& label) { return has(label, "cache=off") && has(label, "spacing=diagonals"); });
     for (std::string& label : gathered)
         if (has(label, "cache=off")) label.erase(label.find(" spacing="));
     labels.insert(labels.end(), gathered.begin(), gathered.end());
-    // Refused: there is nothing to choose where all photons within the radius count.
+    // The method refuses these, because all photons within the radius count and there is nothing to choose.
     std::erase_if(labels, [](const std::string& label) {
         return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;
     });
@@ -73,8 +72,8 @@ TEST(PhotonOptions, CoverWhatTheTableOffers) {
             << option;
 }
 
-// Of the radiance 1 everywhere indirect light is rho^2 = 1/4. 1e5 photons are good for 0.3 %. Whole discs are too dark
-// along the edges of the box, unless they count the photons of the next wall too (plain), which is too many.
+// The radiance is 1 everywhere, and indirect light is rho^2 = 1/4 of it; 1e5 photons give it within 0.3 %. Whole
+// discs are too dark along the edges of the box, or too bright if they count the photons of the next wall (plain).
 TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
     for (const auto& label : combinations()) {
@@ -85,7 +84,7 @@ TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
     }
 }
 
-// The image's mean is the path tracer's: no path class is lost or counted twice by any option.
+// The image's mean is the path tracer's, so no option loses a path class or counts it twice.
 TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
     const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
     const double truth = mean_of(render(glass, "path", 1024).total()).mean();
@@ -101,7 +100,7 @@ TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
         const auto scene = test::shipped_scene(file, {{}, std::pair{20, 20}});
         for (const auto& label : combinations()) {
             const std::string small = label + " photons=6000 radius=0.02 caustic_radius=0.02";
-            // What a pass adds to the cache is seen by the next one.
+            // A pass sees the records that the passes before it added to the cache.
             const std::uint32_t passes = has(label, "cache=on") ? 3 : 1;
             const Image one = render(scene, small, passes, 1, 1).total();
             for (int threads : {2, 5})

@@ -1,3 +1,4 @@
+// The photon mapper as a method: its plan, its components against path tracing, its bias and its leaks.
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "experiments/metrics/statistics.h"
@@ -14,7 +15,7 @@ namespace {
 using test::mean_of;
 using test::render;
 
-/// Photons are not aimed: a map that no light can fill would trace none.
+/// Settings without a projection map: if photons were aimed, a map that no light can fill would trace none.
 PhotonMapperSettings settings(std::uint64_t photons) {
     PhotonMapperSettings s{};
     s.photons = s.caustic_photons = s.volume_photons = photons;
@@ -49,7 +50,7 @@ TEST(PhotonMapper, SkippingWhatASceneDoesNotCallForChangesNoPixelAndSavesRays) {
             EXPECT_EQ(planned.image[c]->rgb, everything.image[c]->rgb) << name_of(c);
         }
     }
-    // The caustic map's photons are traced for nothing: one ray each at least.
+    // The caustic map's photons are of no use here; each costs at least one ray.
     EXPECT_GE(everything.counts.rays, planned.counts.rays + 20000);
     EXPECT_EQ(planned.counts.photons, 20000u);
     EXPECT_EQ(everything.counts.photons, 40000u);
@@ -71,9 +72,9 @@ TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
         EXPECT_NE(step.runs, !step.reason.empty()) << step.pass;
 }
 
-// Every path class is counted once: emission, direct, caustic and indirect light each agree with the path tracer's,
-// within the 1 % that the density estimate may blur and four standard errors of independent runs (3 % of the caustic,
-// at most).
+// Every path class is counted once. Emission, direct, caustic and indirect light each agree with the
+// path tracer's within 1 %, which the density estimate may blur, and four standard errors of
+// independent runs (each at most 3 % of the light).
 TEST(PhotonMapper, EveryComponentAgreesWithThePathTracerOnGlass) {
     const auto scene = test::shipped_scene("cornell-glass.xml", {{}, std::pair{64, 64}});
     std::map<Component, test::Moments> path, photons;
@@ -100,9 +101,9 @@ ReferenceLayer reference_of(const LoadedScene& scene, Component component, std::
     return layer_of_groups(std::move(groups));
 }
 
-// With fixed k the look-up radius shrinks as photons^(-1/2): bias^2 at 1e4, 1e5 and 1e6 photons must fall, each below
-// the one before it beyond both 95 % intervals; k = 200 makes it large enough to be resolved. The maps' light is judged
-// alone: the noise of the light's edge would only widen them.
+// With fixed k the look-up radius shrinks as photons^(-1/2). From 1e4 to 1e5 and 1e6 photons, bias^2 must fall by
+// more than both 95 % intervals; k = 200 makes it large enough to be resolved. Only the light of the global map is
+// judged, because the noise at the lamp's edge would widen the intervals.
 TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
     const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
     const ReferenceLayer reference = reference_of(scene, Component::indirect, 256);
@@ -137,8 +138,9 @@ TEST(PhotonMapper, ShortPathsNeedNoMaps) {
     EXPECT_TRUE(plan_of("3").runs("global map"));
 }
 
-// A floor whose interpolated normals lean by 45 degrees beside a wall that lights it indirectly, nothing below the
-// floor: photons count irradiance on the geometric floor, the path tracer's cosine is that of the shading normal.
+// The floor's interpolated normals lean by 45 degrees; a wall beside it lights it indirectly, and
+// nothing lies below it. Photons count irradiance on the geometric floor, whereas the path
+// tracer's cosine is that of the shading normal.
 TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
     const test::TemporaryFolder folder;
     const std::string file = folder.write("leaning_floor.obj",
@@ -164,9 +166,9 @@ TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
     EXPECT_NEAR(photons.mean() / expected, 1.0, 0.02);
 }
 
-// Discs as wide as a fifth of the furnace's walls: a quarter of them hang over an edge. Their own wall's photons
-// divided by pi r^2 are 10 % too dark on average; with those of the other walls (half a disc each in the edge itself,
-// more next to it) 4 % too bright.
+// Discs are as wide as a fifth of the furnace's walls, so a quarter of them hang over an edge. If their own wall's
+// photons are divided by pi r^2, estimates are 10 % too dark on average. If the other walls' photons count, too (half
+// a disc each in the edge itself, more next to it), estimates are 4 % too bright.
 TEST(PhotonMapper, DiscsThatLeaveTheSurfaceDoNotDarkenTheEdges) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{24, 24}});
     const auto indirect = [&](const std::string& area) {
@@ -178,8 +180,8 @@ TEST(PhotonMapper, DiscsThatLeaveTheSurfaceDoNotDarkenTheEdges) {
     EXPECT_GT(indirect("plain"), 0.25 * 1.03);
 }
 
-// Both scenes are black where the camera stands if the dim lamp is off: all that is seen is light through a wall 4 mm
-// thick, or through plates 0.5 mm apart. The plain estimate shows 25 times what the dim lamp gives.
+// If the dim lamp is off, both scenes are black where the camera stands: all visible light has leaked through a wall
+// 4 mm thick, or through plates 0.5 mm apart. The leak of the plain estimate is 25 times the light of the dim lamp.
 TEST(PhotonMapper, NoLightPassesThinWallsOrPlanesCloseTogether) {
     for (const char* file : {"thin-wall.xml", "parallel-planes.xml"})
         for (const char* k : {"50", "all radius=0.03 caustic_radius=0.02"}) {

@@ -1,5 +1,5 @@
-// Shadow photons: what they say of the lights against exact visibility, and direct light sampled by it against plain
-// direct light.
+// Shadow photons: their verdicts on lights against exact visibility, and direct light
+// sampled with them against plain direct light.
 #include "methods/photon_mapper/shadow_photons.h"
 
 #include "methods/photon_mapper/light_visibility.h"
@@ -19,7 +19,7 @@ namespace {
 using test::mean_of;
 using test::render;
 
-/// A square of the plane z = 0 as wide as the scene, seen from just below what blocks the light at z = 2.
+/// A square in the plane z = 0, as wide as the scene. The camera looks at it from just below the blocker at z = 2.
 constexpr const char* floor_xml =
     "<shape type='rectangle'><transform name='to_world'><scale value='4'/></transform>"
     "<bsdf type='diffuse'><rgb name='reflectance' value='0.8'/></bsdf></shape>";
@@ -31,7 +31,7 @@ std::string camera_xml(int size) {
            test::box_film(size) + "</sensor>";
 }
 
-/// A square of half the width `half` at z = 2.
+/// A square at z = 2 whose width is twice `half`.
 std::string blocker_xml(double half, const std::string& bsdf) {
     return fmt::format(
         "<shape type='rectangle'><transform name='to_world'><scale value='{}'/>"
@@ -41,7 +41,7 @@ std::string blocker_xml(double half, const std::string& bsdf) {
 
 constexpr int lights_a_side = 4;
 
-/// Squares at z = 4 that shine down, 0.3 wide, of colours and strengths that all differ.
+/// Squares at z = 4, 0.3 wide, that shine down. Their colours and strengths all differ.
 std::string lamps_xml() {
     std::string xml;
     for (int i = 0; i < lights_a_side; ++i)
@@ -54,7 +54,7 @@ std::string lamps_xml() {
     return xml;
 }
 
-/// The same in their middles.
+/// Point lights in the middles of the squares of lamps_xml.
 std::string points_xml() {
     std::string xml;
     for (int i = 0; i < lights_a_side; ++i)
@@ -85,7 +85,7 @@ DirectLight direct_of(const LoadedScene& scene, const std::string& text, std::ui
     return {*rendered.image[Component::direct], rendered.counts};
 }
 
-/// Each channel's mean of `direct` over seeds.
+/// The mean of `direct` over the image in each channel, as moments over seeds.
 std::array<test::Moments, 3> means_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes,
                                       int seeds = 16) {
     std::array<test::Moments, 3> moments;
@@ -97,8 +97,8 @@ std::array<test::Moments, 3> means_of(const LoadedScene& scene, const std::strin
     return moments;
 }
 
-/// Equal within 5 standard errors of the difference (16 seeds each: once in 5e4 comparisons by chance; there are
-/// about 40) and a part `bias` of the value; the errors must be small enough to show 2 %.
+/// Expects the means to differ by at most 5 standard errors of the difference (16 seeds each: by chance once in 5e4
+/// comparisons; there are about 40) and the share `bias` of the value. The errors must be small enough to show 2 %.
 void expect_equal_means(const std::array<test::Moments, 3>& found, const std::array<test::Moments, 3>& expected,
                         double bias = 0) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -108,11 +108,11 @@ void expect_equal_means(const std::array<test::Moments, 3>& found, const std::ar
     }
 }
 
-/// Solid angle of a square of half the width a, from the distance h above its middle.
+/// Solid angle of a square of half width a, seen from the distance h above its middle.
 double square_solid_angle(double a, double h) { return 4 * std::atan(a * a / (h * std::sqrt(2 * a * a + h * h))); }
 
-// Under a point light the floor receives I times its solid angle, all of it kept, though the blocker hides its own
-// part. The photons are a net, so their error is far below 1 / sqrt(n).
+// Under a point light the floor receives I times its solid angle. Shadow photons keep all of this power, though the
+// blocker hides a part. They are emitted by a net of quasi-random numbers, so their error is far below 1 / sqrt(n).
 TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     const auto scene = floor_scene(blocker_xml(0.5, test::diffuse(0.5)) +
                                    "<emitter type='point'><point name='position' x='0' y='0' z='4'/><rgb "
@@ -135,8 +135,9 @@ TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
     EXPECT_GE(result.rays, result.emitted + result.photons.size());
 }
 
-// 8e-43 W in 2^14 photons: a float holds none of them. In an empty box each way meets one surface, so that they have pi
-// times radiance times area together. Rounded are the radiance, the size (twice in an area), the area, and each power.
+// The light emits 8e-43 W in 2^14 photons; as a float in W, the power of each would be 0. In an empty box each path
+// meets one surface, so the photons together have pi times radiance times area. The radiance, the size (twice in an
+// area), the area and each power are rounded.
 TEST(ShadowPhotons, FaintLightLosesNone) {
     const auto scene = test::scene_of(test::scene_xml(
         "<sensor type='perspective'/><shape type='cube'><boolean name='flip_normals' value='true'/>"
@@ -150,16 +151,16 @@ TEST(ShadowPhotons, FaintLightLosesNone) {
     EXPECT_NEAR(sum / (std::numbers::pi * 1e-20 * 24e-24), 1, 5 * 0x1p-24);
 }
 
-/// Of the floor, on the side that the lights shine at.
+/// A hit on the floor, on the side that the lights shine at.
 SurfaceHit floor_hit(const Scene& scene, float x, float y) {
     return scene.intersect({Vec3(x, y, scene.bounds().lower.z() - 1.f), Vec3::UnitZ()}).value();
 }
 
 struct Agreement {
-    double wrong, open;  ///< shares of all (point, light)
+    double wrong, open;  ///< shares of all pairs (point, light)
 };
 
-/// Verdicts on point lights against their shadow rays at points of the floor.
+/// Compares the verdicts on point lights with shadow rays, at points of the floor.
 Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) {
     const Scene& scene = *loaded.scene;
     const ShadowPhotonSettings settings{photons, Shadows::both, 32};
@@ -180,10 +181,11 @@ Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) 
     return {static_cast<double>(wrong) / all, static_cast<double>(open) / all};
 }
 
-// Shadows have edges of a length that stays, so what is open lies in cells along them: a share that falls with their
-// width, about as photons^(-1/2); by a factor of 16 in photons it must fall to less than half. Where an edge crosses
-// a cell, a share v of it lit, v^n (1 - v) + (1 - v)^n v of it has a wrong verdict on average: 2 / ((n + 1) (n + 2))
-// if v is uniform, 1.8e-3 at n = 32. Larger cells around it that decided before add less than as much again.
+// The length of the shadows' edges is fixed, and open verdicts lie in regions along them. Their share falls
+// with the width of regions, about as photons^(-1/2); 16 times as many photons must reduce it to less than
+// half. If an edge crosses a region and the share v of the region is lit, the share v^n (1 - v) + (1 - v)^n v
+// has a wrong verdict on average: 2 / ((n + 1) (n + 2)) if v is uniform, 1.8e-3 at n = 32. Larger regions that
+// were decided before add less than as much again.
 TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
     const auto scene = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + points_xml());
     std::optional<Agreement> before;
@@ -198,7 +200,8 @@ TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
     }
 }
 
-// What a number of u leads to a light is the probability that the estimator divides by; every light has one.
+// The share of numbers u that lead to a light is the probability that the estimator divides by. Every light has a
+// positive one with Shadows::skip and Shadows::guide.
 TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
     const auto loaded = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + lamps_xml());
     const Scene& scene = *loaded.scene;
@@ -227,7 +230,7 @@ TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
     }
 }
 
-// Few photons: many cells are wrong about many lights, and the estimate must not depend on it.
+// With few photons, many regions are wrong about many lights; the estimate must not depend on this.
 TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
     const auto scene = floor_scene(blocker_xml(0.9, test::diffuse(0.5)) + lamps_xml());
     const auto expected = means_of(scene, "path", 256);
@@ -249,7 +252,7 @@ TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
     EXPECT_EQ(skipped.counts.photons, 100000u);
 }
 
-// Under a blocker that hides every lamp only photons that say so leave out the rays, and the image is black.
+// A blocker hides every lamp. The shadow photons report this, so no shadow ray is traced and the image is black.
 TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
     const auto scene = floor_scene(blocker_xml(40, test::diffuse(0.5)) + lamps_xml());
     const DirectLight both = direct_of(scene, label("both", "1e5"), 4);
@@ -257,8 +260,8 @@ TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
     EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
 }
 
-/// Mean over pixels and channels of the square of the mean error over seeds, less its variance, as a share of the
-/// light.
+/// Root of the mean squared bias, relative to the root mean square of the light. The squared bias of a pixel and
+/// channel is the square of the mean error over seeds, less the variance of that mean.
 double relative_bias(const LoadedScene& scene, const std::string& text, const Image& truth) {
     constexpr int seeds = 16;
     Image sum(truth.width, truth.height), squares(truth.width, truth.height);
@@ -307,7 +310,7 @@ TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
     EXPECT_LT(shadow_rays["both"], 0.85 * static_cast<double>(shadow_rays["guide"]));
 }
 
-// Half of the light passes the holes of a mask, so that its photons can say neither lit nor dark.
+// A mask lets half of the light through its holes, so its photons can say neither lit nor dark.
 TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
     const std::string mask = "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>";
     const auto holes = floor_scene(blocker_xml(40, mask) + lamps_xml());
@@ -322,14 +325,15 @@ TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
     }
 }
 
-// Light that comes through glass is a caustic: behind it every photon is a shadow photon.
+// Light through glass is a caustic, so every photon behind glass is a shadow photon.
 TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
     const auto scene = test::shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
     for (const char* use : {"skip", "guide", "both"})
         EXPECT_EQ(mean_of(direct_of(scene, label(use, "1e4"), 4).direct).maxCoeff(), 0) << use;
 }
 
-// A lamp with a dark half, a point, a spot, sunlight and sky with a blocker, over a floor that a sphere stands on.
+// The lights are two lamps (one with a dark half), a point, a spot, sunlight and sky. A
+// sphere stands on the floor, under a blocker.
 TEST(ShadowPhotons, EveryKindOfLightIsRight) {
     const auto scene = floor_scene(
         blocker_xml(0.7, test::diffuse(0.5)) +
@@ -360,7 +364,7 @@ TEST(ShadowPhotons, EveryKindOfLightIsRight) {
 TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
     const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
     for (const char* use : {"skip", "guide", "both"}) {
-        // Enough that cells are built in parallel.
+        // The photons are so many that regions are built in parallel.
         const std::string text = label(use, "1e5");
         const Image one = *render(scene, text, 1, 1, 1)[Component::direct];
         for (const int threads : {2, 5})

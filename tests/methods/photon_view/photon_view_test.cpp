@@ -1,3 +1,4 @@
+// The view of a photon map: a disc for each photon, on the side where the photon arrived.
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/scene_fixtures.h"
 
@@ -19,9 +20,9 @@ LoadedScene floor_under_a_ceiling(const std::string& eye) {
         "value='1'/></emitter>"));
 }
 
-// A photon lights up a disc of the radius that is asked for: where few photons lie far apart, the lit share of a floor
-// that fills the image is photons x pi r^2 over the floor's area, and each shows its share of the mean power, which is
-// 1 on average.
+// A photon lights up a disc of the given radius. If photons lie far apart, the lit share of a floor
+// that fills the image is photons x pi r^2 over the floor's area. Each disc shows its photon's power
+// over the mean power, which is 1 on average.
 TEST(PhotonView, LightsUpADiscForEachPhoton) {
     const auto scene = floor_under_a_ceiling("0,0,1.9");
     const std::string label = "photon_view map=global photons=300 size=0.0003";
@@ -36,12 +37,12 @@ TEST(PhotonView, LightsUpADiscForEachPhoton) {
         bright += lit.at(i)[0] > 0.f;
     EXPECT_GE(bright, on_floor / 2);
     EXPECT_LE(bright, on_floor * 12) << "a disc of " << r << " meets few pixels of 1/64";
-    // Powers are nearly alike here; the mean over the image is the lit share.
+    // Powers are nearly equal here, so the mean over the image is the lit share.
     const double expected = static_cast<double>(on_floor) * std::numbers::pi * static_cast<double>(r * r) / 4;
     EXPECT_NEAR(mean_of(lit).mean(), expected, 0.3 * expected);
 }
 
-// From above only the dark side of the ceiling is seen, though photons lie on its other side.
+// From above, only the dark side of the ceiling is seen; photons lie on its other side.
 TEST(PhotonView, ShowsTheSideThatAPhotonArrivedAt) {
     const Image dark = *render(floor_under_a_ceiling("0,0,5"), "photon_view map=global photons=3000 size=0.003",
                                4)[Component::indirect];

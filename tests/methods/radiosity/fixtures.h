@@ -1,5 +1,5 @@
 #pragma once
-// Small scenes for radiosity, and its parts put together by hand.
+// Small scenes for tests of radiosity, and a struct that assembles its patches, light, links and equation system.
 
 #include "methods/radiosity/light.h"
 #include "methods/radiosity/system.h"
@@ -40,7 +40,8 @@ struct PatchedScene {
     PatchLinks links;
     RadiositySystem system;
 
-    /// `size` in scene units; all leaves are linked if `links` is 0.
+    /// `size`: longest edge of a patch [scene units]; `error`: bound of the links'
+    /// error, where 0 links all pairs of leaves.
     PatchedScene(const std::string& xml, double size, double error = 0, bool closed = true)
         : loaded(scene_of(scene_xml(inside_view + xml))),
           charts(*loaded.scene),

@@ -1,4 +1,4 @@
-// How surfaces become patches.
+// The division of surfaces into patches: charts, leaves, contacts and vertices.
 #include "methods/radiosity/contacts.h"
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/scene_text.h"
@@ -24,7 +24,7 @@ std::string shape(const std::string& type, const std::string& transform, const s
     return "<shape type='" + type + "'><transform name='to_world'>" + transform + tilt + inside + "</shape>";
 }
 
-/// A shape of a mesh, its vertices and faces as an OBJ file has them; the file is there until the program ends.
+/// A mesh with the vertices and faces of the OBJ text `obj`; its file exists until the program ends.
 std::string obj_shape(const std::string& name, const std::string& obj, const std::string& transform = "") {
     static const TemporaryFolder folder;
     return shape("obj", transform, "<string name='filename' value='" + folder.write(name, obj) + "'/>" + grey);
@@ -36,7 +36,7 @@ std::string pyramid() {
                      "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
                      "<scale value='2'/>");
 }
-/// One quadrilateral, no parallelogram, of two triangles.
+/// One quadrilateral of two triangles, which is no parallelogram.
 std::string trapezoid() {
     return obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
 }
@@ -110,7 +110,7 @@ TEST_P(EveryShapeInPatches, FindsThePlaceOfEveryPoint) {
             sum += weights[k];
         }
         EXPECT_NEAR(sum, 1, 1e-9);
-        // Chords of an arc of 20 degrees are 1.5 % of its radius away.
+        // The chord of an arc of 20 degrees is at most 1.5 % of the radius away from the arc.
         EXPECT_LT((p - hit.p.cast<double>()).norm(), 0.04) << i;
         EXPECT_FALSE(mesh_.locate(hit, -hit.ng)) << "the back of a one-sided material has no patch";
     }
@@ -152,11 +152,11 @@ TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
         for (std::size_t i = 0; i < 3; ++i)
             longest2 =
                 std::max(longest2, (node.polygon.vertices[(i + 1) % 3] - node.polygon.vertices[i]).squaredNorm());
-        EXPECT_GT(node.area, 0.99 * 2.5 / 26 * longest2);  // as the first one's
+        EXPECT_GT(node.area, 0.99 * 2.5 / 26 * longest2);  // ratio of the whole: area 2.5, longest edge^2 26
     }
 }
 
-// A box stands on the floor: the leaves that its outline crosses are halved as often as asked, and no others.
+// A box stands on the floor. The leaves that its outline crosses are halved as often as asked, and no others.
 TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
     constexpr int halvings = 6;
     const auto scene = scene_of(scene_xml(
@@ -189,7 +189,7 @@ TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
             ++halved;
         }
     }
-    EXPECT_GE(halved, 4 * halvings);  // each quarter of the floor, at every size
+    EXPECT_GE(halved, 4 * halvings);  // each quarter of the floor is halved at every size
     PatchMesh other(charts, 1.01, 100);
     EXPECT_THROW(halve_at_contacts(other, halvings, 30, rays), InputError);
 }
@@ -212,7 +212,8 @@ TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
     }
 }
 
-/// Ever smaller patches into a corner of the first side: `rounds` halvings, each of the last half or the one before.
+/// Halves a leaf and then, `rounds` times in all, one of the two halves made last, so that ever smaller patches
+/// approach a corner of the first side.
 void halve_into_a_corner(PatchMesh& mesh, int rounds) {
     auto node = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
     for (int k = 0; k < rounds; ++k) {
@@ -222,7 +223,8 @@ void halve_into_a_corner(PatchMesh& mesh, int rounds) {
     }
 }
 
-/// Values of all vertices by chance, those at T-junctions as they are bound.
+/// Pseudo-random values of all vertices; the value at a T-junction is the mean
+/// of the two vertices that it is bound to.
 std::vector<double> bound_values(const PatchVertices& vertices) {
     std::vector<double> values(vertices.vertices().size());
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -232,8 +234,8 @@ std::vector<double> bound_values(const PatchVertices& vertices) {
     return values;
 }
 
-// Whatever the corners' values are, what is interpolated from both sides of an edge agrees, also where small patches
-// meet a large one.
+// Values that are interpolated from both sides of an edge agree whatever the corners' values are, also where small
+// patches meet a large one.
 TEST(PatchVertices, InterpolateWithoutCracks) {
     const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + grey + "</shape>"));
     const Charts charts(*scene.scene);
@@ -266,7 +268,7 @@ TEST(PatchVertices, InterpolateWithoutCracks) {
     EXPECT_GT(compared, 100);
 }
 
-// The same between triangles: on every edge, at points of it that another leaf has too.
+// The leaves are triangles here. Values are compared at points of every edge that also belong to another leaf.
 TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
     const auto scene = scene_of(scene_xml(inside_view + obj_shape("one.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")));
     const Charts charts(*scene.scene);
@@ -283,7 +285,7 @@ TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
             value += weights[k] * values[vertices.of_leaf(leaf)[k]];
             there += weights[k] * uv_of(mesh.nodes()[leaf].corners[k]);
         }
-        if ((there - uv).norm() > 1e-9) return std::nullopt;  // outside, where weights are cut off
+        if ((there - uv).norm() > 1e-9) return std::nullopt;  // outside the leaf, where weights are cut off
         return value;
     };
     int compared = 0;

@@ -1,4 +1,4 @@
-// Radiosity as a method: what its images show, refuse and leave out.
+// Radiosity as a method: what its images show, which scenes and settings it refuses, and which light it leaves out.
 #include "common/core/files.h"
 #include "common/mesh_files/mesh_data.h"
 #include "methods/radiosity/view.h"
@@ -15,7 +15,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The runs of a label on a scene: what `use` says of one after `passes` passes.
+/// Runs the method of a label on a scene for `passes` passes or until it has
+/// converged; returns what `use` makes of the run.
 template <typename Use>
 auto after(const LoadedScene& scene, const std::string& label, std::uint32_t passes, Use&& use) {
     const MethodLabel parsed = MethodLabel::parse(label);
@@ -55,14 +56,14 @@ TEST(Radiosity, ShowsWhatPathTracingDoes) {
     const double level = mean_of(*truth[Component::indirect]).mean();
     for (const char* label : {"radiosity patch=0.04 links=0.005", "radiosity patch=0.1 links=0.005 gather=16"}) {
         const ComponentImages found = render(scene, label, 32);
-        // 16 x 16 pixels of 1024 paths: noise of 2 % a pixel.
+        // The path-traced image has 16 x 16 pixels of 1024 paths: noise of 2 % a pixel.
         EXPECT_LT(mean_difference(*found[Component::indirect], *truth[Component::indirect]), 0.035 * level) << label;
         EXPECT_NEAR(mean_of(*found[Component::indirect]).mean() / level, 1, 0.01) << label;
     }
 }
 
-/// Irradiance at `p` of the floor z = 0 by light that a wall in x = 0 reflects straight from a point light: the sum
-/// over the wall.
+/// Irradiance at `p` on the floor z = 0 due to light that goes from a point light to a wall in x = 0 and from there
+/// straight to `p`: a sum over n x n parts of the wall.
 double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensity, double rho) {
     constexpr int n = 400;
     double E = 0;
@@ -76,7 +77,7 @@ double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensi
     return E;
 }
 
-// Away from edges of shadows, the error falls at first order or better in the size of patches.
+// Away from the edges of shadows, the error falls with the size of patches, at first order or better.
 TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
     const Vec3d light(0.8, 0.2, 1.3);
     const auto scene = scene_of(
@@ -95,7 +96,7 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
         double error = 0, level = 0;
         for (int i = 0; i < 64; ++i) {
             const Vec3d p(0.2 + 1.6 * (i % 8 + 0.3) / 8, -0.8 + 1.6 * (i / 8 + 0.6) / 8, 0);
-            const Vec3d center(1, 0, 1);  // of the scene, where its own origin is
+            const Vec3d center(1, 0, 1);  // the scene's centre, which is the origin of its coordinates
             const auto hit =
                 scene.scene->intersect({Vec3((p - center).cast<float>() + Vec3(0, 0, 0.1f)), Vec3(0, 0, -1)});
             ASSERT_TRUE(hit);
@@ -134,7 +135,7 @@ TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
     EXPECT_EQ(stages_after.back().name, "view");
 }
 
-// While the solution changes, images show the last one only.
+// While the solution changes, images show the latest solution only.
 TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
     const auto scene = scene_of(scene_xml(inside_view + room));
     StageTimes stages;
@@ -156,7 +157,7 @@ TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
     EXPECT_LT(early, 0.99 * late);
 }
 
-// A floor under a plate that is lit from above and reflects there only.
+// A floor lies under a plate that is lit from above and reflects on its upper side only.
 TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
     const auto scene = scene_of(scene_xml(
         "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><lookat origin='0 -3 0.4' "
@@ -171,7 +172,7 @@ TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
     }
 }
 
-// A wall that stands on the floor makes edges in its light, which patches of the solution's size cannot show.
+// A wall that stands on the floor causes edges in the irradiance, which patches of the solution's size cannot show.
 TEST(Radiosity, HalvesPatchesWhereLightChanges) {
     const std::string wall =
         "<shape type='cube'><transform name='to_world'><scale x='0.02' y='0.7' z='0.4'/><translate x='0.13' "

@@ -1,4 +1,4 @@
-// The equation system of radiosity and its solvers, against closed forms.
+// The equation system of radiosity and its solvers are compared with closed forms.
 #include "methods/radiosity/model.h"
 #include "tests/methods/radiosity/fixtures.h"
 
@@ -11,7 +11,7 @@ constexpr double pi = std::numbers::pi;
 
 std::string grey(double rho) { return one_sided(std::to_string(rho)); }
 
-/// A cubic room whose walls reflect differently, one of them nothing in two channels, with a block in it.
+/// A cubic room with a block in it. Its walls have different reflectances; one reflects nothing in two channels.
 const std::string coloured_room =
     "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform>" + one_sided("0.8 0.6 0.4") +
     "</shape><shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate "
@@ -61,14 +61,14 @@ TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
     }
 }
 
-// What was reflected first has been absorbed, or waits to be shot.
+// The power of the first reflection has been absorbed or is still to be shot.
 TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
     const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::shooting);
     const double first = scene.system.power(solution->radiosity())[0];
     for (int sweep = 0; sweep < 6; ++sweep) {
         solution->sweep();
-        double received = 0;  // of reflected light: (X - B1) / rho
+        double received = 0;  // flux of reflected light: sum of area (B - B1) / rho, where B1 is the first reflection
         for (const std::uint32_t leaf : scene.system.leaves())
             received += scene.system.area(leaf) *
                         (solution->radiosity()[leaf][0] - scene.system.first_reflection(leaf)[0]) / 0.6;
@@ -77,8 +77,8 @@ TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
     }
 }
 
-// In a closed room of one reflectance, the ambient estimate adds just the power that is still to be reflected, and it
-// is no part of the solution.
+// In a closed room of one reflectance, the ambient estimate adds exactly the power that is still to be reflected. The
+// estimate is not part of the solution.
 TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
     const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::shooting);
@@ -92,8 +92,8 @@ TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
     }
 }
 
-// Were patches to gather what the sweep before left, each sweep would add one reflection, and rho^(n + 1) would be
-// missing after n of them.
+// If patches received the radiosity of the sweep before (Jacobi iteration), each sweep would add one reflection;
+// rho^(n + 1) would be missing after n sweeps.
 TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
     const PatchedScene scene(hollow_cube(grey(0.9)) + point_light("0.5 0 0", 1), 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::gauss_seidel);
@@ -102,8 +102,8 @@ TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
     EXPECT_LT(solution->residual(), std::pow(0.9, 9) / 2);
 }
 
-// Of all light that leaves a closed cube's walls the share rho is reflected again: flux / area rho / (1 - rho),
-// whatever its walls see.
+// Walls of a closed cube reflect the share rho of all light that reaches them. The mean indirect irradiance is flux /
+// area rho / (1 - rho), whatever the walls see of each other.
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
@@ -113,14 +113,14 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     }
 }
 
-// Between flat patches that nothing hides, form factors are those of the closed form: what scaling has to mend is
-// small.
+// Form factors between flat patches without occluders have a closed form, so the scaling of rows corrects little.
 TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
     const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0 0 0", 1), 0.51);
     EXPECT_LT(scene.system.closure().largest, 1e-3);
 }
 
-// Whatever the light, every point of a sphere receives the same from all others: 4 pi / (4 pi r^2) rho / (1 - rho).
+// Every point of a sphere receives the same indirect irradiance, whatever the
+// light: 4 pi / (4 pi r^2) rho / (1 - rho).
 TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
@@ -132,7 +132,7 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     }
 }
 
-/// Standard deviation of indirect light over an integrating sphere's patches, over its mean.
+/// Standard deviation of the indirect irradiance of an integrating sphere's patches over its mean, which is 1.
 double unevenness_of_a_sphere(double size) {
     const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
@@ -142,8 +142,8 @@ double unevenness_of_a_sphere(double size) {
     return std::sqrt(mean_over(scene.system, E, 0));
 }
 
-// Chords are not the sphere, and those of larger and smaller patches are off by different shares, of second order in
-// their size.
+// Chord polygons deviate from the sphere. Larger and smaller patches deviate by
+// different shares, of second order in their size.
 TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
     const double coarse = unevenness_of_a_sphere(0.45), fine = unevenness_of_a_sphere(0.225);
     EXPECT_LT(fine, coarse / 2) << coarse << ' ' << fine;
@@ -177,7 +177,7 @@ TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
     }
 }
 
-// Links between groups give what links between all patches do, with fewer of them.
+// Links between groups transport the same light as links between all patches, and there are fewer of them.
 TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
     const PatchedScene all(coloured_room, 0.26, 0, false), grouped(coloured_room, 0.26, 0.05, false);
     EXPECT_LT(grouped.links.links.size(), all.links.links.size() / 2);
@@ -188,7 +188,7 @@ TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
                     0.01);
 }
 
-// What patches reflect of evenly distributed light, whatever makes it up.
+// A patch reflects the mean of its reflectance over evenly distributed light, be it constant, masked or textured.
 TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     const auto reflectance_of = [](const std::string& material) {
         const PatchedScene scene("<shape type='rectangle'>" + material + "</shape>" + point_light("0 0 1", 1), 3, 0,

@@ -1,3 +1,4 @@
+// Bias compensation of the density estimate: its effect on even light and near an edge.
 #include "methods/parts/density/bias_compensation.h"
 
 #include "tests/methods/parts/density/density_fixtures.h"
@@ -17,8 +18,8 @@ using test::white;
 constexpr std::size_t n = 40000, k = 500;
 const float radius = 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n)));
 
-/// Photons on [-1, 1]^2 of density 1 where x < 0 and `beyond` elsewhere, all of the same power or, with
-/// `spread_powers`, of powers 0.2 and 1.8.
+/// Photons on [-1, 1]^2 whose power density is 1 where x < 0 and `beyond` elsewhere. All have the same power; with
+/// `spread_powers`, the powers are 0.2 and 1.8 times as large.
 std::vector<Photon> step(float beyond, bool spread_powers, std::uint64_t seed) {
     std::vector<Photon> photons;
     const auto at = [](float x) { return Vec3(x, -1, 0); };
@@ -32,7 +33,8 @@ std::vector<Photon> step(float beyond, bool spread_powers, std::uint64_t seed) {
     return photons;
 }
 
-/// By compensation (off, on) and by distance from the step, in radii of k photons.
+/// Estimates relative to the truth, first without and then with compensation. Distances from the step are in units of
+/// the radius of k photons.
 std::vector<std::vector<Moments>> estimates(float beyond, bool spread_powers, const std::vector<float>& distances,
                                             std::size_t maps) {
     static const LoadedScene scene = scene_of_shapes(white("rectangle", ""));
@@ -50,9 +52,9 @@ std::vector<std::vector<Moments>> estimates(float beyond, bool spread_powers, co
 
 double deviation(const Moments& m) { return m.standard_error() * std::sqrt(static_cast<double>(m.count())); }
 
-// False alarms settle for discs that look too bright more often than for those that look too dark: the mean rises by
-// 0.3 to 0.5 % (0 % with powers as unequal as these). The bounds are 1 % of the mean and 1.8 times the full disc's
-// deviation.
+// False alarms choose discs that look too bright more often than discs that look too dark: the
+// mean rises by 0.3 to 0.5 % (0 % with powers as unequal as these). The bounds are 1 % of the mean
+// and 1.8 times the full disc's deviation.
 TEST(BiasCompensation, OnEvenPhotonsTheMeanStaysAndTheNoiseHardlyGrows) {
     for (bool spread_powers : {false, true}) {
         const auto found = estimates(1.f, spread_powers, {1.3f, 3.8f, 6.3f}, 400);
@@ -67,8 +69,9 @@ TEST(BiasCompensation, OnEvenPhotonsTheMeanStaysAndTheNoiseHardlyGrows) {
     }
 }
 
-// On the dark side of a step by a factor of 10 the full disc's bias falls by 3 to 5 or more, on the bright side, where
-// half of the photons cannot be missed by as much, by 1.15 or more. Beyond the disc of k photons nothing changes.
+// Near a step by a factor of 10, compensation divides the full disc's bias by 3 to 5 or more on the dark side. On the
+// bright side, where at most half of the photons are missing, it divides the bias by 1.15 or more. Farther from the
+// step than the radius of k photons nothing changes.
 TEST(BiasCompensation, NearAnEdgeTheBiasFalls) {
     const std::vector<float> distances = {0.2f, 0.4f, 0.7f, 3.f};
     const auto dark = estimates(10.f, false, distances, 60), bright = estimates(0.1f, false, distances, 60);

@@ -1,3 +1,4 @@
+// Kernels and the density estimate on surfaces: bias, variance and which photons count.
 #include "methods/parts/density/density_estimate.h"
 
 #include "tests/methods/parts/density/density_fixtures.h"
@@ -32,7 +33,8 @@ TEST(Kernel, EachIntegratesToOneOverItsDisc) {
     }
 }
 
-/// Evenly spread photons of 1 [W/area] on a square, looked up far enough apart that no two discs overlap.
+/// The estimate relative to the truth on a square with evenly spread photons of 1 [W/area]. Look-ups are so far apart
+/// that no two discs overlap.
 Moments on_even_photons(const DensityEstimator& estimator, std::uint64_t look_ups) {
     static const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
     constexpr std::size_t n = 20000;
@@ -52,9 +54,9 @@ Moments on_even_photons(const DensityEstimator& estimator, std::uint64_t look_up
                                     {eyes})[0][0];
 }
 
-// The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel, so 4e5, 6e4, 2.4e4 and 8e3 look-ups
-// put 0.3 % at three standard errors or more (alpha < 0.003 each). k photons instead of k - 1 would be off by 25, 5, 2
-// and 0.5 %.
+// The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel. With 4e5, 6e4, 2.4e4 and 8e3
+// look-ups, 0.3 % is three standard errors or more (alpha < 0.003 each). An estimate from k photons instead of k - 1
+// would be off by 25, 5, 2 and 0.5 %.
 TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
     const std::vector<std::pair<std::size_t, std::uint64_t>> cases = {
         {5, 400000}, {20, 60000}, {50, 24000}, {200, 8000}};
@@ -62,9 +64,9 @@ TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
         EXPECT_NEAR(on_even_photons({Kernel::uniform, k, 1.f, DiscArea::plain}, look_ups).mean(), 1.0, 0.003) << k;
 }
 
-// For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, with v = 0, 1/2, 0.313 and 1/3 that of a kernel's
-// weights: at most 0.5, which over 6e5 look-ups in hundreds of independent maps leaves a standard error below 0.001.
-// The part of the disc on the surface is all of it, which `surface` must find.
+// For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, where v is the variance of a kernel's weights: 0,
+// 1/2, 0.313 and 1/3. It is at most 0.5, so 6e5 look-ups in hundreds of independent maps have a standard error below
+// 0.001. The whole disc lies on the surface, which `surface` must find.
 TEST(DensityEstimate, EveryKernelIsUnbiasedOnUniformPhotons) {
     const std::array variance = {1. / 3, 0.5, 4. / 3 * (1 + 0.313 / 4) - 1, 4. / 3 * (1 + 1. / 12) - 1};
     for (std::size_t i = 0; i < kernel_names.size(); ++i)
@@ -78,7 +80,7 @@ TEST(DensityEstimate, EveryKernelIsUnbiasedOnUniformPhotons) {
         }
 }
 
-/// A white square, few photons around its middle.
+/// A white square with few photons around its middle.
 struct FewPhotons {
     LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
     RayQueries rays{*scene.scene};
@@ -115,7 +117,8 @@ TEST(DensityEstimate, PhotonsOfTooLongPathsDoNotCount) {
         }
 }
 
-// What the textbooks' estimate counts, and what is rejected: photons of the underside, of a wall, and of a ledge above.
+// The photons within reach lie on the surface, on its underside, on a wall and on a ledge above. `plain` counts all
+// of them, as the textbooks' estimate does; `rejected` and `surface` count the first only.
 TEST(DensityEstimate, PlainCountsEveryPhotonInTheBall) {
     const std::vector<Photon> photons = {photon_at(Vec3(0.1f, 0, 0), up, 1),
                                          photon_at(Vec3(0.1f, 0.1f, -1e-3f), -up, 2),
@@ -132,7 +135,7 @@ TEST(DensityEstimate, PlainCountsEveryPhotonInTheBall) {
     }
 }
 
-// A fixed radius counts every photon within it, however many there are, and stores none.
+// A fixed radius counts all photons within it, however many there are, and stores none.
 TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
     std::vector<Photon> photons;
     spread(photons, 200000, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, 1);
@@ -149,8 +152,8 @@ TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
     }
 }
 
-// The bound of the ratio of normals loses sin^2(delta) / 200 of even light to second order; |wi.ns| integrates to pi
-// over every hemisphere.
+// The bound of the normals' ratio loses the share sin^2(delta) / 200 of even light, to second order in delta. Without
+// the bound nothing would be lost, because |wi.ns| integrates to pi over every hemisphere.
 TEST(DensityEstimate, TheBoundOfTheNormalsRatioLosesWhatItsCommentSays) {
     const LoadedScene scene = scene_of_shapes(white("rectangle", "<scale value='2'/>"));
     SurfaceHit hit = *scene.scene->intersect(down_at(0, 0));

@@ -32,8 +32,8 @@ inline std::string white(const std::string& type, const std::string& transform) 
            "</shape>";
 }
 
-/// A scene of these shapes. Two specks far away on opposite sides keep its centre, and so its coordinates, where the
-/// file has them.
+/// A scene of these shapes. Two specks far away on opposite sides keep the scene's centre at the origin, so that its
+/// coordinates are as in the file.
 inline LoadedScene scene_of_shapes(const std::string& shapes) {
     const auto speck = [](const char* at) {
         return white("rectangle", std::string("<scale value='0.001'/><translate ") + at + "/>");
@@ -42,8 +42,8 @@ inline LoadedScene scene_of_shapes(const std::string& shapes) {
                               speck("x='-10' y='-10' z='-10'") + speck("x='10' y='10' z='10'")));
 }
 
-/// Estimates divided by the truth `E` / pi, over `maps` independent sets of photons, by estimator and by group of
-/// rays, whose hits are looked up. `make` returns the photons of a seed.
+/// Estimates divided by the truth `E` / pi over `maps` independent sets of photons, for each estimator and each group
+/// of rays. The hits of the rays are looked up; `make` returns the photons of a seed.
 using Groups = std::vector<std::vector<Ray>>;
 inline std::vector<std::vector<Moments>> relative_estimates(
     const Scene& scene, const std::vector<DensityEstimator>& estimators, std::size_t maps, double E,

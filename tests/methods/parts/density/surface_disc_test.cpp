@@ -1,3 +1,4 @@
+// The part of a disc that lies on the surface (area=surface) at edges, walls, corners, layers and on spheres.
 #include "methods/parts/density/surface_disc.h"
 
 #include "tests/methods/parts/density/density_fixtures.h"
@@ -15,11 +16,12 @@ using test::white;
 const Vec3 up(0, 0, 1);
 const std::string floor_square = white("rectangle", "");
 
-/// k photons of n over [-1, 1]^2 lie within about the radius r.
+/// About k of the n photons over [-1, 1]^2 lie within the radius r.
 constexpr std::size_t n = 20000, k = 100;
 const float r = 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n)));
 
-/// Photons of 1 [W/area] on [-1, 1]^2, those beyond the line x cos(turn) + y sin(turn) = at of 1000 times the power.
+/// Photons of 1 [W/area] on [-1, 1]^2. Those beyond the line x cos(turn) + y
+/// sin(turn) = at have 1000 times the power.
 std::vector<Photon> bright_beyond(float at, float turn, std::uint64_t seed) {
     std::vector<Photon> photons;
     spread(photons, n, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, seed);
@@ -38,9 +40,9 @@ std::vector<DensityEstimator> estimators(DiscArea area = DiscArea::surface) {
 
 std::string name_of(const DensityEstimator& e) { return std::string(kernel_names[static_cast<std::size_t>(e.kernel)]); }
 
-// The estimate stays within four standard errors and the 1 % that the noise of the probed area may add. Without the
-// area, an edge through the centre halves it; pi r^2 (1 - (acos(s) - s sqrt(1 - s^2)) / pi) is left at the distance s
-// r.
+// The estimate stays within four standard errors plus 1 %, which the noise of the probed area may add. If the area
+// were not cut, an edge through the centre would halve the estimate. At the distance s r from the edge, the area pi
+// r^2 (1 - (acos(s) - s sqrt(1 - s^2)) / pi) is left.
 TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     const LoadedScene scene = scene_of_shapes(floor_square);
     const auto photons = [](std::uint64_t seed) { return bright_beyond(2.f, 0.f, seed); };
@@ -64,8 +66,9 @@ TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     }
 }
 
-// A wall of no thickness at all, at any angle: what lies behind it, 1000 times brighter, adds nothing, and the
-// estimate is exact. With photons rejected by normal and height alone it is wrong by more than 100 at half a radius.
+// The wall has no thickness and stands at any angle. The light behind it is 1000 times brighter but adds
+// nothing, so the estimate is exact. If photons are rejected by normal and height alone, the estimate is
+// wrong by more than 100 at half a radius.
 TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     for (float turn : {0.f, 0.2f, 0.7f, 2.f}) {
         SCOPED_TRACE(turn);
@@ -97,9 +100,9 @@ TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     }
 }
 
-// Three walls meet; each has its own density. The photons of the others do not count, and what the discs lose beyond
-// the edges is known. A quarter of a fixed disc has 25 photons: 1 / sqrt(25 x 300) of standard error, times 1.15 at
-// most for the kernel.
+// Three walls meet, and each has its own density. Photons of the other walls do not count, and the area that discs
+// lose beyond the edges is known. A quarter of a fixed disc has 25 photons: the standard error is 1 / sqrt(25 x 300),
+// times 1.15 at most for the kernel.
 TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
     const LoadedScene scene =
         scene_of_shapes(white("rectangle", "<translate x='1' y='1'/>") +
@@ -126,8 +129,8 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
         }
 }
 
-// Layers 1e-4 of the scene's size (about 35) apart, with the same normal: the photons of the lower one, and of both
-// undersides, do not count on the upper one, nor the other way round.
+// Two layers with the same normal are 1e-4 of the scene's size (about 35) apart. On each layer, the photons of the
+// other one and of both undersides do not count.
 TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
     constexpr float gap = 3.5e-3f;
     const LoadedScene scene =
@@ -157,8 +160,8 @@ TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
     }
 }
 
-// The cap of a sphere within the chord d has the area pi d^2: nothing is to be cut, inside or outside, up to radii
-// near the sphere's own.
+// The cap of a sphere within the chord d has the area pi d^2, so nothing is cut, inside or outside, for radii up to
+// nearly the sphere's own.
 TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
     const LoadedScene scene = scene_of_shapes("<shape type='sphere'>" + test::diffuse(1.0) + "</shape>");
     const auto photons = [](float side) {

@@ -1,3 +1,4 @@
+// Kernels and the density estimate in participating media.
 #include "methods/parts/density/volume_estimate.h"
 
 #include "common/sampling/sampler.h"
@@ -53,7 +54,7 @@ const LoadedScene& empty_space() {
     return scene;
 }
 
-/// Photons of value 1 / count each, uniform in a cube of side 2 around (0, 0, 5): the density is 1/8 everywhere in it.
+/// Photons of power 1 / count each, uniform in a cube of side 2 around (0, 0, 5), where the density is 1/8.
 PhotonMap uniform_photons(std::uint64_t seed, std::size_t count) {
     std::vector<Photon> photons;
     for (std::size_t i = 0; i < count; ++i) {
@@ -66,12 +67,13 @@ PhotonMap uniform_photons(std::uint64_t seed, std::size_t count) {
     return PhotonMap(std::move(photons), 1);
 }
 
-// The k-th photon lies on the rim: k inside would be too dense by k / (k - 1), 25 % for k = 5. Deviation of one look-up
-// 1 / sqrt(k - 2) for the uniform kernel, and somewhat more for the others.
+// The k-th photon lies on the rim: if k photons counted as inside, the density would be too large by the factor k /
+// (k - 1), 25 % for k = 5. One look-up has a relative deviation of 1 / sqrt(k - 2) for the uniform kernel, and
+// somewhat more for the others.
 TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
     const PhaseFunction isotropic;
     for (const Kernel kernel : kernels) {
-        Moments means;  // of maps: look-ups in one map share its photons
+        Moments means;  // one for each map, because look-ups in one map share its photons
         std::vector<PhotonMap::Neighbour> found;
         for (std::uint64_t seed = 1; seed <= 32; ++seed) {
             const PhotonMap map = uniform_photons(seed, 40000);
@@ -110,14 +112,16 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);
     EXPECT_NEAR(sum({3})[1], 3, 1e-4) << "edges";
-    // Four that were never split, and one of the same stratum, counted for all 32 with one of the two weights.
+    // Four photons were never split by wavelength. One has the eye path's stratum; it counts for all 32 strata, but
+    // with only one of the two weights.
     ASSERT_GT(stratum_weight(16)[1], 0.1f);
     EXPECT_NEAR(sum({100, 16})[1], 4 + 32 / stratum_weight(16)[1], 1e-2);
     EXPECT_NEAR(sum({100, 20})[1], 4, 1e-4);
 }
 
-// At a distance d from a plane the ball of radius r has (r - d)^2 (2 r + d) / (4 r^3) of its volume behind it.
-// Its reciprocal is what the estimate takes; the reciprocal of the share among 8 probes is 12 % too large at the wall.
+// At a distance d from a plane, the share (r - d)^2 (2 r + d) / (4 r^3) of a ball of radius r lies
+// behind the plane. The estimate needs the reciprocal of the rest; the reciprocal of the share
+// among 8 probes is 12 % too large at the wall.
 TEST(VolumeEstimate, ReciprocalShareInSightIsThatOfTheBallBeforeAWall) {
     const auto scene = test::scene_of(test::scene_xml(
         "<sensor type='perspective'>" + test::box_film(4) +

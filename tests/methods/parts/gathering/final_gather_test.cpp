@@ -23,8 +23,8 @@ const std::vector<std::string> ways = {
     "gather=128 cache=on source=paths accuracy=0.3",
 };
 
-/// The indirect light's mean over the image is the path tracer's, by channel: within 1 %, which blurring may cost, and
-/// 4 standard errors of less than `resolution`.
+/// Expects the image's mean of indirect light to be the path tracer's in every channel: within 1 %, which blurring
+/// may cost, and 4 standard errors. The standard error must be less than the share `resolution` of the mean.
 void expect_the_path_tracers_mean(const LoadedScene& scene, const std::string& depth, double resolution) {
     const auto truth = means_over_seeds(scene, 256, 8, Component::indirect, "path" + depth);
     for (const auto& way : ways) {
@@ -42,7 +42,7 @@ TEST(FinalGather, IndirectLightIsThePathTracers) {
     expect_the_path_tracers_mean(test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}}), "", 0.01);
 }
 
-// Paths of 3, 4 and 6 edges, also where glass and a mirror make those to and from a gather ray longer.
+// Paths are limited to 3, 4 and 6 edges, also where glass and a mirror lengthen the paths to and from a gather ray.
 TEST(FinalGather, NoPathIsLongerThanAllowed) {
     const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
     const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
@@ -69,7 +69,8 @@ double relative_error(const Image& image, const Image& truth) {
     return std::sqrt(sum / static_cast<double>(image.rgb.size()));
 }
 
-// More rays, more records and more photons: each step brings the image nearer, until the truth's own noise is met.
+// More rays, records and photons bring the image nearer to the truth at every
+// step, until the truth's own noise is reached.
 TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
     const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{48, 48}});
     const Image truth = *render(box, "photon_mapper source=paths gather=256 photons=0", 64, 99)[Component::indirect];
@@ -89,8 +90,9 @@ TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
     }
 }
 
-// Walls thinner than the spacing of photons, places and records: what is gathered must not be farther from the path
-// tracer's image than the estimate that ends where the surface does. A leak is ten times as much.
+// The walls are thinner than the spacing of photons, places and records. The result of final
+// gathering must be as near to the path tracer's image as the density estimate that ends where the
+// surface does. A leak would make ten times the error.
 TEST(FinalGather, LeaksNotThroughThinWalls) {
     const auto wall = test::shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
     const Image truth = *render(wall, "path", 1024, 99)[Component::indirect];
@@ -100,9 +102,9 @@ TEST(FinalGather, LeaksNotThroughThinWalls) {
         EXPECT_LT(relative_error(*render(wall, photons + way, 4)[Component::indirect], truth), estimate) << way;
 }
 
-// In a furnace of albedo 1/2 indirect light is 1/4 of its radiance, whatever is gathered: no gradient, no blur. An
-// estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)); what a pixel gathers is the mean of many, of
-// which 4 or more do not overlap.
+// In a furnace of albedo 1/2, the indirect light is 1/4 of the radiance at every point: there is no gradient and no
+// blur. An estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)). A pixel is the mean of many
+// estimates, 4 or more of which do not overlap.
 TEST(FinalGather, FurnaceIsEven) {
     const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
     for (const auto& way : ways) {

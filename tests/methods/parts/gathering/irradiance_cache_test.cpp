@@ -1,3 +1,4 @@
+// The irradiance cache: interpolation, the reach of records and how neighbours limit it.
 #include "methods/parts/gathering/irradiance_cache.h"
 
 #include "common/sampling/sampler.h"
@@ -16,7 +17,7 @@ Bounds unit_box() {
     return bounds;
 }
 
-/// E = (3 + 2 x - y, 1, 2): linear, so that it is known everywhere by one record.
+/// E = (3 + 2 x - y, 1, 2) is linear, so one record gives it exactly everywhere.
 IrradianceRecord linear_record(const Vec3& p, float distance) {
     IrradianceRecord record;
     record.p = p;
@@ -49,17 +50,16 @@ TEST(IrradianceCache, InterpolatesALinearFieldExactly) {
     EXPECT_EQ(served, 500);
 }
 
-// The octree finds exactly the records whose error is below the accuracy: served or not is decided as by looking at all
-// of them.
+// The octree serves a place exactly if a search through all records finds one whose error is below the accuracy.
 TEST(IrradianceCache, ServesWhereARecordsErrorIsSmallAndNowhereElse) {
     constexpr float accuracy = 0.2f;
     IrradianceCache cache(unit_box(), accuracy);
     std::vector<IrradianceRecord> records;
     const auto error = [](const IrradianceRecord& r, const Vec3& p, const Vec3& n) {
-        if ((p - r.p).dot(n + r.n) < -0.02f * r.distance) return infinity;  // behind it
+        if ((p - r.p).dot(n + r.n) < -0.02f * r.distance) return infinity;  // p is behind the record
         return (p - r.p).norm() / r.distance + std::sqrt(std::max(0.f, 1 - n.dot(r.n)));
     };
-    // Far apart, so that no record is limited by its neighbours.
+    // The records are far apart, so that none is limited by its neighbours.
     for (std::uint64_t i = 0; records.size() < 12; ++i) {
         auto record = linear_record(point_of(i), 0.1f + 0.4f * Sampler(PointSet::independent, 12, i, 0).get_1d(0));
         record.translation.fill(Vec3::Zero());
@@ -86,7 +86,7 @@ TEST(IrradianceCache, ServesWhereARecordsErrorIsSmallAndNowhereElse) {
     EXPECT_GT(outside, 1000);
 }
 
-// Where a record ends its weight is 0: what is interpolated has no step there.
+// The weight of a record is 0 at the end of its reach, so the interpolated irradiance has no step there.
 TEST(IrradianceCache, HasNoStepWhereARecordEnds) {
     IrradianceCache cache(unit_box(), 0.2f);
     auto left = linear_record(Vec3(0.3f, 0.5f, 0.5f), 1.f), right = linear_record(Vec3(0.49f, 0.5f, 0.5f), 1.f);
@@ -124,7 +124,7 @@ TEST(IrradianceCache, RecordsAreLimitedByTheirSpacingAndTheirGradient) {
     cache.insert(narrow, {0.01f, 0.05f});
     EXPECT_TRUE(cache.covers(Vec3(0.4f, 0.5099f, 0.5f), Vec3(0, 0, 1)));
     EXPECT_FALSE(cache.covers(Vec3(0.4f, 0.5101f, 0.5f), Vec3(0, 0, 1)));
-    auto steep = wide;  // changes by itself, 3 + 1 + 2, over 0.2
+    auto steep = wide;  // over 0.2, E changes by 6, which is its own sum 3 + 1 + 2
     steep.p.x() = 0.7f;
     steep.irradiance = Color(3, 1, 2);
     steep.translation[0] = Vec3(30, 0, 0);
@@ -133,14 +133,14 @@ TEST(IrradianceCache, RecordsAreLimitedByTheirSpacingAndTheirGradient) {
     EXPECT_FALSE(cache.covers(Vec3(0.7f, 0.5201f, 0.5f), Vec3(0, 0, 1)));
 }
 
-// A record that sees something near limits those around it, and is not believed beyond them by those that came before.
+// A record with a surface nearby limits the reach of the records around it, whether they come before or after it.
 TEST(IrradianceCache, NeighboursLimitEachOther) {
     for (const bool near_first : {true, false}) {
         IrradianceCache cache(unit_box(), 0.5f);
         auto near = linear_record(Vec3(0.5f, 0.5f, 0.5f), 0.05f), far = linear_record(Vec3(0.6f, 0.5f, 0.5f), 1.f);
         near.translation.fill(Vec3::Zero());
         far.translation.fill(Vec3::Zero());
-        // The far one reaches the near one's place: its R falls from 1 to 0.05 + 0.1, its reach from 0.5 to 0.075.
+        // The far record covers the near one's place: its R falls from 1 to 0.05 + 0.1, its reach from 0.5 to 0.075.
         cache.insert(near_first ? near : far, any_spacing);
         cache.insert(near_first ? far : near, any_spacing);
         EXPECT_FALSE(cache.covers(Vec3(0.676f, 0.5f, 0.5f), Vec3(0, 0, 1))) << near_first;

@@ -1,3 +1,4 @@
+// One irradiance record: its irradiance and gradients against closed forms.
 #include "methods/parts/gathering/irradiance_record.h"
 
 #include "common/sampling/sampler.h"
@@ -9,11 +10,12 @@
 namespace gib {
 namespace {
 
-/// A rectangle of even radiance 1, by its corners in order, seen from its front.
+/// The corners, in order as seen from the front, of a rectangle of even radiance 1.
 using Rectangle = std::array<Vec3d, 4>;
 
-/// Irradiance by a polygon that lies above the horizon of n everywhere. Source: Lambert 1760, as in Baum et al. 1989,
-/// "Improving Radiosity Solutions Through the Use of Analytically Determined Form-Factors", equation 8.
+/// Irradiance due to a polygon of radiance 1 that lies entirely above the horizon of n. Source:
+/// Lambert 1760, as in Baum et al. 1989, "Improving Radiosity Solutions Through the Use of
+/// Analytically Determined Form-Factors", equation 8.
 double lambert(const Rectangle& corners, const Vec3d& p, const Vec3d& n) {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -53,14 +55,15 @@ HemisphereSample bright_lamp(const Vec3d& p, const Vec3d& w) {
     return t ? HemisphereSample{Color::Ones(), static_cast<float>(*t)} : HemisphereSample{Color::Zero(), infinity};
 }
 
-/// A dark rectangle before a bright wall far away: the edges that move are the nearer surface's, which is the dark one.
+/// A dark rectangle before a bright wall far away. The moving edges belong to
+/// the nearer surface, which is the dark one.
 HemisphereSample dark_lamp(const Vec3d& p, const Vec3d& w) {
     const auto t = hit_distance(lamp, p, w);
     return t ? HemisphereSample{Color::Zero(), static_cast<float>(*t)} : HemisphereSample{Color::Ones(), 1e4f};
 }
 
-/// The derivatives of E(p, n) along x and y of p, and of the normal's turns about x and y, by central differences of
-/// the closed form.
+/// The derivatives of E(p, n) along the frame's axes s and t, and with respect to turns of the normal about them, by
+/// central differences of the closed form.
 struct Derivatives {
     Vec3d translation = Vec3d::Zero(), rotation = Vec3d::Zero();
 };
@@ -87,10 +90,10 @@ TEST(IrradianceRecord, OfEvenLightIsPiAndHasNoGradients) {
     EXPECT_NEAR(record.distance, 2, 1e-5);
 }
 
-// Of 90,000 strata both gradients are those of Lambert's formula within 2 %, in length and direction together, for a
-// bright polygon in the dark and for a dark one before light. Seen from the last normal the lamp surrounds the pole and
-// the motions of its edges all but cancel: there the bound is 2 % of E over the lamp's distance, the size of what
-// cancels.
+// With 90,000 strata, both gradients are those of Lambert's formula within 2 %, in length and direction together, for
+// a bright polygon in the dark and for a dark one before light. For the last normal, the lamp surrounds the pole and
+// the motions of its edges nearly cancel. The bound is then 2 % of E over the lamp's distance, which is the size of
+// the terms that cancel.
 TEST(IrradianceRecord, GradientsAreThoseOfLambertsFormula) {
     const Vec3 p(0.1f, -0.2f, 0);
     for (const Vec3& n : {Vec3(0, 0, 1), Vec3(-0.28f, 0, 0.96f), Vec3(0, -0.6f, 0.8f), Vec3(0.48f, 0.36f, 0.8f)}) {
@@ -110,8 +113,8 @@ TEST(IrradianceRecord, GradientsAreThoseOfLambertsFormula) {
     }
 }
 
-// An edge between strata has the distance of a sample inside one of them, so the mean over records is off at first
-// order: as 1 / M, by less than 15 % with 256 rays. Their number goes as M^2.
+// An edge between strata has the distance of a sample inside one of them. The mean over records therefore has an
+// error of first order, 1 / M, which is less than 15 % with 256 rays; the number of rays is proportional to M^2.
 TEST(IrradianceRecord, GradientsOfFewRaysAreOffAtFirstOrder) {
     const Vec3 p(0.1f, -0.2f, 0), n(0, 0, 1);
     const auto truth = derivatives_at(p.cast<double>(), n.cast<double>(), Frame(n));
@@ -129,7 +132,7 @@ TEST(IrradianceRecord, GradientsOfFewRaysAreOffAtFirstOrder) {
     }
 }
 
-// What a record says at p' and n' is E there to first order: the error falls with the square of the step.
+// A record's irradiance at p' and n' is E there to first order: the error falls with the square of the step.
 TEST(IrradianceRecord, ExtrapolatesToFirstOrder) {
     const Vec3 p(0.1f, -0.2f, 0), n(0, 0, 1);
     const auto record = record_of(bright_lamp, p, n, HemisphereStrata::of(90000), 3);

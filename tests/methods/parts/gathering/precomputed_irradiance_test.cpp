@@ -1,3 +1,4 @@
+// Irradiance that is precomputed at the places of some photons, for use by gather rays.
 #include "methods/parts/gathering/precomputed_irradiance.h"
 
 #include "methods/method.h"
@@ -9,7 +10,8 @@
 namespace gib {
 namespace {
 
-/// Photons of power 1 / count, uniform on the square [-1, 1]^2 of a floor: irradiance is 1/4 everywhere.
+/// Photons of power 1 / count each, uniform on the square [-1, 1]^2 of a floor,
+/// so that the irradiance is 1/4 everywhere.
 std::vector<Photon> even_photons(std::size_t count, std::uint64_t seed) {
     std::vector<Photon> photons;
     const Vec3 up(0, 0, 1);
@@ -21,7 +23,8 @@ std::vector<Photon> even_photons(std::size_t count, std::uint64_t seed) {
     return photons;
 }
 
-/// The same on the floor of a closed room of this size.
+/// The photons of even_photons, scaled to the floor z = -half of a closed room with walls 2 half long. Their power is
+/// scaled with the area, so that the irradiance is 1/4 here, too.
 std::vector<Photon> even_photons_in_a_room(std::size_t count, float half) {
     const Vec3 up(0, 0, 1);
     std::vector<Photon> photons;
@@ -37,7 +40,7 @@ LoadedScene floor_scene() {
 TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     auto photons = even_photons(8000, 1);
     const auto places = take_places(photons);
-    // 5 standard deviations of a binomial count.
+    // The bound is 5 standard deviations of a binomial count.
     EXPECT_NEAR(static_cast<double>(places.size()), 1000, 5 * std::sqrt(8000 * 7 / 64.0));
     EXPECT_EQ(photons.size() + places.size(), 8000u);
     double power = 0;
@@ -46,9 +49,9 @@ TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     EXPECT_NEAR(power, static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
-// At points that have nothing to do with the photons, irradiance is right in the mean over 200 maps within 5 standard
-// errors of less than 0.2 %. Were the photons that give places counted too, it would be too small by about 1 / k in the
-// cells around places, and too large by that at the places.
+// At points that are independent of the photons, the mean irradiance over 200 maps is right within 5 standard errors
+// of less than 0.2 %. If the photons that give places were counted too, the irradiance would be too large by about
+// 1 / k at the places, and too small by about 1 / k around them.
 TEST(PrecomputedIrradiance, IsRightInTheMean) {
     const auto loaded = floor_scene();
     const Scene& scene = *loaded.scene;
@@ -72,7 +75,7 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
                 ASSERT_TRUE(hit);
                 const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, neighbours);
                 ++asked;
-                if (!E) continue;  // no place as near as its disc is wide: of 7 places in a disc, e^-7
+                if (!E) continue;  // no place within its disc's width: 7 places a disc, so e^-7
                 sum += static_cast<double>(E->x());
                 ++points;
             }
@@ -84,8 +87,8 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
     EXPECT_NEAR(mean.mean(), 1, 5 * mean.standard_error());
 }
 
-// The same photons in a unit of 2^-120 W: irradiance is a float near the end of their range, and loses nothing on its
-// way.
+// The photons have a unit of 2^-120 W, so that the irradiance is near the end of the range of
+// floats. It must lose nothing on its way.
 TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
     const auto loaded = floor_scene();
     RayQueries rays(*loaded.scene);
@@ -103,7 +106,7 @@ TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
     EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
 }
 
-// Half of the photons have paths of one edge.
+// Half of the photons have paths of one edge; the others must not count.
 TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     const auto loaded = floor_scene();
     auto photons = even_photons(80000, 3);
@@ -120,8 +123,8 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f, neighbours)) << "the other side";
 }
 
-// Between plates a million times its size. The mean over points whose discs end before the walls; 5 standard deviations
-// of the number of photons below them, 7 / 8 of 4000 on 0.6^2 of the floor.
+// The room lies between plates a million times its size. The mean is over points whose discs end before the walls.
+// The bound is 5 standard deviations of the number of photons below the points, 7 / 8 of 4000 on 0.6^2 of the floor.
 TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
     constexpr float half = 1e-6f;
     const auto loaded = test::scene_of(

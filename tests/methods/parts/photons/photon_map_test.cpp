@@ -1,3 +1,4 @@
+// The photon map's searches against a search over all photons and against nanoflann.
 #include "methods/parts/photons/photon_map.h"
 #include "common/core/parallel.h"
 #include "methods/parts/photons/photon_walk.h"
@@ -25,7 +26,8 @@ std::vector<Photon> random_photons(std::size_t n, std::uint64_t seed, float z_ex
 
 const auto accept_all = [](const Photon&, float) { return true; };
 
-/// In the order of operations that the map promises.
+/// The squared distance in the order of operations that the map promises, so
+/// that results can be compared for equality.
 float squared_distance(const Vec3& a, const Vec3& b) {
     return (sqr(a.x() - b.x()) + sqr(a.y() - b.y())) + sqr(a.z() - b.z());
 }
@@ -45,7 +47,7 @@ Neighbours search_over_all(const PhotonMap& map, const Vec3& p, float r) {
     return sorted(all);
 }
 
-/// Both searches, for several k and radii.
+/// Compares both searches of the map with a search over all photons, for several k and radii.
 void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector<float>& radii,
                           const std::vector<std::size_t>& ks) {
     Neighbours found;
@@ -122,7 +124,7 @@ TEST(PhotonMap, FewerEquallyManyAndMorePhotonsThanWanted) {
         }
 }
 
-// Cells of no extent, and ties between all photons: the lower indices win.
+// Tree nodes have no extent, or all photons have the same distance; then the lower indices win.
 TEST(PhotonMap, PhotonsAtOnePointOnALineAndDuplicated) {
     const auto random = random_photons(3001, 4, 1.f);
     auto point = random, line = random, duplicated = random, far = random, signed_zeros = random;
@@ -164,7 +166,7 @@ TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
     EXPECT_LT(asked, 500u);  // of the 670 within 0.2
 }
 
-/// Cornell box's global map beside nanoflann: the same photons within the same distances.
+/// nanoflann finds the same photons of the Cornell box's global map within the same distances.
 TEST(PhotonMap, FindsWhatNanoflannFinds) {
     const auto scene = test::shipped_scene("cornell-box.xml");
     const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
@@ -182,7 +184,7 @@ TEST(PhotonMap, FindsWhatNanoflannFinds) {
             map.nearest(q, k, std::numeric_limits<float>::max(), accept_all, found);
             ASSERT_EQ(yardstick.knnSearch(q.data(), k, index.data(), distance2.data()), k);
             ASSERT_EQ(found.size(), k);
-            // Of photons at the k-th distance either may have found others.
+            // Several photons may have the k-th distance; the two searches may choose different ones.
             const float farthest = distance2[k - 1];
             EXPECT_EQ(found.back().distance2, farthest);
             std::vector<std::uint32_t> ours, theirs;

@@ -1,3 +1,4 @@
+// The compact storage of photons: directions, powers and their rounding.
 #include "methods/parts/photons/photon.h"
 #include "common/color/dispersion.h"
 #include "common/core/float_traps.h"
@@ -11,7 +12,7 @@ namespace {
 
 Photon photon_of(const Color& power) { return {Vec3::Zero(), power, Vec3::UnitZ(), Vec3::UnitZ(), 1}; }
 
-/// Each channel between 10^-decades and 1 of a scale, log-uniform; number i of a sequence.
+/// Power number i of a sequence. Each channel is log-uniform between 10^-decades and 1 times `scale`.
 Color random_power(std::uint64_t i, float decades, float scale) {
     const Sampler u(PointSet::independent, 7, i, 0);
     return scale * Color(u.get_1d(0), u.get_1d(1), u.get_1d(2)).unaryExpr([=](float x) {
@@ -62,8 +63,8 @@ TEST(Photon, PowerIsOffByHalfAUnitAtMost) {
     }
 }
 
-// Errors of rounding are independent and of mean zero, so their sum is within 4 of its standard errors (alpha = 6e-5
-// each); truncation would lose half a unit of every photon, more than 1000 standard errors.
+// Rounding errors are independent and have the mean zero, so their sum is within 4 of its standard errors (alpha =
+// 6e-5 each). Truncation would lose half a unit of every photon, more than 1000 standard errors.
 TEST(Photon, ASumOfManyPowersIsUnbiased) {
     for (const float scale : {1e-30f, 1e-5f, 1.f, 1e30f}) {
         Colord sum = Colord::Zero(), squares = Colord::Zero();
@@ -87,7 +88,7 @@ TEST(Photon, ExtremePowersHaveADefinedResult) {
     for (int e = -126; e < 128; ++e) {
         const float x = std::ldexp(1.f, e);
         EXPECT_TRUE((photon_of(Color(x, 0.f, 0.f)).power() == Color(x, 0.f, 0.f)).all()) << e;
-        // Rounds up to a power of two, which takes a larger unit.
+        // The value rounds up to a power of two, which takes a larger unit.
         if (e > -100) {
             EXPECT_EQ(photon_of(Color::Constant(std::nextafter(x, 0.f))).power()[0], x) << e;
         }
@@ -95,11 +96,11 @@ TEST(Photon, ExtremePowersHaveADefinedResult) {
     EXPECT_TRUE(
         (photon_of(Color(1e30f, 1e-30f, 0.f)).power() == Color(photon_of(Color::Constant(1e30f)).power()[0], 0, 0))
             .all());
-    // Below the smallest unit rounding is still to nearest.
+    // Values below the smallest unit are still rounded to nearest.
     EXPECT_EQ(photon_of(Color::Constant(0x1p-128f)).power()[0], 0.f);
     EXPECT_EQ(photon_of(Color::Constant(0x1.8p-127f)).power()[0], 0x1p-126f);
 
-    const FloatTrapsPaused paused;  // not a number is given
+    const FloatTrapsPaused paused;  // a NaN is passed below
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const float x : {nan, -nan, infinity, -infinity, -1.f, std::numeric_limits<float>::max()})
         for (Eigen::Index c = 0; c < 3; ++c) {

@@ -1,3 +1,4 @@
+// Photon tracing: conservation of power, and which photons each map holds.
 #include "methods/parts/photons/photon_walk.h"
 #include "common/core/parallel.h"
 #include "tests/support/scene_fixtures.h"
@@ -9,7 +10,8 @@ namespace {
 
 constexpr int unlimited = std::numeric_limits<int>::max();
 
-/// Emitted power is absorbed or escapes, within 3 standard errors of the photons' own scatter, in each channel.
+/// Expects that in each channel the emitted power is absorbed or escapes, within 3
+/// standard errors of the photons' own scatter.
 void expect_balance(const LoadedScene& scene, bool closed) {
     const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, unlimited, 3);
     const PowerBalance& b = walk.balance;
@@ -33,8 +35,9 @@ TEST(PhotonWalk, PowerIsConservedInTheClosedBox) {
     expect_balance(test::shipped_scene("furnace.xml", {{{"rho", "0.9"}, {"emission", "0.1"}}, {}}), true);
 }
 
-// In the furnace every point receives the irradiance pi L = pi emission / (1 - rho), of which direct light is the share
-// 1 - rho, so photons that a surface has scattered carry rho pi L per area, stored at every hit before the roulette.
+// In the furnace every point receives the irradiance pi L = pi emission / (1 - rho). Direct light is
+// the share 1 - rho of it, so photons that a surface has scattered carry rho pi L per area. They are
+// stored at every hit before the roulette.
 TEST(PhotonWalk, StoredPowerIsTheIndirectIrradianceOfTheFurnace) {
     const double rho = 0.9, emission = 0.1;
     const auto scene = test::shipped_scene("furnace.xml", {{{"rho", "0.9"}, {"emission", "0.1"}}, {}});
@@ -46,12 +49,12 @@ TEST(PhotonWalk, StoredPowerIsTheIndirectIrradianceOfTheFurnace) {
     for (const auto& photon : walk.photons)
         stored += walk.unit * static_cast<double>(photon.power()[0]);
     const double expected = std::numbers::pi * emission / (1 - rho) * rho * area;
-    // A photon is stored a geometric number of times with mean 9: relative deviation of one is about 1.05, of 2e5 0.24
-    // %.
+    // A photon is stored a geometric number of times with mean 9. The relative deviation is about 1.05 for one photon
+    // and 0.24 % for 2e5 photons.
     EXPECT_NEAR(stored / expected, 1, 3 * 0.0024);
 }
 
-// 4e-43 W in 50000 photons: a float holds none of them.
+// The light emits 4e-43 W in 50000 photons; as a float in W, the power of each would be 0.
 TEST(PhotonWalk, FaintLightLosesNoPower) {
     constexpr int photons = 50000;
     const auto walk_of = [](const char* e, const char* r) {
@@ -65,15 +68,15 @@ TEST(PhotonWalk, FaintLightLosesNoPower) {
         return sum;
     };
     const auto bright = walk_of("0", "0"), faint = walk_of("-12", "-20");
-    // The same numbers lead both, but rounding parts some of their ways. If it did all: with albedo 1/2 a photon is
-    // stored a geometric number of times, with the relative variance 1 / albedo; 4 standard deviations of the ratio of
-    // two sums.
+    // Both walks use the same random numbers, but rounding parts some of their paths. The bound assumes that all
+    // paths differ: with albedo 1/2 a photon is stored a geometric number of times, with the relative variance 1 /
+    // albedo. It is 4 standard deviations of the ratio of two sums.
     EXPECT_NEAR(stored(faint) / (1e-44 * stored(bright)), 1, 4 * std::sqrt(2 / (0.5 * photons)));
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(faint.balance.emitted[c] / (1e-44 * bright.balance.emitted[c]), 1, 1e-6) << c;
 }
 
-// Photons leave a diffuse wall cosine-weighted: on the wall opposite to it the mean of the stored direction's cosine is
+// Photons leave a diffuse wall cosine-weighted. At the opposite wall, the mean cosine of the stored directions is
 // that of diffuse light, 2/3 in the furnace; uniform directions with unchanged power would give 1/2.
 TEST(PhotonWalk, StoredPhotonsArriveAsDiffuseLight) {
     const auto scene = test::shipped_scene("furnace-sphere.xml", {{{"rho", "0.5"}, {"emission", "0.5"}}, {}});
@@ -84,11 +87,11 @@ TEST(PhotonWalk, StoredPhotonsArriveAsDiffuseLight) {
         sum += p * static_cast<double>(photon.direction().dot(photon.surface_normal()));
         power += p;
     }
-    // The deviation of a cosine-weighted cosine is 0.236; 2e5 photons give 5e-4.
+    // The deviation of a cosine-weighted cosine is 0.236; that of the mean over 2e5 photons is 5e-4.
     EXPECT_NEAR(sum / power, 2.0 / 3.0, 4 * 5e-4 + 2e-3 /* quantised normals */);
 }
 
-// A lamp that faces a floor, and a mirror that leans over it: light arrives as L D, L S D and L D S D, never as L D D.
+// A lamp faces a floor, and a mirror leans over the floor. Light arrives as L D, L S D and L D S D, never as L D D.
 TEST(PhotonWalk, MapsHoldTheirOwnPathsOnly) {
     const auto scene_with = [](const std::string& mirror) {
         return test::scene_of(test::scene_xml(
@@ -102,13 +105,14 @@ TEST(PhotonWalk, MapsHoldTheirOwnPathsOnly) {
     const auto both = scene_with(
         "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='115'/>"
         "<translate x='-1' z='1'/></transform><bsdf type='conductor'/></shape>");
-    // With three edges at most a photon has two: L S D is a caustic photon, and nothing was scattered diffusely twice.
+    // If a path has at most three edges, its photon has at most two: L S D is a caustic photon, and none was
+    // scattered diffusely before.
     EXPECT_TRUE(trace_photons(*both.scene, PhotonMapKind::global, 50000, 3, 1).photons.empty());
     const auto caustic = trace_photons(*both.scene, PhotonMapKind::caustic, 50000, 3, 1);
     EXPECT_GT(caustic.photons.size(), 100u);
     for (const auto& photon : caustic.photons)
         EXPECT_EQ(photon.edges, 2);
-    // Longer paths L D S D belong to the global map alone.
+    // The longer paths L D S D belong to the global map alone.
     EXPECT_FALSE(trace_photons(*both.scene, PhotonMapKind::global, 50000, unlimited, 1).photons.empty());
     const auto plain = scene_with("");
     EXPECT_TRUE(trace_photons(*plain.scene, PhotonMapKind::caustic, 50000, unlimited, 1).photons.empty());

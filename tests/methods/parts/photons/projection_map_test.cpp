@@ -1,5 +1,5 @@
-// Projection maps: the bounds of emission hold for every kind of light, no bin is dropped that can reach a target, and
-// aimed photons carry the same power as others.
+// Projection maps: the bounds of emission hold for every kind of light, no bin is dropped that can reach a target,
+// and aimed photons carry the same power as others.
 #include "methods/parts/photons/projection_map.h"
 
 #include "methods/parts/photons/photon_walk.h"
@@ -27,7 +27,7 @@ std::string emitting(const std::string& type, const std::string& placing, const 
            radiance + "</emitter></shape>";
 }
 
-/// A lamp's place: turned so that no axis of it is the world's, 2 to 3 above the floor.
+/// The place of a lamp: 2 to 3 above the floor and turned so that none of its axes is one of the world's.
 const std::string leaning = "<rotate x='1' angle='160'/><rotate z='1' angle='35'/><translate x='-1' y='0.5' z='2.5'/>";
 
 std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
@@ -69,7 +69,7 @@ std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
     };
 }
 
-/// A mirror and a glass body on a floor beside a wall, and something in front of them.
+/// A mirror and a glass body on a floor beside a wall, with a disk in front of them, lit by `light`.
 LoadedScene scene_lit_by(const std::string& light) {
     return test::scene_of(test::scene_xml(
         "<sensor type='perspective'>" + test::box_film(4) +
@@ -90,7 +90,7 @@ LoadedScene scene_lit_by(const std::string& light) {
         test::diffuse(0.4) + "</shape>" + light));
 }
 
-/// Different numbers for each use.
+/// A sequence of random numbers; each call of next() takes a new dimension.
 class Numbers {
 public:
     explicit Numbers(std::uint64_t seed, std::uint64_t index) : sampler_(PointSet::independent, seed, index, 0) {}
@@ -110,7 +110,7 @@ EmissionSample emit(const Scene& scene, std::size_t light, const Point4& x) {
     return sample_emission(scene.lights()[light], scene.shapes(), Vec2(x[0], x[1]), Vec2(x[2], x[3]));
 }
 
-/// A box as refinement makes them, by up to 24 cuts.
+/// A random box of the kind that refinement makes, by up to 24 cuts.
 EmissionBox random_box(const Scene& scene, std::size_t light, Numbers& u) {
     EmissionBox box;
     const std::size_t cuts = u.below(25);
@@ -126,7 +126,7 @@ EmissionBox random_box(const Scene& scene, std::size_t light, Numbers& u) {
 Point4 random_point(const EmissionBox& box, Numbers& u) {
     Point4 x;
     for (std::size_t i = 0; i < 4; ++i) {
-        // A quarter of them on the edges, where bounds are tight.
+        // A quarter of the coordinates lie on the edges of the box, where bounds are tight.
         const float choice = u.next(), last = std::nextafter(box.upper[i], 0.f);
         x[i] = choice < 0.125f  ? box.lower[i]
                : choice < 0.25f ? last
@@ -137,19 +137,20 @@ Point4 random_point(const EmissionBox& box, Numbers& u) {
 
 double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-/// The direction lies in the cone, and the ray starts in the ball or has come through it; of a line any part may.
+/// Whether the bundle holds the ray: the direction lies in the cone, and the ray starts in the ball or has come
+/// through it. If the bundle is one of lines, any part of the ray may cross the ball.
 bool holds(const RayBundle& bundle, const Ray& ray) {
     const Vec3d d = ray.d.cast<double>().normalized(), to_center = bundle.center - ray.o.cast<double>();
     if (angle_between(d, bundle.cone.axis) > bundle.cone.half_angle + 1e-12) return false;
     const double across2 = (to_center - to_center.dot(d) * d).squaredNorm();
     if (across2 > sqr(bundle.radius)) {
-        // A single point's line misses it by rounding.
+        // The line of a single point misses it by rounding.
         return bundle.radius == 0 && to_center.norm() == 0;
     }
     return bundle.lines || to_center.dot(d) - std::sqrt(sqr(bundle.radius) - across2) <= 0;
 }
 
-// 10 rays in each of 1e4 boxes for every light; none outside its bundle.
+// For every light, 10 rays are drawn in each of 1e4 boxes; none lies outside its box's bundle.
 TEST(EmissionBounds, HoldEveryRayOfABox) {
     const test::TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
@@ -167,7 +168,7 @@ TEST(EmissionBounds, HoldEveryRayOfABox) {
                 outside += !holds(bundle, emit(s, light, random_point(box, u)).ray);
         }
         EXPECT_EQ(outside, 0) << name;
-        EXPECT_LT(half_angles / 10000, 2) << name;  // all directions would be pi
+        EXPECT_LT(half_angles / 10000, 2) << name;  // pi would be the mean for all directions
     }
 }
 
@@ -186,8 +187,8 @@ struct Bowl {
     std::vector<Shape> shapes;
 };
 
-// Powers of two, which round nothing. The last is smaller than a lamp of a scene may be: products of its edges are less
-// than a float holds.
+// The sizes are powers of two, so scaling rounds nothing. The last is smaller than a lamp of a scene may be: products
+// of its edges underflow in float.
 TEST(EmissionBounds, OfAMeshScaleWithIt) {
     const Bowl large(1.f);
     EmissionBox part;
@@ -204,13 +205,13 @@ TEST(EmissionBounds, OfAMeshScaleWithIt) {
             EXPECT_EQ(bundle.cone.axis, expected.cone.axis) << size;
             const double scale = static_cast<double>(size);
             EXPECT_EQ(bundle.center, Vec3d(scale * expected.center)) << size;
-            if (size < 0x1p-60f) continue;  // so are the squares in its box's diagonal
+            if (size < 0x1p-60f) continue;  // the squares in its box's diagonal underflow, too
             EXPECT_NEAR(bundle.radius, scale * expected.radius, 1e-6 * scale * expected.radius) << size;
         }
     }
 }
 
-/// Whether the ray meets a target's surface, first or behind others.
+/// Whether the ray meets a surface that is a target, first or behind others.
 bool meets(const Scene& scene, Ray ray, TargetSurfaces targets) {
     for (int surfaces = 0; surfaces < 64; ++surfaces) {
         const auto hit = scene.intersect(ray);
@@ -230,7 +231,7 @@ bool lies_in(const ProjectionMap& map, std::size_t light, const Point4& x) {
     });
 }
 
-// 1e5 rays of every light: each one that meets a target lies in a kept bin.
+// Each of 1e5 rays of every light that meets a target lies in a kept bin.
 TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
     const test::TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
@@ -251,7 +252,8 @@ TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
             if (map.aims()) {
                 EXPECT_GT(met, 300) << name;
             }
-            // So few bins of a light all around are too large to miss anything: it is left alone.
+            // With so few bins, those of a light all around are too large to
+            // miss any target, so the light is not aimed.
             const bool all_around = name == "sphere around" || name == "constant";
             if (targets == TargetSurfaces::specular && !all_around) {
                 EXPECT_TRUE(map.aims()) << name;
@@ -260,7 +262,7 @@ TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
     }
 }
 
-/// Over independent walks: the power that they store, and its mean place.
+/// The stored power of independent walks and its mean place.
 struct StoredPower {
     test::Moments power;
     std::array<test::Moments, 3> place;
@@ -287,8 +289,8 @@ void expect_equal(const test::Moments& a, const test::Moments& b, const std::str
     EXPECT_NEAR(a.mean(), b.mean(), 5 * std::hypot(a.standard_error(), b.standard_error())) << what;
 }
 
-// 160 means, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3
-// together). They are known to 3 %, those that are aimed better.
+// 160 means agree, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3
+// together). The powers are known to 3 %, and better if photons are aimed.
 TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
     const test::TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
@@ -311,7 +313,7 @@ TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
     }
 }
 
-/// A sphere that mirrors, seen from the origin of the light.
+/// A mirror sphere at the distance 3 from the origin, with a light and `more`.
 LoadedScene mirror_and(const std::string& light, const std::string& more = "") {
     return test::scene_of(test::scene_xml("<sensor type='perspective'>" + test::box_film(4) + "</sensor>" +
                                           "<shape type='sphere'><point name='center' x='1' y='2' z='-2'/>"
@@ -319,7 +321,8 @@ LoadedScene mirror_and(const std::string& light, const std::string& more = "") {
                                           more + light));
 }
 
-// From a point the sphere fills (1 - cos) / 2 of all directions, with sin = 0.6 / 3; the bins may keep a rim besides.
+// As seen from the origin, the sphere fills (1 - cos) / 2 of all directions, where
+// sin = 0.6 / 3; the bins may keep a rim besides.
 TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     const auto scene = mirror_and("<emitter type='point'/>");
     const double truth = 0.5 * (1 - std::sqrt(1 - sqr(0.2)));
@@ -328,8 +331,8 @@ TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
     EXPECT_LE(map.kept(0), 1.03 * truth);
 }
 
-// A lamp of intensity 1e8 at 1e4 sends a square of side 2 its solid angle, 4e-8, times that: 4 W; a sphere of the same
-// power with as many.
+// A point light of intensity 1e8 at the distance 1e4 sends a square of side 2, whose solid angle is 4e-8, 4 W. A
+// spherical lamp of the same power sends as much.
 TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
     for (const auto& at :
          {Vec3(0, 0, 1e4f), Vec3(0, 0, -1e4f), Vec3(1e4f, 0, 0), Vec3(0, -1e4f, 0), Vec3(0, 6e3f, 8e3f)})
@@ -341,7 +344,7 @@ TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
                              fmt::format("{}", 1e8 / std::numbers::pi / 100) + "'/></emitter></shape>"
                        : "<emitter type='point'><point name='position' " + place +
                              "/><rgb name='intensity' value='1e8'/></emitter>";
-            // Around the origin, as scenes are; the other square is what the sphere's scene is centred by.
+            // The square stands around the origin and faces the lamp.
             const std::string facing =
                 "<shape type='rectangle'><transform name='to_world'><lookat origin='0,0,0' target='" +
                 fmt::format("{},{},{}", at.x(), at.y(), at.z()) +
@@ -362,7 +365,7 @@ TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
         }
 }
 
-// The voxels of its grid are smaller than the distance of two floats; halving its triangles must end.
+// The voxels of the lamp's grid are smaller than the distance of two floats; the halving of its triangles must end.
 TEST(ProjectionMap, ALampOfSomeUlpsIsATarget) {
     for (const float side : {1e-5f, 1e-6f, 3e-7f}) {
         const auto scene = mirror_and("<shape type='rectangle'><transform name='to_world'><scale value='" +
@@ -393,7 +396,7 @@ TEST(ProjectionMap, KeepsEverythingForALampInsideGlass) {
     EXPECT_EQ(map.kept(0), 1);
 }
 
-// Copies of a group stand where their instances carry them.
+// Copies of a group stand where their instances place them.
 TEST(ProjectionMap, FindsWhatInstancesShow) {
     const auto scene = test::scene_of(test::scene_xml(
         "<sensor type='perspective'>" + test::box_film(4) +
@@ -402,7 +405,7 @@ TEST(ProjectionMap, FindsWhatInstancesShow) {
         "<scale x='0.6' y='0.3' z='0.6'/><rotate z='1' angle='30'/><translate x='1' y='2' z='-2'/></transform></shape>"
         "<emitter type='point'/>"));
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular, 1 << 14);
-    EXPECT_LT(map.kept(0), 0.0115);  // 0.0101 of the ball around it, and a rim
+    EXPECT_LT(map.kept(0), 0.0115);  // the ball around it fills 0.0101; the bins keep a rim
     int met = 0;
     for (std::uint64_t i = 0; i < 100000; ++i) {
         Numbers u(7, i);

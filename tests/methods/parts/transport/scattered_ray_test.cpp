@@ -1,4 +1,4 @@
-// Ways on from a surface whose shading normal leans away from its own.
+// Scattered rays at surfaces whose shading normal leans away from the geometric normal.
 
 #include "methods/parts/transport/scattered_ray.h"
 
@@ -27,7 +27,7 @@ struct Leaning {
     Vec3 wo;
 };
 
-/// Normals up to 75 degrees apart, seen from a direction about whose side they agree.
+/// A surface whose normals are up to 75 degrees apart, and a direction `wo` that lies on the same side of both.
 Leaning leaning(std::uint64_t i, const Bsdf& bsdf) {
     const Sampler u(PointSet::independent, 1, i, 0);
     const Vec3 ng = square_to_sphere(u.get_2d(0));
@@ -41,8 +41,8 @@ Leaning leaning(std::uint64_t i, const Bsdf& bsdf) {
 
 constexpr float rounding = 1e-5f;  // of a sine near 1
 
-// Whatever the normals are, what is reflected stays on its side of the surface and what is refracted does not, and all
-// light is in one of both: its weights are R and (1 - R) times the square of the relative index.
+// For any normals, reflected light stays on its side of the surface, refracted light crosses it, and no light is
+// lost: the weights are R and (1 - R) times the square of the relative index.
 TEST(ScatteredRay, OfSmoothInterfacesKeepsToTheSidesOfTheSurface) {
     for (const float eta : {1.5f, 1 / 1.5f}) {
         const Bsdf glass(Dielectric{eta});
@@ -74,7 +74,8 @@ TEST(ScatteredRay, OfSmoothInterfacesKeepsToTheSidesOfTheSurface) {
     }
 }
 
-// Of a diffuse surface, a part of the hemisphere about the shading normal lies behind the surface: nothing goes there.
+// A part of the hemisphere about the shading normal lies behind the surface;
+// a diffuse surface scatters nothing there.
 TEST(ScatteredRay, OfDiffuseSurfacesLosesWhatWouldGoBehindThem) {
     const Bsdf white(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
     int lost = 0;
@@ -90,8 +91,8 @@ TEST(ScatteredRay, OfDiffuseSurfacesLosesWhatWouldGoBehindThem) {
         EXPECT_GT(ray->wi.dot(hit.ng) * wo.dot(hit.ng), 0.f);
         EXPECT_NEAR(ray->weight.x(), 1.f, rounding);
     }
-    // The share of a cosine-weighted hemisphere that is behind a plane at an angle a is (1 - cos a) / 2; its mean for a
-    // uniform to 1.3. Five standard deviations.
+    // The share of a cosine-weighted hemisphere that is behind a plane at an angle a is (1 - cos a) / 2; `share` is
+    // its mean for a uniform up to 1.3. The bound is five standard deviations.
     const double share = 0.5 * (1 - std::sin(1.3) / 1.3);
     EXPECT_NEAR(lost / 20000.0, share, 5 * std::sqrt(share * (1 - share) / 20000));
 }

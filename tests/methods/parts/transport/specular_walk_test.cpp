@@ -1,3 +1,4 @@
+// The eye path's walk through smooth interfaces, of which the first two are followed both ways.
 #include "tests/support/scene_fixtures.h"
 
 #include "common/materials/fresnel.h"
@@ -7,13 +8,13 @@ namespace {
 
 using test::scene_of;
 
-constexpr float r = 0.04f;                      ///< reflectance of a face of glass of index 1.5, straight on
-constexpr float reflectance = 2 * r / (1 + r);  ///< of two faces, with all that is reflected between them
+constexpr float r = 0.04f;                      ///< reflectance of a face of glass of index 1.5 at normal incidence
+constexpr float reflectance = 2 * r / (1 + r);  ///< of two faces, with all reflections between them
 constexpr float front = 26, back = 1;           ///< radiance of the lamps
 constexpr float expected = reflectance * front + (1 - reflectance) * back;
 
-/// A camera between two lamps looks at glass straight on: it sees one lamp through it and the other one, behind the
-/// camera, reflected.
+/// A camera between two lamps looks straight at glass: it sees one lamp through the glass, and
+/// the lamp behind the camera by reflection.
 LoadedScene pane_between_lamps(const std::string& shape, const std::string& glass) {
     const auto lamp = [](double z, double turn, double radiance) {
         return "<shape type='rectangle'><transform name='to_world'><scale value='3'/><rotate y='1' angle='" +
@@ -29,7 +30,7 @@ LoadedScene pane_between_lamps(const std::string& shape, const std::string& glas
                                     glass + "</shape>"));
 }
 
-// With one way chosen for each path every sample would be one lamp or the other one, and never their sum.
+// If one way were chosen for each path, every sample would show one lamp or the other, never their sum.
 TEST(SpecularWalk, FollowsBothWaysOnFromASmoothInterface) {
     const auto scene = pane_between_lamps(
         "rectangle",
@@ -40,8 +41,9 @@ TEST(SpecularWalk, FollowsBothWaysOnFromASmoothInterface) {
             EXPECT_NEAR(image.at(i)[c], expected, 1e-4f * expected) << "pixel " << i;
 }
 
-// The two faces of a plate, straight on, are the first two interfaces: their reflections are followed both, and only
-// what the second one sends back is left to chance at the first, the lamp in front with probability 1 - r.
+// The two faces of a plate, seen straight on, are the first two interfaces of a path, so both are followed both ways.
+// Only light that the second face sends back is left to chance at the first face: with probability 1 - r it comes
+// from the lamp of radiance `front`.
 TEST(SpecularWalk, BothFacesOfAPlateAreFollowedBothWays) {
     const auto scene = pane_between_lamps(
         "cube", "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>");
@@ -51,8 +53,8 @@ TEST(SpecularWalk, BothFacesOfAPlateAreFollowedBothWays) {
         EXPECT_GT(once.at(i)[0], (followed + sent_back * back) * (1 - 1e-4f)) << "pixel " << i;
         EXPECT_LT(once.at(i)[0], (followed + sent_back * front) * (1 + 1e-4f)) << "pixel " << i;
     }
-    // A sample's deviation is at most sent_back (front - back) sqrt(r (1 - r)); 5 standard errors of 64 pixels, 64
-    // samples each.
+    // A sample's deviation is at most sent_back (front - back) sqrt(r (1 - r)). The bound is 5 standard errors for 64
+    // pixels of 64 samples each.
     const Image mean = *test::render(scene, "photon_mapper photons=0", 64)[Component::emission];
     const double deviation = double{sent_back * (front - back)} * std::sqrt(double{r * (1 - r)});
     EXPECT_NEAR(test::mean_of(mean)[0], double{expected}, 5 * deviation / 64);

@@ -12,7 +12,7 @@
 
 namespace gib::test {
 
-/// In the plane of u and v, facing u x v.
+/// The parallelogram of the edges u and v, which faces u x v.
 inline PatchPolygon rectangle(const Vec3d& corner, const Vec3d& u, const Vec3d& v) {
     return PatchPolygon::quad(corner, corner + u, corner + u + v, corner + v);
 }
@@ -23,7 +23,7 @@ inline PatchPolygon moved(const PatchPolygon& polygon, const std::function<Vec3d
                               : PatchPolygon::quad(motion(v[0]), motion(v[1]), motion(v[2]), motion(v[3]));
 }
 
-/// n x n equal parts of a parallelogram.
+/// The n x n equal parts of a parallelogram.
 inline std::vector<PatchPolygon> parts(const PatchPolygon& whole, int n) {
     const Vec3d u = (whole.vertices[1] - whole.vertices[0]) / n, v = (whole.vertices[3] - whole.vertices[0]) / n;
     std::vector<PatchPolygon> all;
@@ -33,7 +33,7 @@ inline std::vector<PatchPolygon> parts(const PatchPolygon& whole, int n) {
     return all;
 }
 
-/// The walls of [0, size], facing inwards, each in n x n parts.
+/// The walls of the box [0, size], which face inwards; each is divided into n x n parts.
 inline std::vector<PatchPolygon> box(const Vec3d& size, int n) {
     std::vector<PatchPolygon> all;
     for (int axis = 0; axis < 3; ++axis) {
@@ -59,7 +59,8 @@ public:
         const double angle = 2 * std::numbers::pi * next();
         return Eigen::AngleAxisd(angle, direction()).toRotationMatrix();
     }
-    /// On an ellipse around the point with random directions: a semi-axis of 1, the other one of at least `narrowest`.
+    /// A polygon whose corners lie on an ellipse around the centre in a random plane. One
+    /// semi-axis is 1, the other at least `narrowest`.
     PatchPolygon polygon(const Vec3d& center, double narrowest = 0.3) {
         const Eigen::Matrix3d frame = rotation();
         const double width = narrowest + (1 - narrowest) * next();

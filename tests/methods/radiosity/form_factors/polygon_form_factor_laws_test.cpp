@@ -1,3 +1,4 @@
+// Laws that every form factor obeys: rows of closed scenes sum up to 1, reciprocity, agreement with rays.
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "methods/radiosity/form_factors/quadrature_rules.h"
@@ -17,10 +18,10 @@ using test::parts;
 using test::RandomPolygons;
 using test::rectangle;
 
-/// The default of polygon_form_factor.
+/// The default tolerance of polygon_form_factor, relative.
 constexpr double tolerance = 1e-4;
 
-/// Random rotation and translation: coordinates and planes are rounded.
+/// Polygons after a random rotation and translation, so that their coordinates and planes are rounded.
 std::vector<PatchPolygon> turned(const std::vector<PatchPolygon>& polygons, RandomPolygons& random) {
     const Eigen::Matrix3d rotation = random.rotation();
     const Vec3d translation = 3 * random.direction();
@@ -47,7 +48,7 @@ TEST(PolygonFormFactorLaws, RowsOfClosedBoxesAddUpToOne) {
         }
 }
 
-// Down to needles and flat tetrahedra, whose faces nearly lie in one plane.
+// The tetrahedra include needles and flat ones, whose faces lie nearly in one plane.
 TEST(PolygonFormFactorLaws, RowsOfTetrahedraAddUpToOne) {
     RandomPolygons random(2);
     for (int i = 0; i < 300; ++i) {
@@ -76,7 +77,8 @@ TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
     }
 }
 
-/// The mean of point_form_factor over random points of `from`, n x n in each of its triangles, one in each cell.
+/// The mean of point_form_factor over random points of `from`. Each triangle is divided into
+/// n x n parts, with one point in each part.
 double mean_over_points(const PatchPolygon& from, const PatchPolygon& to, int n, RandomPolygons& random) {
     double sum = 0;
     for (std::size_t i = 2; i < static_cast<std::size_t>(from.count); ++i) {
@@ -91,8 +93,8 @@ double mean_over_points(const PatchPolygon& from, const PatchPolygon& to, int n,
     return sum / from.area;
 }
 
-/// That `factor` is the mean over 40 such means, within 6 of their standard errors: false alarm 5e-7 (Student's t, 39
-/// degrees of freedom), 6e-5 for 120 comparisons.
+/// Expects `factor` to equal the mean of 40 such means within 6 of its standard errors: false alarm 5e-7 (Student's
+/// t, 39 degrees of freedom), 6e-5 for 120 comparisons.
 void expect_mean_over_points(const PatchPolygon& from, const PatchPolygon& to, double factor, RandomPolygons& random) {
     test::Moments mean;
     for (int i = 0; i < 40; ++i)
@@ -100,7 +102,8 @@ void expect_mean_over_points(const PatchPolygon& from, const PatchPolygon& to, d
     EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + tolerance * factor);
 }
 
-// Reciprocity of what was not computed as one: the means over either polygon, some of which cross each other's planes.
+// Both factors are compared with means over points of either polygon, which do not use reciprocity. Some of the
+// polygons cross each other's planes.
 TEST(PolygonFormFactorLaws, IsReciprocalAndTheMeanOverEitherPolygon) {
     RandomPolygons random(4), points(5);
     int seen = 0;
@@ -119,7 +122,7 @@ TEST(PolygonFormFactorLaws, IsReciprocalAndTheMeanOverEitherPolygon) {
     EXPECT_GT(seen, 50);
 }
 
-/// Whether the ray meets the front side.
+/// Whether the ray hits the front side of the polygon.
 bool meets(const PatchPolygon& polygon, const Vec3d& o, const Vec3d& d) {
     const double towards = polygon.normal.dot(d), height = polygon.normal.dot(o - polygon.vertices[0]);
     if (towards >= 0 || height <= 0) return false;
@@ -132,8 +135,9 @@ bool meets(const PatchPolygon& polygon, const Vec3d& o, const Vec3d& d) {
     return true;
 }
 
-// Pairs whose planes cut each other, many of which pierce each other. 160 comparisons within 5 standard errors: false
-// alarm 1e-4. The share of n rays that meet has the variance F (1 - F) / n; n F is some tens at least.
+// The planes of the polygons cut each other; many of the polygons pierce each other. 160
+// comparisons within 5 standard errors: false alarm 1e-4. The share of n rays that hit has the
+// variance F (1 - F) / n; n F is at least some tens.
 TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
     RandomPolygons random(5);
     constexpr int rays = 20000;
@@ -166,7 +170,8 @@ TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
     }
 }
 
-// Where contours cut each other, the integrand bends; rules for smooth functions that miss it erred by up to 1 %.
+// The integrand has kinks where contours cut each other. Quadrature rules for smooth functions
+// that missed the kinks erred by up to 1 %.
 TEST(PolygonFormFactorLaws, KeepsItsToleranceWherePolygonsPierceEachOther) {
     RandomPolygons random(6);
     for (int i = 0; i < 2000; ++i) {
@@ -219,7 +224,8 @@ TEST(PolygonFormFactorLaws, SmallAndNarrowNeighboursSeeHalfOfALargeOne) {
         for (double x : {0.0, 0.5})
             for (double width : {size, 0.5}) {
                 const auto pair = turned({floor, rectangle({x, 0.25, 0}, {0, width, 0}, {0, 0, size})}, random);
-                // Light that leaves upwards by less than about size over the distance of the floor's edges misses it.
+                // Rays from the small polygon that descend by less than about `size` over the distance to the
+                // floor's edges miss the floor.
                 EXPECT_NEAR(polygon_form_factor(pair[1], pair[0]), 0.5, 3 * size + tolerance) << size << " " << x;
                 EXPECT_NEAR(polygon_form_factor(pair[0], pair[1]), 0.5 * width * size,
                             (3 * size + tolerance) * width * size);
@@ -227,7 +233,7 @@ TEST(PolygonFormFactorLaws, SmallAndNarrowNeighboursSeeHalfOfALargeOne) {
 }
 
 TEST(PolygonFormFactorLaws, APolygonHasAnArea) {
-    const FloatTrapsPaused paused;  // not a number is given
+    const FloatTrapsPaused paused;  // a NaN is passed below
     const Vec3d a(0, 0, 0), b(1, 0, 0), c(2, 0, 0);
     EXPECT_THROW(PatchPolygon::triangle(a, b, c), InputError);
     EXPECT_THROW(PatchPolygon::quad(a, a, a, a), InputError);

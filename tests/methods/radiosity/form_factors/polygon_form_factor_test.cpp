@@ -1,3 +1,4 @@
+// Form factors from points and polygons against closed forms.
 #include "methods/radiosity/form_factors/polygon_form_factor.h"
 
 #include "tests/methods/radiosity/form_factors/polygon_fixtures.h"
@@ -17,23 +18,24 @@ using test::RandomPolygons;
 using test::rectangle;
 
 constexpr double pi_d = std::numbers::pi;
-/// The default of polygon_form_factor.
+/// The default tolerance of polygon_form_factor, relative.
 constexpr double tolerance = 1e-4;
 
 const std::vector<double> distances = {1e-3, 1e-2, 0.1, 0.3, 1, 3, 10, 100, 1e3};
 
-// The closed forms are differences of large numbers at 1e3 sizes; long double leaves 1e-6 of them.
+// The closed forms are differences of large numbers. At sizes of 1e3, long double leaves a relative error of 1e-6.
 using Long = long double;
 
-/// From a differential area to a parallel rectangle a x b at the distance c with a corner above it (Howell's
-/// catalogue).
+/// Form factor from a differential area to a parallel rectangle a x b at the distance c; one corner of the rectangle
+/// is above the area (Howell's catalogue).
 double element_to_corner(double a, double b, double c) {
     const double x = a / c, y = b / c, p = std::hypot(1.0, x), q = std::hypot(1.0, y);
     return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * pi_d);
 }
 
-/// Area times form factor of parallel rectangles at the distance z, [0, x] x [0, y] and one at [u0, u1] x [v0, v1]
-/// (Howell's catalogue), from the 16 differences of corners. A constant that cancels makes the logarithms small.
+/// Area times form factor of the parallel rectangles [0, x] x [0, y] and [u0, u1] x [v0, v1] at the distance z
+/// (Howell's catalogue): an alternating sum over the 16 differences of corners. Division by z^2 in the logarithm adds
+/// a constant that cancels in the sum; it keeps the logarithms small.
 double parallel_rectangles(Long x, Long y, Long u0, Long u1, Long v0, Long v1, Long z) {
     const auto g = [z](Long u, Long v) {
         const Long p = std::hypot(u, z), q = std::hypot(v, z);
@@ -48,8 +50,8 @@ double parallel_rectangles(Long x, Long y, Long u0, Long u1, Long v0, Long v1, L
     return static_cast<double>(sum / (2 * std::numbers::pi_v<Long>));
 }
 
-/// Area times form factor of a floor of the width w and a wall of the height h at 90 degrees with a shared edge of
-/// length 1 (Howell's catalogue).
+/// Area times form factor from a floor of the width w to a wall of the height h at 90 degrees; their shared edge has
+/// the length 1 (Howell's catalogue).
 Long floor_to_wall(Long w, Long h) {
     if (w == 0 || h == 0) return 0;
     const Long ww = w * w, hh = h * h, r = std::hypot(w, h), all = 1 + ww + hh;
@@ -77,8 +79,8 @@ TEST(PointFormFactor, FarPolygonAtAnAngleIsThatOfItsCentre) {
     }
 }
 
-// What a point in a closed box sees is the whole hemisphere; some walls cross its horizon, and for points whose normal
-// is along an axis and whose height is that of an edge the horizon meets vertices.
+// The walls of a closed box fill the hemisphere of every point in it. Some walls cross the point's horizon. If the
+// normal is along an axis and the point is at the height of an edge, the horizon meets vertices.
 TEST(PointFormFactor, WallsOfAClosedBoxAddUpToOne) {
     RandomPolygons random(1);
     const std::vector<PatchPolygon> walls = box({3, 2, 1}, 2);
@@ -129,8 +131,8 @@ TEST(PolygonFormFactor, ParallelRectanglesHaveTheClosedForm) {
         }
 }
 
-// The wall's shared edge is that of the floor; then both are moved away from it by z, which takes four of the closed
-// form.
+// First, floor and wall share an edge. Then both are moved away from this edge by z, and the closed form is a sum of
+// four of those with a shared edge.
 TEST(PolygonFormFactor, PerpendicularRectanglesHaveTheClosedForm) {
     for (double width : {1e-4, 1e-2, 1.0, 30.0, 1e3})
         for (double height : {1e-4, 1e-2, 1.0, 30.0, 1e3}) {
@@ -150,8 +152,8 @@ TEST(PolygonFormFactor, PerpendicularRectanglesHaveTheClosedForm) {
     }
 }
 
-// Strips of the width 1 with a shared edge, by crossed strings 1 - sin(angle / 2) where they are endless (Hottel 1954).
-// At the ends light leaves: for the length L, of less than the share 2 / L.
+// Strips of the width 1 share an edge. If they are endless, the method of crossed strings gives 1 - sin(angle / 2)
+// (Hottel 1954). At the ends of strips of the length L, less than the share 2 / L of the light leaves.
 TEST(PolygonFormFactor, FoldedStripsHaveThatOfCrossedStrings) {
     constexpr double length = 1e4;
     for (double angle : {0.1, 0.5, 1.0, 2.0, 3.0}) {
@@ -161,8 +163,8 @@ TEST(PolygonFormFactor, FoldedStripsHaveThatOfCrossedStrings) {
     }
 }
 
-/// A sector of a regular polygon around the z axis at the height z: 1 of n, in which a disc's lies (`outside`), or that
-/// lies in it.
+/// Sector k of n, a triangle, of a regular polygon around the z axis at the height z. The polygon circumscribes the
+/// disc of the radius (`outside`) or is inscribed in it.
 PatchPolygon sector(double radius, double z, int k, int n, bool outside, bool up) {
     const double r = outside ? radius / std::cos(pi_d / n) : radius;
     const auto at = [&](int i) { return Vec3d(r * std::cos(2 * pi_d * i / n), r * std::sin(2 * pi_d * i / n), z); };
@@ -170,8 +172,8 @@ PatchPolygon sector(double radius, double z, int k, int n, bool outside, bool up
     return up ? upwards : upwards.flipped();
 }
 
-// Area times form factor of facing discs grows with each of them, so inscribed and circumscribed polygons bound it: (1
-// + (pi / n)^2)^2 apart at most (Howell's catalogue).
+// Area times form factor of facing discs grows with each disc, so inscribed and circumscribed polygons bound the
+// value. The bounds differ by a factor of (1 + (pi / n)^2)^2 at most. The exact value is Howell's.
 TEST(PolygonFormFactor, CoaxialDiscsLieBetweenThoseOfPolygons) {
     constexpr int n = 384;
     for (double radius : {1.0, 0.2})
@@ -192,9 +194,9 @@ TEST(PolygonFormFactor, CoaxialDiscsLieBetweenThoseOfPolygons) {
         }
 }
 
-// From the surface of a sphere: by symmetry the solid angle that its centre sees, over 4 pi; that of a rectangle a x b
-// with a corner under the centre, h below, is atan(a b / (h sqrt(a^2 + b^2 + h^2))). The mean is the midpoint rule in
-// the height of rings and around them.
+// By symmetry, the form factor from the surface of a unit sphere is the solid angle that the centre sees, over 4 pi.
+// A rectangle a x b whose corner lies h below the centre has the solid angle atan(a b / (h sqrt(a^2 + b^2 + h^2))).
+// The mean over the sphere is a midpoint rule in the height of rings and in the angle around them.
 TEST(PolygonFormFactor, SphereSeesARectangleAsItsCentreDoes) {
     constexpr int rings = 200, around = 200;
     for (double gap : distances) {
