@@ -1,5 +1,5 @@
 # ctest reads this file after the discovered tests. It gives the label `quick` to the tests of the suites that
-# quick_tests.txt lists. A suite that no program has is an error.
+# quick_tests.txt lists, and warns of a suite that no program has.
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/quick_tests.txt" lines REGEX "^[a-z]")
 set(missing "")
 foreach(line IN LISTS lines)
