@@ -12,11 +12,8 @@
 #include "methods/path/path.h"
 
 #include "methods/method.h"
-#include "methods/parts/transport/direct_light.h"
-#include "methods/parts/transport/dispersed_path.h"
 #include "methods/parts/transport/eye_sample_run.h"
-#include "methods/parts/transport/roulette.h"
-#include "methods/parts/transport/scattered_ray.h"
+#include "methods/parts/transport/path_walk.h"
 
 #include <algorithm>
 
@@ -28,140 +25,62 @@ namespace {
 /// there would add more variance than it saves time.
 constexpr int first_roulette_vertex = 3;
 
-/// Survival probability: the throughput, so that all survivors have equal weight, but at most `most`. `eta_scale`
-/// takes the factors 1 / eta^2 of refractions out of beta, because a path that leaves the glass again regains them.
-float survival_probability(const Color& beta, float eta_scale, float most) {
-    return std::min(beta.maxCoeff() * eta_scale, most);
+/// Russian roulette. A throughput that is not finite goes into the sample, where the film counts it.
+bool survives(PathWalk& walk, float most, const VertexNumbers& u, PixelSample& sample) {
+    if (walk.at.vertex < first_roulette_vertex) return true;
+    return walk.survives(most, u.roulette(), sample[walk.at.path_class.component()]);
 }
 
-/// Russian roulette: divides beta by the survival probability, or returns false if the path ends. A throughput that
-/// is not finite would be dropped without notice, so it is added to `lost`, where the film counts it.
-inline bool survives(Color& beta, float eta_scale, float most, float u, Color& lost) {
-    if (!beta.isFinite().all()) {
-        lost += beta;
-        return false;
-    }
-    const float survival = survival_probability(beta, eta_scale, most);
-    if (!(u < survival)) return false;
-    if (!injected(Fault::roulette_rescaling)) beta /= survival;
-    return true;
-}
-
-template <PathFeatures features>
-PixelSample trace(RayQueries& rays, TracedRay traced, const Sampler& sampler, const PathSettings& settings) {
-    PixelSample sample;
-    Color beta = Color::Ones();  // throughput: product of f cos / pdf over the vertices so far
-    float eta_scale = 1.f;       // the product of eta^2 by which refractions have divided beta
-    float pdf_w = infinity;      // density [1/sr] of the last direction; infinite if light sampling could not find it
-    Vec3 previous = traced.ray.o;
-    PathClass path;
-    std::uint32_t holes = 0;
-    [[maybe_unused]] NumberStream flights(sampler);
-    [[maybe_unused]] const Medium* medium = features.media_or_dispersion ? rays.scene().camera_medium() : nullptr;
-    [[maybe_unused]] std::optional<int> stratum;  // wavelengths, once the path has met dispersion
-    for (int vertex = 0; vertex < settings.max_edges;) {
-        auto hit = rays.surface_hit(traced);
-        const Vec3 wo = -traced.ray.d;
-        if constexpr (features.media_or_dispersion) {
-            if (medium) {
-                const Ray& ray = traced.ray;  // d is a unit vector; t_min and t_max clip a camera's rays
-                const Vec3 from = ray.o + ray.t_min * ray.d;
-                const float length = (hit ? traced.found->t : ray.t_max) - ray.t_min;
-                const auto flight = medium->sample_flight(from, ray.d, length, flights, beta);
-                if (is_black(beta)) break;
-                if (flight) {
-                    if (vertex + 1 >= settings.max_edges) break;
-                    path.in_medium = true;
-                    previous = from + *flight * ray.d;
-                    const VertexNumbers u = sampler.at_vertex(vertex);
-                    if (settings.light_sampling)
-                        sample[path.component()] +=
-                            beta * sample_direct_light(rays, previous, wo, u, Surroundings{medium, flights},
-                                                       LightTechniques::light_and_bsdf_sampling);
-                    const Vec3 wi = medium->phase().sample(wo, u.bsdf_direction());
-                    pdf_w = settings.light_sampling ? medium->phase().value(wo, wi) : infinity;
-                    if (vertex >= first_roulette_vertex &&
-                        !survives(beta, eta_scale, most_survival(vertex), u.roulette(), sample[path.component()]))
-                        break;
-                    traced.ray = {previous, wi};
-                    rays.trace(traced);
-                    ++vertex;
-                    continue;
-                }
-            }
-        }
-        if (!hit) {
-            if (rays.scene().environment())
-                sample[path.component()] += beta * escaped_radiance(rays.scene(), previous, pdf_w, traced.ray.d);
-            break;
-        }
-        const Color Le = hit->Le(wo);
-        if (!is_black(Le))
-            sample[path.component()] += beta * Le * bsdf_sampling_weight(rays.scene(), previous, pdf_w, *hit);
-        if constexpr (features.holes) {
-            const float pass_through = hit->bsdf->pass_through();
-            if (pass_through > 0.f && sampler.get_1d(dimension::first_hole + holes++) < pass_through) {
-                if constexpr (features.media_or_dispersion)
-                    medium = rays.scene().medium_beyond(*hit, traced.ray.d, medium);
-                traced.ray = hit->spawn_ray(traced.ray.d);
-                rays.trace(traced);
-                continue;
-            }
-        }
-        if (vertex + 1 >= settings.max_edges) break;
-
-        if constexpr (features.media_or_dispersion)
-            disperse(rays.scene(), sampler.get_1d(dimension::stratum), *hit, stratum, beta);
-        const VertexNumbers u = sampler.at_vertex(vertex);
-        const Vec3 wo_local = hit->shading.to_local(wo);
-        const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
-        const bool sees_lights = settings.light_sampling && (lobes.diffuse || (features.glossy && lobes.glossy));
-        if (sees_lights) {
-            constexpr auto both = LightTechniques::light_and_bsdf_sampling;
-            const LobeValues direct =
-                features.media_or_dispersion && rays.scene().has_media()
-                    ? sample_direct_light(rays, *hit, wo_local, u, Surroundings{medium, flights}, both)
-                    : sample_direct_light(rays, *hit, wo_local, u, both);
-            sample[path.after(LobeKind::diffuse).component()] += beta * direct.diffuse;
-            if constexpr (features.glossy) sample[path.after(LobeKind::specular).component()] += beta * direct.specular;
-        }
-
-        const auto next = sample_scattering(*hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance);
-        if (!next) break;
-        beta *= next->weight;
-        eta_scale *= sqr(next->eta);
-        pdf_w = next->delta || !sees_lights ? infinity : next->pdf_w;
-        path.scatter(next->lobe);
-
-        const float most = next->delta ? most_specular_survival(vertex) : most_survival(vertex);
-        if (vertex >= first_roulette_vertex && !survives(beta, eta_scale, most, u.roulette(), sample[path.component()]))
-            break;
-        previous = hit->p;
-        if constexpr (features.media_or_dispersion) medium = rays.scene().medium_beyond(*hit, next->wi, medium);
-        traced.ray = hit->spawn_ray(next->wi);
-        rays.trace(traced);
-        ++vertex;
-    }
-    return sample;
-}
+constexpr auto both_techniques = LightTechniques::light_and_bsdf_sampling;
 
 }  // namespace
 
-PathFeatures features_of(const Scene& scene) {
-    PathFeatures features{scene.has_holes(), false, scene.has_media() || scene.has_dispersion()};
-    for (const Material& material : scene.materials())
-        features.glossy |= material.traits().glossy;
-    return features;
-}
-
 PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const PathSettings& settings) {
-    const auto [holes, glossy, media_or_dispersion] = settings.features;
-    if (media_or_dispersion) return trace<PathFeatures{true, true, true}>(rays, eye, sampler, settings);
-    if (holes)
-        return glossy ? trace<PathFeatures{true, true, false}>(rays, eye, sampler, settings)
-                      : trace<PathFeatures{true, false, false}>(rays, eye, sampler, settings);
-    return glossy ? trace<PathFeatures{false, true, false}>(rays, eye, sampler, settings)
-                  : trace<PathFeatures{false, false, false}>(rays, eye, sampler, settings);
+    PixelSample sample;
+    PathWalk walk(rays, sampler, eye, rays.scene().camera_medium());
+    PathState& path = walk.at;
+    const auto add = [&](const PathClass& path_class, const Color& radiance) {
+        sample[path_class.component()] += path.beta * radiance;
+    };
+    while (path.vertex < settings.max_edges) {
+        const bool is_last = path.vertex + 1 >= settings.max_edges;  // no vertex may follow at the end of this edge
+        const Flight flight = walk.fly();
+        if (flight.is_black) break;
+        if (const auto& p = flight.scattering_at) {
+            if (is_last) break;
+            path.path_class.in_medium = true;
+            const VertexNumbers u = sampler.at_vertex(path.vertex);
+            if (settings.light_sampling)
+                add(path.path_class, sample_direct_light(rays, *p, walk.wo(), u, walk.surroundings(), both_techniques));
+            const Vec3 wi = walk.scatter_in_medium(u, settings.light_sampling);
+            if (!survives(walk, most_survival(path.vertex), u, sample)) break;
+            walk.go_on(*p, wi);
+            continue;
+        }
+        auto hit = walk.surface_hit();
+        sample[path.path_class.component()] += walk.emitted(hit);
+        if (!hit) break;
+        if (walk.passes_through(*hit)) continue;
+        if (is_last) break;
+
+        walk.disperse(*hit, dimension::stratum);
+        const VertexNumbers u = sampler.at_vertex(path.vertex);
+        const Vec3 wo_local = hit->shading.to_local(walk.wo());
+        const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
+        const bool sees_lights = settings.light_sampling && (lobes.diffuse || lobes.glossy);
+        if (sees_lights) {
+            const LobeValues direct =
+                sample_direct_light(rays, *hit, wo_local, u, walk.surroundings(), both_techniques);
+            add(path.path_class.after(LobeKind::diffuse), direct.diffuse);
+            add(path.path_class.after(LobeKind::specular), direct.specular);
+        }
+        const auto next = walk.scatter(*hit, u, Transport::radiance, sees_lights);
+        if (!next) break;
+        if (!survives(walk, next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u, sample))
+            break;
+        walk.go_on(*hit, next->wi);
+    }
+    return sample;
 }
 
 namespace {
@@ -193,7 +112,7 @@ public:
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan passes = plan(scene);
-        const PathSettings settings{max_edges_, passes.runs(pass_light_sampling), features_of(scene)};
+        const PathSettings settings{max_edges_, passes.runs(pass_light_sampling)};
         return average_eye_samples(
             {.scene = scene, .points = points_, .seed = seed, .stages = stages, .runs = passes.runs(pass_eye_paths)},
             shown_components(scene, passes.called_for, description_),

@@ -7,19 +7,9 @@
 
 namespace gib {
 
-/// The features of a scene that cost time in the path tracer; the estimator is compiled once
-/// for each combination in use.
-struct PathFeatures {
-    bool holes;                ///< some surface has a mask, which lets part of the light pass straight on
-    bool glossy;               ///< some lobe counts as specular but is no delta lobe
-    bool media_or_dispersion;  ///< one flag, as few scenes have either
-};
-PathFeatures features_of(const Scene& scene);
-
 struct PathSettings {
     int max_edges;        ///< edges of the longest path
     bool light_sampling;  ///< false where no light can be sampled from any surface
-    PathFeatures features;
 };
 
 /// One sample of a pixel, by component: an unbiased estimate of the radiance [W/(sr m^2)] that arrives along the

@@ -20,20 +20,8 @@ struct PhotonMaps {
     std::optional<LightVisibility> light_visibility;
 };
 
-class EyePass {
-public:
-    /// `maps` and `settings` must outlive this.
-    EyePass(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
-
-    /// One sample of a pixel by component [W/(sr m^2)], along the camera's ray `eye`.
-    PixelSample sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
-
-private:
-    class EyePathVisitor;
-
-    const PhotonMaps& maps_;
-    const WalkSettings& settings_;
-    std::vector<PhotonMap::Neighbour> neighbours_;  ///< scratch memory of look-ups
-};
+/// One sample of a pixel by component [W/(sr m^2)], along the camera's ray `eye`.
+PixelSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
+                            const TracedRay& eye, const Sampler& sampler);
 
 }  // namespace gib

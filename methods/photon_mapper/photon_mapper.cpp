@@ -87,9 +87,8 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return [eye_pass = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
-                                                      const Sampler& sampler) mutable {
-                return eye_pass.sample(rays, eye, sampler);
+            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+                return sample_eye_path(maps_, walk_, rays, eye, sampler);
             };
         });
         if (cache_) cache_->end_pass();
@@ -140,7 +139,6 @@ private:
                   .max_edges = settings_.max_edges,
                   .samples_lights = walk_.samples_lights,
                   .follows_specular = walk_.follows_specular,
-                  .features = features_of(scene_),
                   .map = {},
                   .estimator = maps_.global_estimator,
                   .lengths = {},

@@ -54,7 +54,6 @@ struct Records {
                 .max_edges = settings.max_edges,
                 .samples_lights = true,
                 .follows_specular = true,
-                .features = features_of(scene),
                 .map = {},
                 .estimator = {},
                 .lengths = {},
@@ -154,9 +153,9 @@ private:
     /// If a photon that `accept` takes lies near p, writes its colour into the sample and returns true.
     template <typename Accept>
     bool light_up(const Vec3& p, Accept&& accept, PixelSample& sample) {
-        shown_->map.nearest(p, 1, shown_->size, accept, neighbours_);
-        if (neighbours_.empty()) return false;
-        sample[component_of(shown_->kind)] = shown_->map[neighbours_.front().photon].power() * shown_->per_mean_power;
+        const auto nearest = shown_->map.nearest(p, shown_->size, accept);
+        if (!nearest) return false;
+        sample[component_of(shown_->kind)] = shown_->map[nearest->index].power() * shown_->per_mean_power;
         return true;
     }
 
@@ -184,7 +183,6 @@ private:
     }
 
     std::shared_ptr<const ShownPoints> shown_;
-    std::vector<PhotonMap::Neighbour> neighbours_;  ///< kept for its memory
 };
 
 class PhotonView final : public Method {

@@ -24,7 +24,9 @@ Colord irradiance_at(RayQueries& rays, SurfaceHit hit, const Sampler& sampler) {
     hit.bsdf = &white();
     hit.shading = Frame(hit.ns);
     const VertexNumbers u = sampler.at_vertex(0);
-    const LobeValues light = sample_direct_light(rays, hit, Vec3::UnitZ(), u, LightTechniques::light_and_bsdf_sampling);
+    NumberStream flights(sampler);
+    const LobeValues light =
+        sample_direct_light(rays, hit, Vec3::UnitZ(), u, {nullptr, flights}, LightTechniques::light_and_bsdf_sampling);
     const LobeValues found = follow_to_light(rays, hit, Vec3::UnitZ(), u);
     return (pi * (light.sum() + found.sum())).cast<double>();
 }

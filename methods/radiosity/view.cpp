@@ -1,17 +1,12 @@
 #include "methods/radiosity/view.h"
 
+#include "methods/parts/gathering/final_gather.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/parts/transport/scattered_ray.h"
-#include "methods/parts/transport/specular_walk.h"
 #include "methods/radiosity/light.h"
 
 namespace gib {
 
 namespace {
-
-/// Random dimensions of a gather ray, as in methods/parts/gathering/final_gather.cpp.
-constexpr std::uint32_t gather_direction = dimension::film, gather_lobe = dimension::lens;
-constexpr std::uint64_t gather_tag = 0;
 
 /// Sums the light that patches reflect along a final gather ray.
 class GatherRayVisitor {
@@ -22,11 +17,11 @@ public:
     explicit GatherRayVisitor(const RadiosityDisplay& display) : display_(display) {}
 
     const Color& radiance() const { return radiance_; }
-    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
-        radiance_ += diffuse_reflectance(hit, wo) * display_.whole_irradiance(hit, wo) * inv_pi;
+    void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers&) {
+        radiance_ += diffuse_reflectance(hit, vertex.wo) * display_.whole_irradiance(hit, vertex.wo) * inv_pi;
     }
     void emitted(const Color&) {}
-    void scattered(const Vec3&, const Vec3&) {}
+    void scattered(const EyeVertex&, const Vec3&) {}
 
 private:
     const RadiosityDisplay& display_;
@@ -39,48 +34,38 @@ public:
     static constexpr bool wants_emission = true;
     static constexpr int splits = 0;
 
-    EyeVisitor(const RadiosityModel* model, const RadiosityViewSettings& settings, SpecularWalk& walk)
-        : model_(model), settings_(settings), walk_(walk) {}
+    EyeVisitor(const RadiosityModel* model, const RadiosityViewSettings& settings)
+        : model_(model), settings_(settings) {}
 
     const PixelSample& sample() const { return sample_; }
 
     void emitted(const Color& radiance) { sample_[Component::emission] += radiance; }
-    void scattered(const Vec3&, const Vec3&) {}
-    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) {
+    void scattered(const EyeVertex&, const Vec3&) {}
+    void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers& u) {
+        const Vec3& wo = vertex.wo;
         if (settings_.samples_lights)
-            sample_[Component::direct] += sample_direct_light(walk_.rays(), hit, hit.shading.to_local(wo), u,
-                                                              LightTechniques::light_sampling_only, Lobes::diffuse)
-                                              .diffuse;
+            sample_[Component::direct] +=
+                sample_direct_light(vertex.walk.rays, hit, hit.shading.to_local(wo), u, vertex.walk.surroundings(),
+                                    LightTechniques::light_sampling_only, Lobes::diffuse)
+                    .diffuse;
         if (!model_) return;
-        if (settings_.gather > 0) sample_[Component::indirect] += gathered(hit, wo);
+        if (settings_.gather > 0) sample_[Component::indirect] += gathered(vertex, hit);
         else
             sample_[Component::indirect] +=
                 diffuse_reflectance(hit, wo) * model_->display().irradiance(hit, wo) * inv_pi;
     }
 
 private:
-    Color gathered(const SurfaceHit& hit, const Vec3& wo) {
-        const auto n = static_cast<std::uint32_t>(settings_.gather);
-        Colord sum = Colord::Zero();
-        for (std::uint32_t i = 0; i < n; ++i) {
-            const Sampler u = walk_.sampler().split(i, n, gather_tag);
-            const auto next = sample_scattering(hit, hit.shading.to_local(wo), u.get_2d(gather_lobe),
-                                                u.get_2d(gather_direction), Transport::radiance, Lobes::diffuse);
-            if (!next) continue;
-            const WalkSettings settings{2, false, false};
-            SpecularWalk walk(walk_.rays(), u, settings, nullptr);
-            TracedRay ray{hit.spawn_ray(next->wi)};
-            walk_.rays().trace(ray);
+    Color gathered(const EyeVertex& vertex, const SurfaceHit& hit) {
+        return gather_by_rays(vertex, hit, settings_.gather, 0, [&](const TracedRay& ray, const Sampler& u) {
             GatherRayVisitor visitor(model_->display());
-            walk.follow(ray, visitor);
-            sum += (next->weight * visitor.radiance()).cast<double>();
-        }
-        return (sum / n).cast<float>();
+            follow_specular_path(vertex.walk.rays, u, ray, nullptr, {2, false, false}, visitor);
+            return visitor.radiance();
+        });
     }
 
     const RadiosityModel* model_;
     const RadiosityViewSettings& settings_;
-    SpecularWalk& walk_;
     PixelSample sample_;
 };
 
@@ -131,9 +116,8 @@ void RadiosityView::sample(std::uint32_t pass, bool restart) {
     const WalkSettings walks{settings_.max_edges, settings_.samples_lights, false};
     rays_ += sample_pixels(scene_, films, PointSet::sobol, seed_, pass, stages_, "view", [&] {
         return [&](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-            SpecularWalk walk(rays, sampler, walks, nullptr);
-            EyeVisitor visitor(model_, settings_, walk);
-            walk.follow(eye, visitor);
+            EyeVisitor visitor(model_, settings_);
+            follow_specular_path(rays, sampler, eye, nullptr, walks, visitor);
             return visitor.sample();
         };
     });

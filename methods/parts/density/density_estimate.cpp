@@ -32,7 +32,7 @@ struct PhotonSums {
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u, DensityEstimator::Neighbours& neighbours)
+           const Vec3& wo, const EyePath& eye, const Vec2& u)
         : e_(estimator),
           map_(map),
           rays_(rays),
@@ -41,8 +41,7 @@ public:
           wo_local_(hit.shading.to_local(wo)),
           eye_(eye),
           transmits_(hit.bsdf->traits().transmission),
-          disc_(hit, normal_, u),
-          neighbours_(neighbours) {}
+          disc_(hit, normal_, u) {}
 
     Reflected radiance() {
         Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
@@ -67,7 +66,7 @@ private:
         if (inside == 0 || !(r > 0.f)) return {.radius = r};
         PhotonSums sums;
         for (std::size_t i = 0; i < inside; ++i) {
-            const Photon photon = map_[neighbours_[i].photon];
+            const Photon photon = map_[neighbours_[i].index];
             sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, neighbours_[i].distance2, r));
         }
         return normalised(sums, r);
@@ -100,7 +99,7 @@ private:
         map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, neighbours_);
         if (e_.area != DiscArea::surface || neighbours_.empty()) return;
 
-        const auto offset_of = [this](const PhotonMap::Neighbour& n) -> Vec3 { return map_[n.photon].p - hit_.p; };
+        const auto offset_of = [this](const Neighbour& n) -> Vec3 { return map_[n.index].p - hit_.p; };
         bool hidden = false;
         if (std::any_of(neighbours_.begin(), neighbours_.end(),
                         [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
@@ -190,7 +189,7 @@ private:
 
     void add(NestedDisc& disc, std::size_t end) const {
         for (; disc.photons < end; ++disc.photons) {
-            const double weight = reflected(map_[neighbours_[disc.photons].photon]).sum();
+            const double weight = reflected(map_[neighbours_[disc.photons].index]).sum();
             disc.weight += weight;
             disc.squared_weight += weight * weight;
         }
@@ -208,7 +207,7 @@ private:
     mutable bool agrees_ = false;                        ///< the answer for that code
     bool near_obstacle_ = false;
     SurfaceDisc disc_;
-    DensityEstimator::Neighbours& neighbours_;
+    std::vector<Neighbour> neighbours_;
 };
 
 }  // namespace
@@ -222,8 +221,8 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
-                                               std::uint32_t dimension, Neighbours& neighbours) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours).radiance();
+                                               std::uint32_t dimension) const {
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension)).radiance();
 }
 
 }  // namespace gib

@@ -64,14 +64,10 @@ struct DensityEstimator {
     /// not with all_photons.
     bool compensation = false;
 
-    /// Scratch memory, at most 2 k + 16 neighbours; kept between look-ups.
-    using Neighbours = std::vector<PhotonMap::Neighbour>;
-
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
-                                 const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
-                                 Neighbours& neighbours) const;
+                                 const EyePath& eye, const Sampler& sampler, std::uint32_t dimension) const;
 };
 
 /// |wi.ns| / |wi.ng|, at most 100. The density of photons measures irradiance on the geometric surface, which is in

@@ -68,8 +68,7 @@ float ball_kernel_radius(Kernel kernel, float u) {
 
 Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
                                           const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
-                                          const Sampler& sampler, std::uint32_t dimension,
-                                          std::vector<PhotonMap::Neighbour>& neighbours) const {
+                                          const Sampler& sampler, std::uint32_t dimension) const {
     if (!(max_radius > 0.f)) return Color::Zero();
     const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
         const double scale =
@@ -86,6 +85,7 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
     if (k == all_photons) {
         add_all_within(r);
     } else {
+        std::vector<Neighbour> neighbours;
         map.nearest(
             p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, neighbours);
         std::size_t inside = neighbours.size();
@@ -96,7 +96,7 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
             add_all_within(r);
         } else if (r > 0.f) {
             for (std::size_t i = 0; i < inside; ++i)
-                sum += scattered(map[neighbours[i].photon], neighbours[i].distance2, r);
+                sum += scattered(map[neighbours[i].index], neighbours[i].distance2, r);
         }
     }
     const Color radiance = sum.cast<float>();

@@ -36,8 +36,7 @@ struct VolumeEstimator {
     /// Radiance scattered at p towards wo per unit of the scattering coefficient [W/(sr m^2)], estimated from the
     /// photons around p. `phase` is the phase function of the medium at p.
     Color scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
-                             const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
-                             std::vector<PhotonMap::Neighbour>& neighbours) const;
+                             const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension) const;
 
     /// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no
     /// surface hides from p. Independent points of the ball are probed until m of them are visible, and the estimate

@@ -64,24 +64,19 @@ public:
     static constexpr bool wants_emission = false;
     static constexpr int splits = 0;
 
-    CandidateVisitor(const CachedGather& gather, const SpecularWalk& walk, std::vector<RecordPlace>& candidates)
-        : gather_(gather), walk_(walk), candidates_(candidates) {}
+    CandidateVisitor(const CachedGather& gather, std::vector<RecordPlace>& candidates)
+        : gather_(gather), candidates_(candidates) {}
 
-    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
-        const auto surface = gather_.cached_surface(walk_, hit, wo);
+    void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers&) {
+        const auto surface = gather_.cached_surface(vertex, hit);
         if (surface && !gather_.cache_.covers(hit.p, surface->normal))
-            candidates_.push_back({.point = hit,
-                                   .normal = surface->normal,
-                                   .spacing = gather_.spacing_at(walk_.length()),
-                                   .sampler = walk_.sampler(),
-                                   .vertex = walk_.vertex()});
+            candidates_.push_back(gather_.place_at(vertex, hit, *surface));
     }
     void emitted(const Color&) {}  // called only if not finite: no record can be made there
-    void scattered(const Vec3&, const Vec3&) {}
+    void scattered(const EyeVertex&, const Vec3&) {}
 
 private:
     const CachedGather& gather_;
-    const SpecularWalk& walk_;
     std::vector<RecordPlace>& candidates_;
 };
 
@@ -101,29 +96,32 @@ RecordSpacing CachedGather::spacing_at(float distance) const {
     return {static_cast<float>(settings_.least) * unit, static_cast<float>(settings_.greatest) * unit};
 }
 
-std::optional<CachedGather::CachedSurface> CachedGather::cached_surface(const SpecularWalk& walk, const SurfaceHit& hit,
-                                                                        const Vec3& wo) const {
-    const float cosine = hit.shading.to_local(wo).z();
+RecordPlace CachedGather::place_at(const EyeVertex& vertex, const SurfaceHit& hit, const CachedSurface& surface) const {
+    return {.point = hit,
+            .normal = surface.normal,
+            .spacing = spacing_at(vertex.length),
+            .sampler = vertex.walk.sampler,
+            .vertex = vertex.walk.at.vertex};
+}
+
+std::optional<CachedGather::CachedSurface> CachedGather::cached_surface(const EyeVertex& vertex,
+                                                                        const SurfaceHit& hit) const {
+    const float cosine = hit.shading.to_local(vertex.wo).z();
     const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(cosine);
     if (!reflectance) return std::nullopt;
     const GatheredLight& light = gather_.light();
-    const auto share = light.lengths.share(walk.edges_left() - 1, light.longest_photon_path());
+    const auto share = light.lengths.share(vertex.edges_left - 1, light.longest_photon_path());
     if (!share) return std::nullopt;
     return CachedSurface{cosine > 0.f ? hit.ns : Vec3(-hit.ns), *reflectance * (*share * inv_pi)};
 }
 
-std::optional<Color> CachedGather::reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                                                      DensityEstimator::Neighbours& neighbours) {
-    const auto surface = cached_surface(walk, hit, wo);
+std::optional<Color> CachedGather::reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit) {
+    const auto surface = cached_surface(vertex, hit);
     if (!surface) return std::nullopt;
     auto irradiance = cache_.interpolate(hit.p, surface->normal, slack);
     if (!irradiance) {
-        const RecordPlace place{.point = hit,
-                                .normal = surface->normal,
-                                .spacing = spacing_at(walk.length()),
-                                .sampler = walk.sampler(),
-                                .vertex = walk.vertex()};
-        const IrradianceRecord record = gather_.record_at(walk.rays(), place, neighbours);
+        const RecordPlace place = place_at(vertex, hit, *surface);
+        const IrradianceRecord record = gather_.record_at(vertex.walk.rays, place);
         irradiance = record.irradiance;
         if (record.is_finite()) {  // otherwise only this sample suffers, and the film counts it
             const std::scoped_lock lock(missing_mutex_);
@@ -171,9 +169,8 @@ std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidat
         std::vector<IrradianceRecord> records(chosen.size());
         parallel_blocks(chosen.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
             RayQueries rays(scene_);
-            DensityEstimator::Neighbours neighbours;
             for (std::size_t i = begin; i < end; ++i)
-                records[i] = gather_.record_at(rays, *chosen[i], neighbours);
+                records[i] = gather_.record_at(rays, *chosen[i]);
             traced += rays.count();
         });
         for (std::size_t i = 0; i < records.size(); ++i)
@@ -199,9 +196,8 @@ std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t
                     const Sampler sampler(PointSet::sobol, seed, y * width + x, 0);
                     TracedRay eye{scene_.sensor().sample_ray(static_cast<int>(x), static_cast<int>(y), sampler)};
                     rays.trace_from_camera({&eye.ray, 1}, {&eye.found, 1});
-                    SpecularWalk walk(rays, sampler, settings, nullptr);
-                    CandidateVisitor visitor(*this, walk, rows[y]);
-                    walk.follow(eye, visitor);
+                    CandidateVisitor visitor(*this, rows[y]);
+                    follow_specular_path(rays, sampler, eye, nullptr, settings, visitor);
                 }
             }
             traced += rays.count();

@@ -41,11 +41,10 @@ public:
     /// Fills the cache by the paths of the first pass. Returns the number of rays traced.
     std::uint64_t overture(const WalkSettings& walk, std::uint64_t seed, StageProgress* progress);
 
-    /// Indirect radiance [W/(sr m^2)] that an ideal diffuse surface sends towards wo at `hit`, the vertex that
-    /// `walk` has reached. Empty if the surface is of another kind, or if the limit on the length of paths makes
-    /// records invalid here.
-    std::optional<Color> reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                                            DensityEstimator::Neighbours& neighbours);
+    /// Indirect radiance [W/(sr m^2)] that an ideal diffuse surface sends back along the eye path that has reached
+    /// `hit`. Empty if the surface is of another kind, or if the limit on the length of paths makes records invalid
+    /// here.
+    std::optional<Color> reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit);
     /// Adds the records that were missing in the pass. Call it while no thread samples.
     void end_pass();
 
@@ -59,7 +58,8 @@ private:
         Color radiance_per_irradiance;  ///< [1/sr]
     };
     /// Empty if irradiance alone does not determine the reflected radiance, or if a record would be invalid here.
-    std::optional<CachedSurface> cached_surface(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo) const;
+    std::optional<CachedSurface> cached_surface(const EyeVertex& vertex, const SurfaceHit& hit) const;
+    RecordPlace place_at(const EyeVertex& vertex, const SurfaceHit& hit, const CachedSurface& surface) const;
     /// The spacing of records on a surface at this distance from the eye [scene units].
     RecordSpacing spacing_at(float distance) const;
     /// Makes and adds records at those candidates that the cache does not serve. Returns the number of rays traced.

@@ -23,6 +23,27 @@ struct RecordPlace {
     int vertex;       ///< the number of the point on that path
 };
 
+/// The mean over n gather rays, sampled by the diffuse lobes of `hit`, of arriving(ray, sampler) [W/(sr m^2)] times
+/// the weight of the ray, f cos / pdf. `tag` keeps the rays' random numbers apart from those of other vertices.
+template <typename Arriving>
+Color gather_by_rays(const EyeVertex& vertex, const SurfaceHit& hit, int n, std::uint64_t tag, Arriving&& arriving) {
+    // An eye path uses these dimensions for the place in the pixel and on the lens, which a gather ray does not have.
+    constexpr std::uint32_t gather_direction = dimension::film, gather_lobe = dimension::lens;
+    const Vec3 wo_local = hit.shading.to_local(vertex.wo);
+    const auto count = static_cast<std::uint32_t>(n);
+    Colord sum = Colord::Zero();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Sampler u = vertex.walk.sampler.split(i, count, tag);
+        const auto next = sample_scattering(hit, wo_local, u.get_2d(gather_lobe), u.get_2d(gather_direction),
+                                            Transport::radiance, Lobes::diffuse);
+        if (!next) continue;
+        TracedRay ray{hit.spawn_ray(next->wi)};
+        vertex.walk.rays.trace(ray);
+        sum += (next->weight * arriving(ray, u)).template cast<double>();
+    }
+    return (sum / count).template cast<float>();
+}
+
 class FinalGather {
 public:
     /// `light` must outlive this.
@@ -31,15 +52,13 @@ public:
 
     const GatheredLight& light() const { return light_; }
 
-    /// Indirect radiance [W/(sr m^2)] that the diffuse lobes of `hit`, the vertex that `walk` has reached, send
-    /// towards wo, estimated by the number of rays given to the constructor.
-    Color reflected_radiance(const SpecularWalk& walk, const SurfaceHit& hit, const Vec3& wo,
-                             DensityEstimator::Neighbours& neighbours) const;
+    /// Indirect radiance [W/(sr m^2)] that the diffuse lobes of `hit` send back along the eye path that has reached
+    /// it, estimated by the number of rays given to the constructor.
+    Color reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit) const;
 
     /// The record at a point that the eye sees directly. Its light takes paths of one edge less than the longest,
     /// because the ray from the eye is an edge, too.
-    IrradianceRecord record_at(RayQueries& rays, const RecordPlace& place,
-                               DensityEstimator::Neighbours& neighbours) const;
+    IrradianceRecord record_at(RayQueries& rays, const RecordPlace& place) const;
 
 private:
     const GatheredLight& light_;

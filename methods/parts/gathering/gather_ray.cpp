@@ -21,37 +21,35 @@ public:
     static constexpr bool wants_emission = false;
     static constexpr int splits = 0;
 
-    GatherVisitor(const GatheredLight& light, const SpecularWalk& walk, DensityEstimator::Neighbours& neighbours)
-        : light_(light), walk_(walk), neighbours_(neighbours) {}
+    explicit GatherVisitor(const GatheredLight& light) : light_(light) {}
 
     const Color& radiance() const { return radiance_; }
 
-    void diffuse(const SurfaceHit& hit, const Vec3& wo, const VertexNumbers&) {
-        radiance_ += walk_.throughput() * reflected(hit, wo);
+    void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers&) {
+        radiance_ += vertex.throughput() * reflected(vertex, hit);
     }
     void emitted(const Color& not_finite) { radiance_ += not_finite; }
-    void scattered(const Vec3&, const Vec3&) {}  // there is no final gathering in scenes with media
+    void scattered(const EyeVertex&, const Vec3&) {}  // there is no final gathering in scenes with media
 
 private:
-    Color reflected(const SurfaceHit& hit, const Vec3& wo) const {
+    Color reflected(const EyeVertex& vertex, const SurfaceHit& hit) const {
+        RayQueries& rays = vertex.walk.rays;
         if (light_.source == GatherSource::irradiance) {
-            const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(hit.shading.to_local(wo).z());
-            const auto share = light_.lengths.share(walk_.edges_left(), light_.longest_photon_path());
+            const auto reflectance = hit.bsdf->ideal_diffuse_reflectance(hit.shading.to_local(vertex.wo).z());
+            const auto share = light_.lengths.share(vertex.edges_left, light_.longest_photon_path());
             if (reflectance && share) {
-                const auto E = light_.irradiance.at(walk_.rays(), hit, normal_towards(hit, wo), walk_.length(),
-                                                    light_.estimator.max_radius, neighbours_);
+                const auto E = light_.irradiance.at(rays, hit, normal_towards(hit, vertex.wo), vertex.length,
+                                                    light_.estimator.max_radius);
                 if (E) return *reflectance * *E * (*share * inv_pi);
             }
         }
         return light_.estimator
-            .reflected_radiance(light_.map, walk_.rays(), hit, wo, EyePath{walk_.edges_left()}, walk_.sampler(),
-                                gathered_disc, neighbours_)
+            .reflected_radiance(light_.map, rays, hit, vertex.wo, EyePath{vertex.edges_left}, vertex.walk.sampler,
+                                gathered_disc)
             .between_surfaces;
     }
 
     const GatheredLight& light_;
-    const SpecularWalk& walk_;
-    DensityEstimator::Neighbours& neighbours_;
     Color radiance_ = Color::Zero();
 };
 
@@ -76,19 +74,16 @@ std::optional<float> PhotonLengths::share(int limit, int longest) const {
     return static_cast<float>(share);
 }
 
-Color GatheredLight::arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
-                              DensityEstimator::Neighbours& neighbours) const {
+Color GatheredLight::arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges) const {
     if (source == GatherSource::paths) {
-        const PixelSample sample = trace_path(rays, ray, sampler, {edges, samples_lights, features});
+        const PixelSample sample = trace_path(rays, ray, sampler, {edges, samples_lights});
         Color radiance = Color::Zero();
         for (const Component c : {Component::direct, Component::caustic, Component::indirect})
             radiance += sample[c];
         return radiance;
     }
-    const WalkSettings settings{edges, samples_lights, follows_specular};
-    SpecularWalk walk(rays, sampler, settings, nullptr);
-    GatherVisitor visitor(*this, walk, neighbours);
-    walk.follow(ray, visitor);
+    GatherVisitor visitor(*this);
+    follow_specular_path(rays, sampler, ray, nullptr, {edges, samples_lights, follows_specular}, visitor);
     return visitor.radiance();
 }
 

@@ -40,7 +40,6 @@ struct GatheredLight {
     GatherSource source;
     int max_edges;  ///< of whole paths
     bool samples_lights, follows_specular;
-    PathFeatures features;  ///< for GatherSource::paths
 
     PhotonMap map;  ///< PhotonMapKind::full; empty for `paths`
     DensityEstimator estimator;
@@ -53,8 +52,7 @@ struct GatheredLight {
 
     /// Radiance [W/(sr m^2)] that arrives along a gather ray by paths of at most `edges` edges, including the ray,
     /// which must have been traced. `sampler` provides all further random numbers.
-    Color arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges,
-                   DensityEstimator::Neighbours& neighbours) const;
+    Color arriving(RayQueries& rays, const TracedRay& ray, const Sampler& sampler, int edges) const;
 };
 
 }  // namespace gib

@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 #include "methods/method.h"
 #include "methods/parts/density/surface_disc.h"
+#include "methods/parts/kd_tree/kd_tree_build.h"
 
 #include <algorithm>
 #include <atomic>
@@ -38,22 +39,16 @@ std::optional<SurfaceHit> surface_under(RayQueries& rays, const Photon& photon) 
     return std::nullopt;
 }
 
-/// The radius of a place's estimate is kept in the bits that hold the number of edges of a photon, as a fraction of
-/// the largest radius, rounded down.
 constexpr float radius_steps = 65535.f;
-int coded_radius(float radius, float largest) {
-    return largest > 0.f ? static_cast<int>(radius_steps * std::min(radius / largest, 1.f)) : 0;
+std::uint16_t coded_radius(float radius, float largest) {
+    return static_cast<std::uint16_t>(largest > 0.f ? radius_steps * std::min(radius / largest, 1.f) : 0.f);
 }
-float radius_of(const Photon& place, float largest) {
-    return largest * (static_cast<float>(place.edges) / radius_steps);
+float radius_of(const IrradiancePlace& place, float largest) {
+    return largest * (static_cast<float>(place.radius) / radius_steps);
 }
-
-/// Whether the estimate at a place has met an obstacle, kept in the bit that marks photons in a medium: places
-/// lie on surfaces.
-bool is_near_obstacle(const Photon& place) { return place.in_medium(); }
 
 /// Whether a place lies in the tangent plane of the hit and a ray close above the surface meets nothing between them.
-bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const Photon& place) {
+bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const IrradiancePlace& place) {
     constexpr float rise = 0.02f;
     const Vec3 way = place.p - hit.p;
     if (std::abs(way.dot(normal)) > 4.f * hit.offset) return false;
@@ -90,25 +85,25 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     // The unit of irradiance [W/m^2]: the mean photon's power over the square of a length, the scene's extent rounded
     // down to a power of 2.
     const float extent = scene.diagonal();
-    const double unit = extent > 0.f ? std::scalbn(map.unit(), -2 * std::ilogb(extent)) : map.unit();
-    std::vector<Photon> estimated(places.size());
+    unit_ = extent > 0.f ? std::scalbn(map.unit(), -2 * std::ilogb(extent)) : map.unit();
+    std::vector<IrradiancePlace> estimated(places.size());
     std::vector<char> kept(places.size(), 0);
     std::atomic<std::uint64_t> traced = 0;
     parallel_blocks(places.size(), places_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries queries(scene);
-        DensityEstimator::Neighbours neighbours;
         for (std::size_t i = begin; i < end; ++i) {
             auto hit = surface_under(queries, places[i]);
             if (!hit) continue;
             const Vec3 normal = normal_towards(*hit, places[i].surface_normal());
             hit->bsdf = &white();
-            const Reflected light =
-                estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
-                                             Sampler(PointSet::independent, seed, i, 0), 0, neighbours);
+            const Reflected light = estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
+                                                                 Sampler(PointSet::independent, seed, i, 0), 0);
             const Color irradiance = pi * (light.between_surfaces + light.through_media);
-            estimated[i] = Photon(places[i].p, (irradiance.cast<double>() / unit).cast<float>(), normal, normal,
-                                  coded_radius(light.radius, estimator.max_radius),
-                                  light.near_obstacle);  // see is_near_obstacle()
+            estimated[i] = {places[i].p,
+                            {.irradiance = PackedColor((irradiance.cast<double>() / unit_).cast<float>(),
+                                                       light.near_obstacle ? 1 : 0),
+                             .normal = encode_normal(normal),
+                             .radius = coded_radius(light.radius, estimator.max_radius)}};
             kept[i] = 1;
         }
         traced += queries.count();
@@ -119,22 +114,22 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
     for (std::size_t i = 0; i < estimated.size(); ++i)
         if (kept[i]) estimated[left++] = estimated[i];
     estimated.resize(left);
-    places_ = PhotonMap(std::move(estimated), unit);
+    places_ = KdTree<IrradiancePlace>(estimated);
 }
 
 std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
-                                               float max_distance, DensityEstimator::Neighbours& neighbours) const {
-    const auto on_surface = [&](const Photon& place, float distance2) {
+                                               float max_distance) const {
+    const auto on_surface = [&](const IrradiancePlace& place, float distance2) {
         return place.surface_normal().dot(normal) > min_normal_cosine &&
                sqr((place.p - hit.p).dot(normal)) <= sqr(max_elevation_slope) * distance2;
     };
-    places_.nearest(hit.p, 1, max_distance, on_surface, neighbours);
-    if (neighbours.empty()) return std::nullopt;
-    const Photon place = places_[neighbours.front().photon];
-    if (neighbours.front().distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
-    const bool in_doubt = is_near_obstacle(place) || neighbours.front().distance2 > sqr(seen);
+    const auto nearest = places_.nearest(hit.p, max_distance, on_surface);
+    if (!nearest) return std::nullopt;
+    const IrradiancePlace place = places_[nearest->index];
+    if (nearest->distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
+    const bool in_doubt = place.near_obstacle() || nearest->distance2 > sqr(seen);
     if (in_doubt && !reaches(rays, hit, normal, place)) return std::nullopt;
-    return (places_.unit() * place.power().cast<double>()).cast<float>();
+    return (unit_ * place.irradiance.color().cast<double>()).cast<float>();
 }
 
 }  // namespace gib

@@ -18,6 +18,24 @@ class StageProgress;
 /// their order only.
 std::vector<Photon> take_places(std::vector<Photon>& photons);
 
+/// What is kept at a place besides its position. 16 bytes.
+struct IrradiancePlacePayload {
+    PackedColor irradiance;    ///< in the unit of all places; its tag is near_obstacle
+    std::uint16_t normal;      ///< encoded, on the side where the irradiance arrives
+    std::uint16_t radius;      ///< of the place's estimate, in 65535ths of the largest radius, rounded down
+    std::uint32_t unused = 0;  ///< see KdTree for the least size
+
+    bool near_obstacle() const { return irradiance.tag() != 0; }  ///< the estimate has met one
+    Vec3 surface_normal() const { return decode_normal(normal); }
+};
+struct IrradiancePlace : IrradiancePlacePayload {
+    using Payload = IrradiancePlacePayload;
+    Vec3 p;
+
+    IrradiancePlace() = default;
+    IrradiancePlace(const Vec3& position, const Payload& payload) : Payload(payload), p(position) {}
+};
+
 class PrecomputedIrradiance {
 public:
     PrecomputedIrradiance() = default;
@@ -33,14 +51,15 @@ public:
     /// only if the estimate at the place has met an obstacle or if the place is farther away than `seen`, the length
     /// of the ray to `hit`: the nearest place may lie outside a room that is small compared with the scene and has no
     /// places of its own.
-    std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen, float max_distance,
-                            DensityEstimator::Neighbours& neighbours) const;
+    std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
+                            float max_distance) const;
 
     std::size_t size() const { return places_.size(); }
     std::size_t memory() const { return places_.memory(); }
 
 private:
-    PhotonMap places_;  ///< photons that carry irradiance instead of power
+    KdTree<IrradiancePlace> places_;
+    double unit_ = 1;  ///< of the irradiance [W/m^2]
 };
 
 }  // namespace gib

@@ -33,16 +33,12 @@ float power_of_two(int s) { return std::bit_cast<float>(static_cast<std::uint32_
 
 PhotonPayload::PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
                              std::optional<int> stratum)
-    : tag_(static_cast<std::uint8_t>(static_cast<int>(in_medium) + 2 * (stratum ? *stratum + 1 : 0))),
+    : power_(power, static_cast<std::uint8_t>(static_cast<int>(in_medium) + 2 * (stratum ? *stratum + 1 : 0))),
       wi_(encode_direction(wi)),
       normal_(encode_normal(normal)),
-      edges(static_cast<std::uint16_t>(path_edges)) {
-    set_power(power);
-}
+      edges(static_cast<std::uint16_t>(path_edges)) {}
 
-void PhotonPayload::set_power(const Color& power) {
-    mantissa_ = {0, 0, 0};
-    exponent_ = 0;
+PackedColor::PackedColor(const Color& power, std::uint8_t tag) : mantissa_{0, 0, 0}, exponent_(0), tag_(tag) {
     if (!power.isFinite().all() || (power < 0.f).any()) {
         exponent_ = not_finite;
         return;

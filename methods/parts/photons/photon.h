@@ -11,30 +11,52 @@
 
 namespace gib {
 
-/// All data of a photon but its position. 16 bytes.
+/// A colour in 7 bytes, with one byte more for its owner.
 ///
-/// Each channel of the power is kept as m 2^s. The number m is whole, below 2^16 and ROUNDED to nearest; the exponent
-/// s is common to the channels and the smallest at which the largest channel fits. So a channel is off by at most
-/// 2^-16 of the largest one (half a unit of a number of 2^15 or more) if that is between 1e-33 and 3e38, and by at
-/// most 2^-127 below; 0 stays 0. The sum of many photons gains or loses nothing. The unit of power is the choice of
-/// the map that stores the photon (photon_power_unit()).
+/// Each channel is kept as m 2^s. The number m is whole, below 2^16 and ROUNDED to nearest; the exponent s is common
+/// to the channels and the smallest at which the largest channel fits. So a channel is off by at most 2^-16 of the
+/// largest one (half a unit of a number of 2^15 or more) if that is between 1e-33 and 3e38, and by at most 2^-127
+/// below; 0 stays 0. The sum of many such colours gains or loses nothing.
+class PackedColor {
+public:
+    /// A colour whose largest channel is smaller may be kept as 0.
+    static constexpr float least = 0x1p-126f;
+
+    PackedColor() = default;
+    /// A colour that is negative, not finite, or 3.4e38 or more comes back not finite.
+    explicit PackedColor(const Color& color, std::uint8_t tag = 0);
+
+    Color color() const {
+        const float unit = std::bit_cast<float>((exponent_ + 1u) << 23);
+        return Color(mantissa_[0], mantissa_[1], mantissa_[2]) * unit;
+    }
+    std::uint8_t tag() const { return tag_; }
+
+private:
+    std::array<std::uint16_t, 3> mantissa_;
+    std::uint8_t exponent_;  ///< s = exponent - 126
+    std::uint8_t tag_;       ///< the owner's
+};
+
+/// All data of a photon but its position. 16 bytes. The unit of power is the choice of the map that stores the photon
+/// (photon_power_unit()).
 class PhotonPayload {
 public:
     /// A photon whose largest channel is smaller may be kept with power 0.
-    static constexpr float least_power = 0x1p-126f;
+    static constexpr float least_power = PackedColor::least;
 
     PhotonPayload() = default;
     PhotonPayload(const Color& power, const Vec3& wi, const Vec3& normal, int path_edges, bool in_medium,
                   std::optional<int> stratum);
 
-    void set_power(const Color& power);
+    void set_power(const Color& power) { power_ = PackedColor(power, power_.tag()); }
 
-    Color power() const {
-        const float unit = std::bit_cast<float>((exponent_ + 1u) << 23);
-        return Color(mantissa_[0], mantissa_[1], mantissa_[2]) * unit;
+    Color power() const { return power_.color(); }
+    bool in_medium() const { return (power_.tag() & 1) != 0; }
+    std::optional<int> stratum() const {
+        const std::uint8_t tag = power_.tag();
+        return tag < 2 ? std::nullopt : std::optional<int>((tag >> 1) - 1);
     }
-    bool in_medium() const { return (tag_ & 1) != 0; }
-    std::optional<int> stratum() const { return tag_ < 2 ? std::nullopt : std::optional<int>((tag_ >> 1) - 1); }
     /// Direction that the photon came from, pointing away from the surface.
     Vec3 direction() const;
     /// Geometric normal of the surface, on the side where the photon arrived.
@@ -43,9 +65,7 @@ public:
     std::uint16_t normal_code() const { return normal_; }
 
 private:
-    std::array<std::uint16_t, 3> mantissa_;
-    std::uint8_t exponent_;  ///< s = exponent - 126
-    std::uint8_t tag_;       ///< in_medium + 2 (stratum + 1)
+    PackedColor power_;  ///< with the tag in_medium + 2 (stratum + 1)
     std::uint32_t wi_;
     std::uint16_t normal_;
 
@@ -56,6 +76,7 @@ static_assert(sizeof(PhotonPayload) == 16);
 
 /// A photon: power that arrived at a diffuse surface or was scattered in a medium. 28 bytes.
 struct Photon : PhotonPayload {
+    using Payload = PhotonPayload;
     Vec3 p;
 
     Photon() = default;

@@ -1,183 +1,24 @@
 #pragma once
-// The photon map: photons in a balanced kd-tree, with searches for the nearest ones and for all within a radius.
+// The photon map: photons in a kd-tree. A photon takes 29 bytes: 16 for its payload and 13 in the tree.
 // Source: Jensen 2001, chapter 6.
-//
-// A leaf holds eight photons. Their positions are stored by coordinate, so that one look at a leaf yields eight
-// distances and a mask of those within the bound; only these photons are shown to the caller. The payloads are stored
-// apart and read only for photons within the bound. A photon takes 29 bytes: 12 for its position, 16 for its payload,
-// and 1 for its part of a node (8 bytes a leaf).
 
-#include "common/core/huge_pages.h"
-#include "methods/parts/photons/nearest_buffer.h"
+#include "methods/parts/kd_tree/kd_tree.h"
 #include "methods/parts/photons/photon.h"
-
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
-#include <array>
-#include <bit>
-#include <cstdint>
-#include <vector>
 
 namespace gib {
 
-class PhotonMap {
+extern template KdTree<Photon>::KdTree(const std::vector<Photon>& photons);
+
+class PhotonMap : public KdTree<Photon> {
 public:
-    using Neighbour = gib::Neighbour;
-
     PhotonMap() = default;
-    /// Builds the tree in parallel; the same photons in the same order give the same tree for any number of threads.
-    /// The build needs 29 bytes a photon beside `photons`. These must have finite positions. `unit` is the meaning of
-    /// a power of 1: [W], or the unit of what the photons carry instead of power. Throws InputError for more than
-    /// 2^32 - 1 photons.
-    PhotonMap(std::vector<Photon> photons, double unit);
+    /// `unit` is the meaning of a power of 1 [W].
+    PhotonMap(const std::vector<Photon>& photons, double unit) : KdTree(photons), unit_(unit) {}
 
-    std::size_t size() const { return payloads_.size(); }
     double unit() const { return unit_; }  ///< unit of the photons' power [W]
-    /// Photon number i in the order of the map.
-    Photon operator[](std::size_t i) const {
-        const PositionBlock& block = positions_[i / leaf_size];
-        const std::size_t lane = i % leaf_size;
-        return {Vec3(block.x[lane], block.y[lane], block.z[lane]), payloads_[i]};
-    }
-    /// Size of the map [bytes].
-    std::size_t memory() const {
-        return positions_.size() * sizeof(PositionBlock) + payloads_.size() * sizeof(PhotonPayload) +
-               nodes_.size() * sizeof(Node);
-    }
-
-    /// Finds the k photons nearest to p within `max_distance` [scene units] for which accept(photon, distance2)
-    /// holds, or all of these if there are fewer (Jensen 2001, section 6.4). Their order is arbitrary, but if there
-    /// are k, the LAST one is the farthest. Of photons at equal distance the one with the lower index counts as
-    /// nearer. `neighbours` is cleared first and keeps its memory. A squared distance is (dx^2 + dy^2) + dz^2 with
-    /// each operation rounded. accept is called only for photons within the largest distance that still matters.
-    template <typename Accept>
-    void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                 std::vector<Neighbour>& neighbours) const;
-
-    /// Calls visit(photon, distance2) for all photons with distance2 <= radius^2, in the same order each time.
-    template <typename Visit>
-    void within(const Vec3& p, float radius, Visit&& visit) const;
 
 private:
-    static constexpr std::uint32_t leaf_size = 8;
-    /// The positions of a leaf's photons. Unused places of the last leaf are NaN, which lies at no distance.
-    struct alignas(32) PositionBlock {
-        std::array<float, leaf_size> x, y, z;
-
-        /// Sets `distance2` to the squared distances from p and returns a mask with one bit for each
-        /// that is within the bound.
-        std::uint32_t within(const Vec3& p, float bound, std::array<float, leaf_size>& distance2) const;
-    };
-    /// An inner node: the photons of its first child have p[axis] <= split, those of its
-    /// second child p[axis] >= split.
-    struct Node {
-        float split;
-        std::uint32_t axis;
-    };
-    /// A subtree of `leaves` leaves from leaf number `first`, whose root is node number `node`.
-    struct Subtree {
-        std::uint32_t node, first, leaves;
-        Subtree child(bool left) const {
-            const std::uint32_t half = leaves / 2;
-            // Nodes stand in preorder. A subtree of n leaves has n - 1 nodes, so the numbers of
-            // children need not be stored.
-            return left ? Subtree{node + 1, first, half} : Subtree{node + half, first + half, leaves - half};
-        }
-    };
-
-    void build(const Subtree& tree);
-    template <int axis>
-    float split_at_median(std::size_t begin, std::size_t middle, std::size_t end);
-    void store_leaves(const std::vector<Photon>& photons);
-
-    /// Calls visit_photon(index, distance2) for the photons with distance2 <= bound(). At every node the side of p is
-    /// visited before the other.
-    template <typename Bound, typename VisitPhoton>
-    void traverse(const Vec3& p, const Bound& bound, const VisitPhoton& visit_photon) const;
-
-    HugePageVector<PositionBlock> positions_;  ///< positions, leaf after leaf
-    HugePageVector<PhotonPayload> payloads_;   ///< payloads in the same order
-    HugePageVector<Node> nodes_;
     double unit_ = 1;
 };
-
-inline std::uint32_t PhotonMap::PositionBlock::within(const Vec3& p, float bound,
-                                                      std::array<float, leaf_size>& distance2) const {
-#ifdef __AVX2__
-    const __m256 dx = _mm256_sub_ps(_mm256_load_ps(x.data()), _mm256_set1_ps(p.x()));
-    const __m256 dy = _mm256_sub_ps(_mm256_load_ps(y.data()), _mm256_set1_ps(p.y()));
-    const __m256 dz = _mm256_sub_ps(_mm256_load_ps(z.data()), _mm256_set1_ps(p.z()));
-    const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
-    _mm256_storeu_ps(distance2.data(), d2);
-    return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(d2, _mm256_set1_ps(bound), _CMP_LE_OQ)));
-#else
-    std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < leaf_size; ++i) {
-        distance2[i] = (sqr(x[i] - p.x()) + sqr(y[i] - p.y())) + sqr(z[i] - p.z());
-        mask |= static_cast<std::uint32_t>(distance2[i] <= bound) << i;
-    }
-    return mask;
-#endif
-}
-
-template <typename Bound, typename VisitPhoton>
-void PhotonMap::traverse(const Vec3& p, const Bound& bound, const VisitPhoton& visit_photon) const {
-    struct Pending {
-        Subtree tree;
-        std::array<float, 3> offset;  ///< distance of the subtree's box from p, by axis
-        float distance2;
-    };
-    // On each level of the tree one subtree is left for later; 2^32 photons have 29 levels.
-    std::array<Pending, 40> stack;
-    std::size_t depth = 0;
-    if (positions_.empty()) return;
-    stack[depth++] = {{0, 0, static_cast<std::uint32_t>(positions_.size())}, {0.f, 0.f, 0.f}, 0.f};
-    std::array<float, leaf_size> distance2;
-    while (depth > 0) {
-        Pending at = stack[--depth];
-        if (at.distance2 > bound()) continue;
-        while (at.tree.leaves > 1) {
-            const Node& node = nodes_[at.tree.node];
-            const float to_plane = p[static_cast<Eigen::Index>(node.axis)] - node.split;
-            const bool left = to_plane <= 0.f;
-            Pending& far = stack[depth];
-            far = at;
-            far.tree = at.tree.child(!left);
-            at.tree = at.tree.child(left);
-            far.offset[node.axis] = to_plane;
-            // The sum has the order of a photon's squared distance; rounding is monotone, so a box never seems
-            // farther away than a photon in it.
-            far.distance2 = (sqr(far.offset[0]) + sqr(far.offset[1])) + sqr(far.offset[2]);
-            if (far.distance2 <= bound()) ++depth;
-        }
-        std::uint32_t mask = positions_[at.tree.first].within(p, bound(), distance2);
-        for (; mask != 0; mask &= mask - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(mask));
-            visit_photon(at.tree.first * leaf_size + lane, distance2[lane]);
-        }
-    }
-}
-
-template <typename Accept>
-void PhotonMap::nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                        std::vector<Neighbour>& neighbours) const {
-    NearestBuffer buffer(k, max_distance, neighbours);
-    if (k > 0)
-        traverse(
-            p, [&] { return buffer.bound(); },
-            [&](std::uint32_t photon, float distance2) {
-                if (distance2 <= buffer.bound() && accept((*this)[photon], distance2)) buffer.offer(distance2, photon);
-            });
-    buffer.finish();
-}
-
-template <typename Visit>
-void PhotonMap::within(const Vec3& p, float radius, Visit&& visit) const {
-    const float bound = radius * radius;
-    traverse(
-        p, [=] { return bound; }, [&](std::uint32_t photon, float distance2) { visit((*this)[photon], distance2); });
-}
 
 }  // namespace gib

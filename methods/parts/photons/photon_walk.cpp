@@ -5,10 +5,7 @@
 #include "methods/method.h"
 #include "methods/parts/photons/blocks_within_memory.h"
 #include "methods/parts/photons/projection_map.h"
-#include "methods/parts/transport/dispersed_path.h"
-#include "methods/parts/transport/ray_queries.h"
-#include "methods/parts/transport/roulette.h"
-#include "methods/parts/transport/scattered_ray.h"
+#include "methods/parts/transport/path_walk.h"
 
 #include <algorithm>
 #include <array>
@@ -49,85 +46,69 @@ float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const Sca
     return denominator > 0.f ? numerator / denominator : 0.f;
 }
 
-Photon photon_on(const SurfaceHit& hit, const Vec3& wo, const Color& power, int edges, const PathClass& path,
-                 std::optional<int> stratum) {
-    const Vec3 side = wo.dot(hit.ng) >= 0.f ? hit.ng : Vec3(-hit.ng);
-    return {hit.p, power, wo, side, edges, path.in_medium, stratum};
-}
-
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
 class PhotonPath {
 public:
-    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, PhotonWalkResult& result)
-        : rays_(rays), kind_(kind), max_edges_(max_edges), sampler_(sampler), flights_(sampler), result_(result) {}
+    /// Starts along `first`, which has been traced.
+    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, const TracedRay& first,
+               PhotonWalkResult& result)
+        : walk_(rays, sampler, first, rays.scene().has_media() ? rays.medium_at(first.ray.o) : nullptr),
+          at_(walk_.at),
+          kind_(kind),
+          max_edges_(max_edges),
+          result_(result) {}
 
-    /// Follows the photon with the power `share` times the start's, in the result's unit.
-    void trace(const EmissionSample& start, const TracedRay& first, double share) {
-        power_ = (share * start.power).cast<float>();
-        // The photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in a
-        // density estimate without adding power.
-        if (power_.maxCoeff() < PhotonPayload::least_power) return;
-        result_.balance.emitted += power_.cast<double>();
-        residual_ = power_.cast<double>();
-        follow(first);
+    /// Follows the photon with this power, in the result's unit.
+    void trace(const Color& power) {
+        at_.beta = power;
+        residual_ = power.cast<double>();
+        result_.balance.emitted += residual_;
+        follow();
         result_.balance.squared_residuals += residual_ * residual_;
     }
 
 private:
-    void follow(TracedRay traced) {
-        const Scene& scene = rays_.scene();
-        if (scene.has_media()) medium_ = rays_.medium_at(traced.ray.o);
-        std::uint32_t holes = 0;
-        bool is_first = true;
-        // The path has `edges` edges up to the hit and needs at least one more to the eye: a photon of max_edges
-        // edges could never be used.
-        for (int edges = 1; edges < max_edges_; ++edges) {
-            if (!std::exchange(is_first, false)) rays_.trace(traced);
-            if (medium_) {
-                const Color before = power_;
-                const float length = traced.found ? traced.found->t : infinity;
-                const auto flight = medium_->sample_flight(traced.ray.o, traced.ray.d, length, flights_, power_);
-                account(before - power_, result_.balance.lost_in_media);
-                if (is_black(power_)) return;
-                if (flight) {
-                    if (!scatter_in_medium(traced.ray.o + *flight * traced.ray.d, before, edges, traced.ray)) return;
-                    continue;
-                }
-            }
-            auto hit = rays_.surface_hit(traced);
-            if (!hit) {
-                account(power_, result_.balance.escaped);
-                return;
-            }
-            const Vec3 wo = -traced.ray.d;
-            const Vec3 wo_local = hit->shading.to_local(wo);
-            // The photon is stored before it may pass a hole, as an eye path decides for itself
-            // whether the surface is there.
-            if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
-                result_.photons.push_back(photon_on(*hit, wo, power_, edges, path_, stratum_));
-            if (hit->bsdf->pass_through() > 0.f &&
-                sampler_.get_1d(dimension::first_hole + holes++) < hit->bsdf->pass_through()) {
-                medium_ = scene.medium_beyond(*hit, traced.ray.d, medium_);
-                traced.ray = hit->spawn_ray(traced.ray.d);
-                --edges;
+    /// Whether the photon could be stored at the end of this edge of its path (1: the first), with one more edge to
+    /// the eye.
+    bool allows_edge(int edge) const { return edge < max_edges_; }
+
+    void follow() {
+        while (allows_edge(at_.vertex + 1)) {
+            const Color before = at_.beta;
+            const Flight flight = walk_.fly();
+            if (at_.medium) account(before - at_.beta, result_.balance.lost_in_media);
+            if (flight.is_black) return;
+            if (flight.scattering_at) {
+                if (!scatter_in_medium(*flight.scattering_at, before)) return;
                 continue;
             }
-            if (scene.has_dispersion())
-                disperse(scene, sampler_.get_1d(dimension::photon_stratum), *hit, stratum_, power_);
-            if (!scatter(*hit, wo_local, edges - 1, traced.ray)) return;
+            auto hit = walk_.surface_hit();
+            if (!hit) {
+                account(at_.beta, result_.balance.escaped);
+                return;
+            }
+            // The photon is stored before it may pass a hole, as an eye path decides for itself
+            // whether the surface is there.
+            if (stores_on_surfaces() && hit->bsdf->traits_at(hit->shading.to_local(walk_.wo()).z()).diffuse)
+                result_.photons.emplace_back(hit->p, at_.beta, walk_.wo(), normal_towards(*hit, walk_.wo()),
+                                             at_.vertex + 1, at_.path_class.in_medium, at_.stratum);
+            if (walk_.passes_through(*hit)) continue;
+            walk_.disperse(*hit, dimension::photon_stratum);
+            if (!scatter(*hit)) return;
         }
     }
 
     /// Whether a photon with this path is stored on diffuse surfaces.
     bool stores_on_surfaces() const {
-        const bool scattered = path_.diffuse_vertices > 0 || path_.in_medium;
+        const PathClass& path = at_.path_class;
+        const bool scattered = path.diffuse_vertices > 0 || path.in_medium;
         switch (kind_) {
             case PhotonMapKind::global:
                 return scattered;
             case PhotonMapKind::full:
                 return true;
             case PhotonMapKind::caustic:
-                return !scattered && path_.specular_since_diffuse;
+                return !scattered && path.specular_since_diffuse;
             case PhotonMapKind::volume:
                 return false;
         }
@@ -140,65 +121,52 @@ private:
         residual_ -= power.cast<double>();
     }
 
-    /// Russian roulette: ends the path with probability 1 - survival, or 1 - `most` if that is
-    /// more (Jensen 2001, section 5.2).
-    bool survives(float survival, float most, float u) {
-        survival = std::clamp(survival, 0.f, most);
-        if (!(u < survival)) return false;
-        if (!injected(Fault::roulette_rescaling)) power_ /= survival;
-        return true;
-    }
-
-    /// A scattering event at p in a medium, at the end of `edges` edges. `before` is the power at the start of the
-    /// free flight; the roulette compensates for the weight of the flight. Returns false if the photon ends here.
+    /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
+    /// compensates for the weight of the flight. Returns false if the photon ends here.
     /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
-    bool scatter_in_medium(const Vec3& p, const Color& before, int edges, Ray& ray) {
-        const Vec3 wo = -ray.d;
-        const bool came_straight = path_.diffuse_vertices == 0 && !path_.specular_since_diffuse && !path_.in_medium;
+    bool scatter_in_medium(const Vec3& p, const Color& before) {
+        const Vec3 wo = walk_.wo();
+        const bool came_straight = at_.vertex == 0;
         if (kind_ == PhotonMapKind::caustic) return false;
         if (kind_ == PhotonMapKind::volume && !came_straight) {
-            const Color sigma_s = medium_->scattering_at(p);
-            const Color fluence = (sigma_s > 0.f).select(power_ / sigma_s, Color::Zero());
-            result_.photons.emplace_back(p, fluence, wo, wo, edges, true, stratum_);
+            const Color sigma_s = at_.medium->scattering_at(p);
+            const Color fluence = (sigma_s > 0.f).select(at_.beta / sigma_s, Color::Zero());
+            result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
-        const VertexNumbers u = sampler_.at_vertex(edges - 1);
-        if (!survives(power_.maxCoeff() / before.maxCoeff(), most_survival(edges - 1), u.roulette())) return false;
-        path_.in_medium = true;
-        ray = {p, medium_->phase().sample(wo, u.bsdf_direction())};
+        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const float survival = std::min(at_.beta.maxCoeff() / before.maxCoeff(), most_survival(at_.vertex));
+        if (!survives(at_.beta, survival, u.roulette())) return false;
+        if (!allows_edge(at_.vertex + 2)) return false;
+        at_.path_class.in_medium = true;
+        walk_.go_on(p, walk_.scatter_in_medium(u, false));
         return true;
     }
 
     /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
     /// scaled by (d_c + s_c) / P_r in each channel. Returns false if the photon ends here.
-    bool scatter(const SurfaceHit& hit, const Vec3& wo_local, int vertex, Ray& ray) {
-        const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
+    bool scatter(const SurfaceHit& hit) {
+        const ScatteringCoefficients c = hit.bsdf->coefficients_local(hit.shading.to_local(walk_.wo()));
         const Color albedo = c.diffuse + c.specular;
-        account(power_ * (1.f - albedo), result_.balance.absorbed);
-        const VertexNumbers u = sampler_.at_vertex(vertex);
-        const float most = is_black(c.diffuse) ? most_specular_survival(vertex) : most_survival(vertex);
-        if (!survives(albedo.maxCoeff(), most, u.roulette())) return false;
+        account(at_.beta * (1.f - albedo), result_.balance.absorbed);
+        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
+        if (!survives(at_.beta, std::min(albedo.maxCoeff(), most), u.roulette())) return false;
 
-        const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::power);
+        const auto next = walk_.scatter(hit, u, Transport::power, false);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
-        power_ *= next->weight * shading_normal_correction(hit, -ray.d, *next);
-        path_.scatter(next->lobe);
-        if (rays_.scene().has_media()) medium_ = rays_.scene().medium_beyond(hit, next->wi, medium_);
-        ray = hit.spawn_ray(next->wi);
+        at_.beta *= shading_normal_correction(hit, walk_.wo(), *next);
+        if (!allows_edge(at_.vertex + 2)) return false;
+        walk_.go_on(hit, next->wi);
         return true;
     }
 
-    RayQueries& rays_;
+    PathWalk walk_;
+    PathState& at_;  ///< of walk_; beta is the power in the result's unit
     PhotonMapKind kind_;
     int max_edges_;
-    const Sampler& sampler_;
-    NumberStream flights_;
     PhotonWalkResult& result_;
-    Color power_ = Color::Zero();  ///< in the result's unit
-    PathClass path_;
-    const Medium* medium_ = nullptr;    ///< that the photon is in
-    std::optional<int> stratum_;        ///< of wavelengths, once the path has met dispersion
     Colord residual_ = Colord::Zero();  ///< power that the balance has not accounted for
 };
 
@@ -284,7 +252,11 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
         RayQueries rays(scene);
         const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
-            PhotonPath(rays, kind, longest, sampler, block).trace(start, first, share);
+            const Color power = (share * start.power).cast<float>();
+            // Such a photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in
+            // a density estimate without adding power.
+            if (power.maxCoeff() < PhotonPayload::least_power) return;
+            PhotonPath(rays, kind, longest, sampler, first, block).trace(power);
         };
         if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
         else emit(rays, key, begin, end, trace);

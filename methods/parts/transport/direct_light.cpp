@@ -22,39 +22,27 @@ template <typename Visibility>
     if (is_black(f.of(which) * light.Le)) return {};
     const auto visible = visibility(light);
     if (is_blocked(visible)) return {};
-    const bool combine =
-        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
     const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
 }
 
-template <typename Visibility>
-[[gnu::always_inline]] inline LobeValues sample_light_seen_by(const Scene& scene, const SurfaceHit& hit,
-                                                              const Vec3& wo_local, const VertexNumbers& u,
-                                                              LightTechniques techniques, Lobes which,
-                                                              Visibility&& visibility) {
-    const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
-    if (!light) return {};
-    return scattered_from(*light, hit, wo_local, techniques, which, visibility);
-}
-
 }  // namespace
 
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which) {
-    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which,
-                                [&](const LightSample& light) { return rays.visibility(hit, light); });
-}
-
-LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
-    const auto transmittance = [&](const LightSample& light) {
-        const Medium* medium = rays.scene().medium_beyond(hit, light.wi, surroundings.medium);
-        return rays.transmittance(offset_origin(hit, light.wi), medium, light, surroundings.flights);
-    };
-    return sample_light_seen_by(rays.scene(), hit, wo_local, u, techniques, which, transmittance);
+    const Scene& scene = rays.scene();
+    const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
+    if (!light) return {};
+    if (!scene.has_media())
+        return scattered_from(*light, hit, wo_local, techniques, which,
+                              [&](const LightSample& to) { return rays.visibility(hit, to); });
+    return scattered_from(*light, hit, wo_local, techniques, which, [&](const LightSample& to) {
+        const Medium* medium = scene.medium_beyond(hit, to.wi, surroundings.medium);
+        return rays.transmittance(offset_origin(hit, to.wi), medium, to, surroundings.flights);
+    });
 }
 
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,

@@ -12,20 +12,17 @@ enum class LightTechniques {
     light_and_bsdf_sampling  ///< the caller also follows its bsdf or phase samples: power heuristic
 };
 
-/// The medium around a vertex in a scene with media. `flights` gives the random numbers for estimating how much light
-/// the media on the way let through.
+/// The medium around a vertex. `flights` gives the random numbers for estimating how much light the media on the way
+/// let through.
 struct Surroundings {
     const Medium* medium;  ///< that the path arrives in; null: vacuum
     NumberStream& flights;
 };
 
 /// One sample of the radiance [W/(sr m^2)] that the hit's non-delta lobes of the kinds `which` scatter towards wo
-/// straight from a light, by kind of lobe: f(wo, wi) Le V cos(theta_i) / pdf_w, times the weight of light sampling.
+/// straight from a light, by kind of lobe: f(wo, wi) Le V cos(theta_i) / pdf_w, times the weight of light sampling. In
+/// a scene with media the transmittance along the way takes the place of the visibility V.
 /// Source: Veach 1997, chapter 8 (three-point form) and section 9.2 (combination).
-/// For a scene without media.
-LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                               LightTechniques techniques, Lobes which = Lobes::all);
-/// As above, for a scene with media: the transmittance along the way takes the place of the visibility V.
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                const Surroundings& surroundings, LightTechniques techniques, Lobes which = Lobes::all);
 

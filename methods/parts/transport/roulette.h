@@ -1,10 +1,20 @@
 #pragma once
-// Upper bounds of the survival probability in Russian roulette. They end paths that lose no light, among surfaces of
+// Russian roulette, and upper bounds of its survival probability. The bounds end paths that lose no light, among surfaces of
 // albedo 1. Survivors are weighted up, so a bound causes variance but no bias. Where it ends paths faster than their
 // light falls, the variance is infinite: images of an affordable number of samples then miss the light of vertices
 // that one path in a million reaches, and are too dark. So the bounds apply late and are weak.
 
+#include "common/core/math.h"
+
 namespace gib {
+
+/// Russian roulette: the path survives with this probability, and `beta` is then divided by it. Returns false if the
+/// path ends.
+inline bool survives(Color& beta, float probability, float u) {
+    if (!(u < probability)) return false;
+    beta /= probability;
+    return true;
+}
 
 /// Paths before this vertex are not ended because of their length.
 inline constexpr int first_capped_vertex = 1024;

@@ -1,7 +1,7 @@
 #pragma once
 // A buffer that keeps the k nearest of the candidates that a search finds.
 
-#include "methods/parts/photons/selection.h"
+#include "methods/parts/kd_tree/selection.h"
 
 #include <bit>
 #include <compare>
@@ -10,10 +10,10 @@
 
 namespace gib {
 
-/// A photon found by a search, with its squared distance [scene units^2].
+/// A point found by a search, with its squared distance [scene units^2].
 struct Neighbour {
     float distance2;
-    std::uint32_t photon;  ///< index in the photon map
+    std::uint32_t index;  ///< in the tree
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 
@@ -28,8 +28,8 @@ public:
     }
     /// Squared distance beyond which no candidate is needed any more. It falls as the buffer is cut back.
     float bound() const { return bound_; }
-    void offer(float distance2, std::uint32_t photon) {
-        begin_[size_++] = {distance2, photon};
+    void offer(float distance2, std::uint32_t index) {
+        begin_[size_++] = {distance2, index};
         if (size_ == capacity_) shrink();
     }
     /// Leaves the nearest candidates in the storage, at most k. If there are k, the last one is the farthest.
@@ -41,9 +41,9 @@ public:
 private:
     void shrink() {
         Neighbour* const kth = begin_ + (k_ - 1);
-        // Positive floats have the order of their bits; ties in distance are broken by the photon's index.
+        // Positive floats have the order of their bits; ties in distance are broken by the index.
         select_kth(begin_, kth, begin_ + size_, [](const Neighbour& n) {
-            return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(n.distance2)) << 32 | n.photon;
+            return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(n.distance2)) << 32 | n.index;
         });
         size_ = k_;
         bound_ = kth->distance2;

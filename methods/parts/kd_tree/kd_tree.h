@@ -1,0 +1,207 @@
+#pragma once
+// Points with payloads, such as photons, in a balanced kd-tree, with searches for the nearest ones and for all within
+// a radius. Source: Jensen 2001, chapter 6.
+//
+// A leaf holds eight points. Their positions are stored by coordinate, so that one look at a leaf yields eight
+// distances and a mask of those within the bound; only these points are shown to the caller. The payloads are stored
+// apart and read only for points within the bound. A point takes 13 bytes beside its payload: 12 for its position and
+// 1 for its part of a node (8 bytes a leaf).
+
+#include "common/core/huge_pages.h"
+#include "common/core/math.h"
+#include "methods/parts/kd_tree/nearest_buffer.h"
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace gib {
+
+/// Point is a payload at a place: it has a member `p` [scene units], a type Point::Payload, trivially copyable and of
+/// at least 16 bytes, to which it converts, and a constructor from a position and a payload.
+template <typename Point>
+class KdTree {
+public:
+    using Payload = typename Point::Payload;
+
+    KdTree() = default;
+    /// Builds the tree in parallel; the same points in the same order give the same tree for any number of threads.
+    /// The build needs as much memory beside `points` as the tree has. Positions must be finite. Throws InputError
+    /// for more than 2^32 - 1 points. Defined in kd_tree_build.h.
+    explicit KdTree(const std::vector<Point>& points);
+
+    std::size_t size() const { return payloads_.size(); }
+    /// Point number i in the order of the tree.
+    Point operator[](std::size_t i) const {
+        const PositionBlock& block = positions_[i / leaf_size];
+        const std::size_t lane = i % leaf_size;
+        return {Vec3(block.x[lane], block.y[lane], block.z[lane]), payloads_[i]};
+    }
+    /// Size of the tree [bytes].
+    std::size_t memory() const {
+        return positions_.size() * sizeof(PositionBlock) + payloads_.size() * sizeof(Payload) +
+               nodes_.size() * sizeof(Node);
+    }
+
+    /// Finds the k points nearest to p within `max_distance` [scene units] for which accept(point, distance2)
+    /// holds, or all of these if there are fewer (Jensen 2001, section 6.4). Their order is arbitrary, but if there
+    /// are k, the LAST one is the farthest. Of points at equal distance the one with the lower index counts as
+    /// nearer. `neighbours` is cleared first and keeps its memory. A squared distance is (dx^2 + dy^2) + dz^2 with
+    /// each operation rounded. accept is called only for points within the largest distance that still matters.
+    template <typename Accept>
+    void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
+                 std::vector<Neighbour>& neighbours) const;
+    /// The nearest of these points; empty if there is none.
+    template <typename Accept>
+    std::optional<Neighbour> nearest(const Vec3& p, float max_distance, Accept&& accept) const;
+
+    /// Calls visit(point, distance2) for all points with distance2 <= radius^2, in the same order each time.
+    template <typename Visit>
+    void within(const Vec3& p, float radius, Visit&& visit) const;
+
+private:
+    static constexpr std::uint32_t leaf_size = 8;
+    /// The positions of a leaf's points. Unused places of the last leaf are NaN, which lies at no distance.
+    struct alignas(32) PositionBlock {
+        std::array<float, leaf_size> x, y, z;
+
+        /// Sets `distance2` to the squared distances from p and returns a mask with one bit for each
+        /// that is within the bound.
+        std::uint32_t within(const Vec3& p, float bound, std::array<float, leaf_size>& distance2) const;
+    };
+    /// An inner node: the points of its first child have p[axis] <= split, those of its
+    /// second child p[axis] >= split.
+    struct Node {
+        float split;
+        std::uint32_t axis;
+    };
+    /// A subtree of `leaves` leaves from leaf number `first`, whose root is node number `node`.
+    struct Subtree {
+        std::uint32_t node, first, leaves;
+        Subtree child(bool left) const {
+            const std::uint32_t half = leaves / 2;
+            // Nodes stand in preorder. A subtree of n leaves has n - 1 nodes, so the numbers of
+            // children need not be stored.
+            return left ? Subtree{node + 1, first, half} : Subtree{node + half, first + half, leaves - half};
+        }
+    };
+
+    void build(const Subtree& tree);
+    template <int axis>
+    float split_at_median(std::size_t begin, std::size_t middle, std::size_t end);
+    void store_leaves(const std::vector<Point>& points);
+
+    /// Calls visit_point(index, distance2) for the points with distance2 <= bound(). At every node the side of p is
+    /// visited before the other.
+    template <typename Bound, typename VisitPoint>
+    void traverse(const Vec3& p, const Bound& bound, const VisitPoint& visit_point) const;
+
+    HugePageVector<PositionBlock> positions_;  ///< positions, leaf after leaf
+    HugePageVector<Payload> payloads_;         ///< payloads in the same order
+    HugePageVector<Node> nodes_;
+};
+
+template <typename Point>
+inline std::uint32_t KdTree<Point>::PositionBlock::within(const Vec3& p, float bound,
+                                                          std::array<float, leaf_size>& distance2) const {
+#ifdef __AVX2__
+    const __m256 dx = _mm256_sub_ps(_mm256_load_ps(x.data()), _mm256_set1_ps(p.x()));
+    const __m256 dy = _mm256_sub_ps(_mm256_load_ps(y.data()), _mm256_set1_ps(p.y()));
+    const __m256 dz = _mm256_sub_ps(_mm256_load_ps(z.data()), _mm256_set1_ps(p.z()));
+    const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
+    _mm256_storeu_ps(distance2.data(), d2);
+    return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(d2, _mm256_set1_ps(bound), _CMP_LE_OQ)));
+#else
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < leaf_size; ++i) {
+        distance2[i] = (sqr(x[i] - p.x()) + sqr(y[i] - p.y())) + sqr(z[i] - p.z());
+        mask |= static_cast<std::uint32_t>(distance2[i] <= bound) << i;
+    }
+    return mask;
+#endif
+}
+
+template <typename Point>
+template <typename Bound, typename VisitPoint>
+void KdTree<Point>::traverse(const Vec3& p, const Bound& bound, const VisitPoint& visit_point) const {
+    struct Pending {
+        Subtree tree;
+        std::array<float, 3> offset;  ///< distance of the subtree's box from p, by axis
+        float distance2;
+    };
+    // On each level of the tree one subtree is left for later; 2^32 points have 29 levels.
+    std::array<Pending, 40> stack;
+    std::size_t depth = 0;
+    if (positions_.empty()) return;
+    stack[depth++] = {{0, 0, static_cast<std::uint32_t>(positions_.size())}, {0.f, 0.f, 0.f}, 0.f};
+    std::array<float, leaf_size> distance2;
+    while (depth > 0) {
+        Pending at = stack[--depth];
+        if (at.distance2 > bound()) continue;
+        while (at.tree.leaves > 1) {
+            const Node& node = nodes_[at.tree.node];
+            const float to_plane = p[static_cast<Eigen::Index>(node.axis)] - node.split;
+            const bool left = to_plane <= 0.f;
+            Pending& far = stack[depth];
+            far = at;
+            far.tree = at.tree.child(!left);
+            at.tree = at.tree.child(left);
+            far.offset[node.axis] = to_plane;
+            // The sum has the order of a point's squared distance; rounding is monotone, so a box never seems
+            // farther away than a point in it.
+            far.distance2 = (sqr(far.offset[0]) + sqr(far.offset[1])) + sqr(far.offset[2]);
+            if (far.distance2 <= bound()) ++depth;
+        }
+        std::uint32_t mask = positions_[at.tree.first].within(p, bound(), distance2);
+        for (; mask != 0; mask &= mask - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(mask));
+            visit_point(at.tree.first * leaf_size + lane, distance2[lane]);
+        }
+    }
+}
+
+template <typename Point>
+template <typename Accept>
+void KdTree<Point>::nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
+                            std::vector<Neighbour>& neighbours) const {
+    NearestBuffer buffer(k, max_distance, neighbours);
+    if (k > 0)
+        traverse(
+            p, [&] { return buffer.bound(); },
+            [&](std::uint32_t index, float distance2) {
+                if (distance2 <= buffer.bound() && accept((*this)[index], distance2)) buffer.offer(distance2, index);
+            });
+    buffer.finish();
+}
+
+template <typename Point>
+template <typename Accept>
+std::optional<Neighbour> KdTree<Point>::nearest(const Vec3& p, float max_distance, Accept&& accept) const {
+    std::optional<Neighbour> nearest;
+    float bound = max_distance * max_distance;
+    traverse(
+        p, [&] { return bound; },
+        [&](std::uint32_t index, float distance2) {
+            const Neighbour candidate{distance2, index};
+            if (distance2 > bound || (nearest && !(candidate < *nearest)) || !accept((*this)[index], distance2)) return;
+            nearest = candidate;
+            bound = distance2;
+        });
+    return nearest;
+}
+
+template <typename Point>
+template <typename Visit>
+void KdTree<Point>::within(const Vec3& p, float radius, Visit&& visit) const {
+    const float bound = radius * radius;
+    traverse(
+        p, [=] { return bound; }, [&](std::uint32_t index, float distance2) { visit((*this)[index], distance2); });
+}
+
+}  // namespace gib

@@ -1,0 +1,154 @@
+#pragma once
+// A path through the scene, from the eye or from a light, and the steps that all paths are made of: the flight through
+// a medium, holes and surfaces that do not change light, emission, scattering, and Russian roulette. The path tracer,
+// the specular walk and the photon walk are loops over these steps.
+
+#include "methods/parts/transport/direct_light.h"
+#include "methods/parts/transport/dispersed_path.h"
+#include "methods/parts/transport/roulette.h"
+#include "methods/parts/transport/scattered_ray.h"
+
+#include <algorithm>
+
+namespace gib {
+
+/// The state of a path between two of its vertices.
+struct PathState {
+    /// Throughput of an eye path, the product of f cos / pdf over its vertices; the power of a photon.
+    Color beta = Color::Ones();
+    float eta_scale = 1.f;  ///< product of eta^2 by which refractions have divided the throughput
+    /// Density [1/sr] of the last direction; infinite if light sampling could not have found it.
+    float pdf_w = infinity;
+    Vec3 previous;                    ///< the last vertex, or the start of the path
+    const Medium* medium = nullptr;   ///< that the path is in; null stands for vacuum
+    std::optional<int> stratum = {};  ///< of wavelengths, once the path has met dispersion
+    int vertex = 0;                   ///< number of vertices so far that have scattered the path: edges - 1
+    std::uint32_t holes = 0;          ///< holes passed so far
+    PathClass path_class = {};
+};
+
+/// The end of a flight through a medium, before the next surface.
+struct Flight {
+    bool is_black = false;                ///< the medium has absorbed everything: the path ends
+    std::optional<Vec3> scattering_at{};  ///< empty if the path reaches the surface
+};
+
+/// The path and all it needs to go on. `ray` is its last edge, which has been traced.
+class PathWalk {
+public:
+    /// Starts along `first`, which has been traced, in `medium`. `queries` and `numbers` must outlive this.
+    PathWalk(RayQueries& queries, const Sampler& numbers, const TracedRay& first, const Medium* medium)
+        : rays(queries), sampler(numbers), flights(numbers), ray(first) {
+        at.previous = first.ray.o;
+        at.medium = medium;
+    }
+
+    RayQueries& rays;
+    const Sampler& sampler;
+    NumberStream flights;  ///< random numbers of flights through media
+    TracedRay ray;
+    PathState at;
+
+    const Scene& scene() const { return rays.scene(); }
+    std::optional<SurfaceHit> surface_hit() const { return rays.surface_hit(ray); }
+    Vec3 wo() const { return -ray.ray.d; }  ///< at the end of the ray, towards where it came from
+    Surroundings surroundings() { return {at.medium, flights}; }
+
+    /// The flight along the ray through the medium that the path is in; multiplies beta by the weight of its outcome.
+    Flight fly() {
+        if (!at.medium) return {};
+        const Ray& way = ray.ray;  // d is a unit vector; t_min and t_max clip a camera's rays
+        const Vec3 from = way.o + way.t_min * way.d;
+        const float length = (ray.found ? ray.found->t : way.t_max) - way.t_min;
+        const auto distance = at.medium->sample_flight(from, way.d, length, flights, at.beta);
+        if (is_black(at.beta)) return {.is_black = true};
+        return distance ? Flight{.scattering_at = from + *distance * way.d} : Flight{};
+    }
+
+    /// Radiance [W/(sr m^2)] that the path finds at the end of its ray, emitted by the surface there or, without a
+    /// surface, by the environment: Le, weighted against light sampling from the previous vertex. Times beta.
+    Color emitted(const std::optional<SurfaceHit>& hit) const {
+        if (!hit) {
+            if (!scene().environment()) return Color::Zero();
+            return at.beta * escaped_radiance(scene(), at.previous, at.pdf_w, ray.ray.d);
+        }
+        const Color Le = hit->Le(wo());
+        if (is_black(Le)) return Color::Zero();
+        return at.beta * Le * bsdf_sampling_weight(scene(), at.previous, at.pdf_w, *hit);
+    }
+
+    /// Passes through the surface with the probability that there is none: a hole of a mask, or the boundary of a
+    /// medium that does not refract. If it does, the path goes straight on and gains no vertex.
+    bool passes_through(const SurfaceHit& hit) {
+        const float pass_through = hit.bsdf->pass_through();
+        if (!(pass_through > 0.f) || !(sampler.get_1d(dimension::first_hole + at.holes++) < pass_through)) return false;
+        trace_from(hit, ray.ray.d);
+        return true;
+    }
+
+    /// Splits the path by wavelength if the surface does (dispersed_path.h). `dimension` of the sampler chooses.
+    void disperse(SurfaceHit& hit, std::uint32_t dimension) {
+        if (scene().has_dispersion()) gib::disperse(scene(), sampler.get_1d(dimension), hit, at.stratum, at.beta);
+    }
+
+    /// Samples a direction by the lobes `which`, and multiplies beta by its weight. `sees_lights`: whether light
+    /// sampling at this vertex could have found the direction too. Empty if nothing is scattered.
+    std::optional<ScatteredRay> scatter(const SurfaceHit& hit, const VertexNumbers& u, Transport transport,
+                                        bool sees_lights, Lobes which = Lobes::all) {
+        const auto next =
+            sample_scattering(hit, hit.shading.to_local(wo()), u.bsdf_lobe(), u.bsdf_direction(), transport, which);
+        if (next) take(*next, sees_lights);
+        return next;
+    }
+
+    /// Multiplies beta by the weight of a scattered ray.
+    void take(const ScatteredRay& next, bool sees_lights) {
+        at.beta *= next.weight;
+        at.eta_scale *= sqr(next.eta);
+        at.pdf_w = next.delta || !sees_lights ? infinity : next.pdf_w;
+        at.path_class.scatter(next.lobe);
+    }
+
+    /// Samples a direction by the phase function of the medium, whose value is its density: the weight is 1.
+    Vec3 scatter_in_medium(const VertexNumbers& u, bool sees_lights) {
+        const PhaseFunction& phase = at.medium->phase();
+        const Vec3 wi = phase.sample(wo(), u.bsdf_direction());
+        at.pdf_w = sees_lights ? phase.value(wo(), wi) : infinity;
+        return wi;
+    }
+
+    /// Russian roulette of an eye path, whose survival probability is its throughput, so that all survivors have equal
+    /// weight, but at most `most`. The factors 1 / eta^2 of refractions are taken out, because a path that leaves the
+    /// glass again regains them. A throughput that is not finite would be dropped without notice, so it is added to
+    /// `lost`, for the film to count it. Returns false if the path ends.
+    bool survives(float most, float u, Color& lost) {
+        if (!at.beta.isFinite().all()) {
+            lost += at.beta;
+            return false;
+        }
+        return gib::survives(at.beta, std::min(at.beta.maxCoeff() * at.eta_scale, most), u);
+    }
+
+    /// Adds the hit as a vertex and traces the next edge.
+    void go_on(const SurfaceHit& hit, const Vec3& wi) {
+        at.previous = hit.p;
+        ++at.vertex;
+        trace_from(hit, wi);
+    }
+    /// The same from a scattering event at p in the medium.
+    void go_on(const Vec3& p, const Vec3& wi) {
+        at.previous = p;
+        ++at.vertex;
+        ray.ray = {p, wi};
+        rays.trace(ray);
+    }
+
+private:
+    void trace_from(const SurfaceHit& hit, const Vec3& wi) {
+        if (scene().has_media()) at.medium = scene().medium_beyond(hit, wi, at.medium);
+        ray.ray = hit.spawn_ray(wi);
+        rays.trace(ray);
+    }
+};
+
+}  // namespace gib
