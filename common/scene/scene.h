@@ -16,13 +16,14 @@ namespace gib {
 
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
-    explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry) {}
+    explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry), interpolated(geometry.ns) {}
 
     const Bsdf* bsdf = nullptr;
     const AreaLight* emitter = nullptr;        ///< null: not a light
     std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
     Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
     std::uint32_t shape, primitive, instance;  ///< what was hit, for data computed on demand
+    Vec3 interpolated;                         ///< the file's shading normal, which is `ns` unless delta_only
     /// True if the ray arrives above one of the two normals, the file's shading normal and the geometric one, and
     /// below the other. `ns` is then the geometric normal, and only delta lobes (mirrors, smooth interfaces) scatter.
     bool delta_only = false;
@@ -34,10 +35,17 @@ struct SurfaceHit : SurfaceGeometry {
     Color Le(const Vec3& wo) const {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
     }
+    /// Whether the file's shading normal is the geometric one, from either side.
+    bool is_flat() const { return interpolated == ng || interpolated == -ng; }
     /// Whether w is on the same side of the surface by the shading normal as by the geometric one. The two normals
     /// may point to opposite sides, as in meshes whose triangles are wound the other way: this is no disagreement.
-    bool normals_agree_about(const Vec3& w) const { return ns.dot(w) * ng.dot(w) * ns.dot(ng) >= 0.f; }
+    bool normals_agree_about(const Vec3& w) const { return agree_about(ns, w); }
+    /// The same by the file's shading normal, also where `ns` has taken another value.
+    bool file_normals_agree_about(const Vec3& w) const { return agree_about(interpolated, w); }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
+
+private:
+    bool agree_about(const Vec3& n, const Vec3& w) const { return n.dot(w) * ng.dot(w) * n.dot(ng) >= 0.f; }
 };
 
 inline constexpr std::uint32_t no_medium = ~0u;

@@ -71,10 +71,10 @@ PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sa
         if (sees_lights) {
             const LobeValues direct =
                 sample_direct_light(rays, *hit, wo_local, u, walk.surroundings(), both_techniques);
-            add(path.path_class.after(LobeKind::diffuse), direct.diffuse);
-            add(path.path_class.after(LobeKind::specular), direct.specular);
+            if (lobes.diffuse) add(path.path_class.after(LobeKind::diffuse), direct.diffuse);
+            if (lobes.glossy) add(path.path_class.after(LobeKind::specular), direct.specular);
         }
-        const auto next = walk.scatter(*hit, u, Transport::radiance, sees_lights);
+        const auto next = walk.scatter(*hit, wo_local, u, Transport::radiance, sees_lights);
         if (!next) break;
         if (!survives(walk, next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u, sample))
             break;

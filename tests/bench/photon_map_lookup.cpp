@@ -56,7 +56,7 @@ const Workload& workload(std::size_t photons) {
 }
 
 void look_up_all(const Workload& w, std::size_t k) {
-    static std::vector<PhotonMap::Neighbour> found;
+    static std::vector<Neighbour> found;
     for (const Vec3& q : w.queries) {
         w.map.nearest(
             q, k, std::numeric_limits<float>::max(), [](const Photon&, float) { return true; }, found);

@@ -34,9 +34,7 @@ struct Workload {
     std::size_t rays = 0;
 };
 
-PathSettings settings_of(const LoadedScene& scene) { return {scene.max_edges, true, features_of(*scene.scene)}; }
-/// The settings of the code for every feature, which scenes with media use.
-PathSettings general_settings_of(const LoadedScene& scene) { return {scene.max_edges, true, {true, true, true}}; }
+PathSettings settings_of(const LoadedScene& scene) { return {scene.max_edges, true}; }
 
 std::size_t chunks_per_pass(const Scene& scene) {
     const auto pixels =
@@ -160,16 +158,6 @@ void BM_PathTracerOverBareEmbreeOnMesh(benchmark::State& state, const std::strin
     if (is_there(state, mesh)) BM_PathTracerOverBareEmbree(state, file);
 }
 
-/// The cost of the code for media, dispersion, masks and glossy lobes in a scene without them, which is traced by
-/// code of its own instead.
-void BM_PathTracerOverGeneralPathTracer(benchmark::State& state, const std::string& file) {
-    const Workload& w = workload(file);
-    const PathSettings settings = settings_of(w.scene), general = general_settings_of(w.scene);
-    report_ratio(
-        state, w.chunks.size(), [&](std::size_t c) { trace_chunk(w.scene, settings, c, nullptr); },
-        [&](std::size_t c) { trace_chunk(w.scene, general, c, nullptr); });
-}
-
 /// Traces closest-hit rays from random points in the box of the scene into random directions. Figures that were
 /// measured on other machines are scaled by this rate.
 void BM_BareEmbreeIncoherent(benchmark::State& state) {
@@ -206,7 +194,6 @@ BENCHMARK_CAPTURE(BM_PathTracerOverBareEmbree, cornell_glass, "cornell-glass.xml
 BENCHMARK_CAPTURE(BM_PathTracerOverBareEmbreeOnMesh, ten_million, "ten-million.xml", "meshes/generated/ten-million.ply")
     ->UseRealTime()
     ->Iterations(15);
-BENCHMARK_CAPTURE(BM_PathTracerOverGeneralPathTracer, cornell_box, "cornell-box.xml")->UseRealTime()->Iterations(15);
 BENCHMARK(BM_BareEmbreeIncoherent)->Name("BM_BareEmbree/incoherent")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace gib

@@ -149,9 +149,7 @@ SurfaceHit floor_at(const Vec3& p) {
 
 Reflected looked_up(const DensityEstimator& e, const PhotonMap& map, const SurfaceHit& hit) {
     RayQueries rays(*floor_scene().scene);
-    DensityEstimator::Neighbours neighbours;
-    return e.reflected_radiance(map, rays, hit, up, EyePath{100}, Sampler(PointSet::independent, 1, 0, 0), 0,
-                                neighbours);
+    return e.reflected_radiance(map, rays, hit, up, EyePath{100}, Sampler(PointSet::independent, 1, 0, 0), 0);
 }
 
 class DegeneratePhotons : public testing::TestWithParam<PhotonCase> {
@@ -197,9 +195,8 @@ const LoadedScene& empty_space() {
 
 Color scattered(const VolumeEstimator& e, const PhotonMap& map, const Vec3& p) {
     RayQueries rays(*empty_space().scene);
-    std::vector<PhotonMap::Neighbour> neighbours;
     return e.scattered_radiance(map, rays, p, PhaseFunction{}, Vec3::UnitX(), EyePath{100},
-                                Sampler(PointSet::independent, 1, 0, 0), 0, neighbours);
+                                Sampler(PointSet::independent, 1, 0, 0), 0);
 }
 
 // The cases in a medium whose isotropic phase function is 1 / (4 pi).
@@ -340,8 +337,7 @@ struct Places {
     }
     std::optional<Color> at(const Vec3& p) const {
         RayQueries rays(*floor_scene().scene);
-        DensityEstimator::Neighbours neighbours;
-        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius, neighbours);
+        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius);
     }
 };
 

@@ -58,6 +58,7 @@ public:
     double pdf(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
     /// [1/sr]
     Color f(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const;
+    const Bsdf& bsdf() const { return bsdf_; }
     /// Index of refraction on the side of w.
     double index(const Vec3& w) const { return w.z() >= 0.f ? 1.0 : eta_; }
 

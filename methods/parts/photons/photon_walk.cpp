@@ -37,15 +37,6 @@ const char* name_of(PhotonMapKind kind) {
     return "photons";
 }
 
-/// |wi.ng| |wo.ns| / (|wi.ns| |wo.ng|): the factor by which an interpolated normal ns changes transported power; it
-/// is 1 where the two normals agree. wo is where the photon came from. Source: Veach 1997, section 5.3.
-float shading_normal_correction(const SurfaceHit& hit, const Vec3& wo, const ScatteredRay& scattered) {
-    const Vec3 &wi = scattered.wi, &ns = scattered.normal;
-    const float numerator = std::abs(wi.dot(hit.ng) * wo.dot(ns));
-    const float denominator = std::abs(wi.dot(ns) * wo.dot(hit.ng));
-    return denominator > 0.f ? numerator / denominator : 0.f;
-}
-
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
 class PhotonPath {
 public:
@@ -146,17 +137,17 @@ private:
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
     /// scaled by (d_c + s_c) / P_r in each channel. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit) {
-        const ScatteringCoefficients c = hit.bsdf->coefficients_local(hit.shading.to_local(walk_.wo()));
+        const Vec3 wo_local = hit.shading.to_local(walk_.wo());
+        const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
         account(at_.beta * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (!survives(at_.beta, std::min(albedo.maxCoeff(), most), u.roulette())) return false;
 
-        const auto next = walk_.scatter(hit, u, Transport::power, false);
+        const auto next = walk_.scatter(hit, wo_local, u, Transport::power, false);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
-        at_.beta *= shading_normal_correction(hit, walk_.wo(), *next);
         if (!allows_edge(at_.vertex + 2)) return false;
         walk_.go_on(hit, next->wi);
         return true;

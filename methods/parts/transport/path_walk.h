@@ -93,10 +93,9 @@ public:
 
     /// Samples a direction by the lobes `which`, and multiplies beta by its weight. `sees_lights`: whether light
     /// sampling at this vertex could have found the direction too. Empty if nothing is scattered.
-    std::optional<ScatteredRay> scatter(const SurfaceHit& hit, const VertexNumbers& u, Transport transport,
-                                        bool sees_lights, Lobes which = Lobes::all) {
-        const auto next =
-            sample_scattering(hit, hit.shading.to_local(wo()), u.bsdf_lobe(), u.bsdf_direction(), transport, which);
+    std::optional<ScatteredRay> scatter(const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
+                                        Transport transport, bool sees_lights, Lobes which = Lobes::all) {
+        const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), transport, which);
         if (next) take(*next, sees_lights);
         return next;
     }

@@ -62,8 +62,9 @@ private:
             walk_.disperse(*hit, dimension::stratum);
             if (splits > 0 && split(*hit, splits)) return;
             const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
-            if (!hit->delta_only && lobes_at(*hit).diffuse) visitor_.diffuse(vertex(), *hit, u);
-            const auto wi = scatter_specularly(*hit, u);
+            const Vec3 wo_local = hit->shading.to_local(walk_.wo());
+            if (!hit->delta_only && hit->bsdf->traits_at(wo_local.z()).diffuse) visitor_.diffuse(vertex(), *hit, u);
+            const auto wi = scatter_specularly(*hit, wo_local, u);
             if (!wi) return;
             walk_.go_on(*hit, *wi);
         }
@@ -73,7 +74,7 @@ private:
     /// or only one way carries light.
     bool split(const SurfaceHit& hit, int splits) {
         if (!settings_.follows_specular) return false;
-        const auto ways = both_ways(hit, hit.shading.to_local(walk_.wo()), Transport::radiance);
+        const auto ways = both_ways(hit, hit.shading.to_local(walk_.wo()));
         if (!ways) return false;
         const PathState here = at_;
         const float length = length_;
@@ -90,19 +91,18 @@ private:
 
     /// Samples a direction by the specular lobes, and shows the visitor the light that glossy ones scatter straight
     /// from the lights. Empty if the path ends here.
-    std::optional<Vec3> scatter_specularly(const SurfaceHit& hit, const VertexNumbers& u) {
-        const LobeTraits& lobes = lobes_at(hit);
+    std::optional<Vec3> scatter_specularly(const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u) {
+        const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
         if (!settings_.follows_specular || !lobes.specular()) return std::nullopt;
         const bool sees_lights = settings_.samples_lights && lobes.glossy;
         if constexpr (Visitor::wants_emission) {
             if (sees_lights)
-                visitor_.emitted(at_.beta * sample_direct_light(walk_.rays, hit, hit.shading.to_local(walk_.wo()), u,
-                                                                walk_.surroundings(),
+                visitor_.emitted(at_.beta * sample_direct_light(walk_.rays, hit, wo_local, u, walk_.surroundings(),
                                                                 LightTechniques::light_and_bsdf_sampling,
                                                                 Lobes::specular)
                                                 .specular);
         }
-        const auto next = walk_.scatter(hit, u, Transport::radiance, sees_lights, Lobes::specular);
+        const auto next = walk_.scatter(hit, wo_local, u, Transport::radiance, sees_lights, Lobes::specular);
         if (!next) return std::nullopt;
         const float most = next->delta ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (at_.vertex < first_roulette_vertex) return next->wi;
@@ -112,9 +112,6 @@ private:
         return std::nullopt;
     }
 
-    const LobeTraits& lobes_at(const SurfaceHit& hit) const {
-        return hit.bsdf->traits_at(hit.shading.to_local(walk_.wo()).z());
-    }
     EyeVertex vertex() { return {walk_, walk_.wo(), settings_.max_edges - (at_.vertex + 1), length_}; }
 
     PathWalk& walk_;

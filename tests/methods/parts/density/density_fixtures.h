@@ -51,7 +51,6 @@ inline std::vector<std::vector<Moments>> relative_estimates(
     std::vector<std::vector<std::vector<double>>> values(maps);
     parallel_blocks(maps, 1, [&](std::size_t number, std::size_t, std::size_t) {
         RayQueries rays(scene);
-        DensityEstimator::Neighbours neighbours;
         const PhotonMap map(make(1000 + number), 1);
         for (std::size_t e = 0; e < estimators.size(); ++e)
             for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -59,10 +58,9 @@ inline std::vector<std::vector<Moments>> relative_estimates(
                 for (std::size_t i = 0; i < groups[g].size(); ++i) {
                     const Sampler u(PointSet::independent, number, i, 0);
                     const auto hit = scene.intersect(groups[g][i]);
-                    const Color L =
-                        estimators[e]
-                            .reflected_radiance(map, rays, *hit, -groups[g][i].d, EyePath{100}, u, 0, neighbours)
-                            .between_surfaces;
+                    const Color L = estimators[e]
+                                        .reflected_radiance(map, rays, *hit, -groups[g][i].d, EyePath{100}, u, 0)
+                                        .between_surfaces;
                     of_group.push_back(static_cast<double>(L[0]) * std::numbers::pi / E);
                 }
             }

@@ -74,7 +74,6 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
     const PhaseFunction isotropic;
     for (const Kernel kernel : kernels) {
         Moments means;  // one for each map, because look-ups in one map share its photons
-        std::vector<PhotonMap::Neighbour> found;
         for (std::uint64_t seed = 1; seed <= 32; ++seed) {
             const PhotonMap map = uniform_photons(seed, 40000);
             RayQueries rays(*empty_space().scene);
@@ -86,7 +85,7 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
                 const Vec2 a = u.get_2d(0);
                 const Vec3 p(a.x() - 0.5f, a.y() - 0.5f, 4.5f + u.get_1d(1));
                 sum += static_cast<double>(
-                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2, found)[0]);
+                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2)[0]);
             }
             means.add(sum / look_ups * 4 * pi_d * 8);
         }
@@ -104,10 +103,9 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     const PhotonMap map(photons, 1);
     RayQueries rays(*empty_space().scene);
     const Sampler u(PointSet::independent, 1, 1, 0);
-    std::vector<PhotonMap::Neighbour> found;
     const VolumeEstimator estimator{Kernel::uniform, 100, 1.f, DiscArea::plain};
     const auto sum = [&](const EyePath& eye) {
-        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0, found) *
+        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0) *
                      (4 * pi * 4 / 3 * pi));
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);

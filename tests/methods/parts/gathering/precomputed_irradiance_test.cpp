@@ -68,12 +68,11 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
         EXPECT_EQ(irradiance.size(), places.size());
         double sum = 0;
         int points = 0;
-        DensityEstimator::Neighbours neighbours;
         for (float x = -0.6f; x < 0.65f; x += 0.1f)
             for (float y = -0.6f; y < 0.65f; y += 0.1f) {
                 const auto hit = rays.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)});
                 ASSERT_TRUE(hit);
-                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, neighbours);
+                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f);
                 ++asked;
                 if (!E) continue;  // no place within its disc's width: 7 places a disc, so e^-7
                 sum += static_cast<double>(E->x());
@@ -99,9 +98,8 @@ TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
         const DensityEstimator estimator{Kernel::uniform, 200, 1.f, DiscArea::surface};
         std::uint64_t traced = 0;
         const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
-        DensityEstimator::Neighbours neighbours;
         const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, neighbours).value().x();
+        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f).value().x();
     };
     EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
 }
@@ -116,11 +114,9 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     std::uint64_t traced = 0;
     const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 1, 1, traced, nullptr);
     RayQueries rays(*loaded.scene);
-    DensityEstimator::Neighbours neighbours;
     const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f, neighbours)->x(), 0.125,
-                0.125 * 5 / std::sqrt(2000.0));
-    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f, neighbours)) << "the other side";
+    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
+    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f)) << "the other side";
 }
 
 // The room lies between plates a million times its size. The mean is over points whose discs end before the walls.
@@ -141,13 +137,12 @@ TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
     const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
     EXPECT_EQ(irradiance.size(), places.size());
     RayQueries rays(*loaded.scene);
-    DensityEstimator::Neighbours neighbours;
     test::Moments mean;
     for (float x = -0.6f; x < 0.65f; x += 0.1f)
         for (float y = -0.6f; y < 0.65f; y += 0.1f) {
             const auto hit = rays.intersect({half * Vec3(x, y, 0), Vec3(0, 0, -1)});
             ASSERT_TRUE(hit);
-            const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, half, neighbours);
+            const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, half);
             ASSERT_TRUE(E);
             mean.add(4 * static_cast<double>(E->x()));
         }

@@ -32,7 +32,7 @@ float squared_distance(const Vec3& a, const Vec3& b) {
     return (sqr(a.x() - b.x()) + sqr(a.y() - b.y())) + sqr(a.z() - b.z());
 }
 
-using Neighbours = std::vector<PhotonMap::Neighbour>;
+using Neighbours = std::vector<Neighbour>;
 
 Neighbours sorted(Neighbours found) {
     std::sort(found.begin(), found.end());
@@ -71,6 +71,11 @@ void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector
                 EXPECT_EQ(found.back(), expected.back());
             }
             ASSERT_EQ(sorted(found), expected) << map.size() << ' ' << k << ' ' << r;
+        }
+        const auto nearest = map.nearest(p, r, accept_all);
+        ASSERT_EQ(nearest.has_value(), !all.empty());
+        if (nearest) {
+            EXPECT_EQ(*nearest, all.front());
         }
     }
 }
@@ -189,7 +194,7 @@ TEST(PhotonMap, FindsWhatNanoflannFinds) {
             EXPECT_EQ(found.back().distance2, farthest);
             std::vector<std::uint32_t> ours, theirs;
             for (std::size_t j = 0; j < k; ++j) {
-                if (found[j].distance2 < farthest) ours.push_back(found[j].photon);
+                if (found[j].distance2 < farthest) ours.push_back(found[j].index);
                 if (distance2[j] < farthest) theirs.push_back(index[j]);
             }
             std::sort(ours.begin(), ours.end());
@@ -224,7 +229,7 @@ TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
     for (std::size_t i = 0; i < photons.size(); i += 2)
         photons[i].edges = 9;
     const PhotonMap map(photons, 1);
-    std::vector<PhotonMap::Neighbour> found;
+    std::vector<Neighbour> found;
     map.nearest(
         {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
     EXPECT_EQ(found.size(), 50u);
