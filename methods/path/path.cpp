@@ -43,7 +43,7 @@ inline bool survives(Color& beta, float eta_scale, float most, float u, Color& l
     }
     const float survival = survival_probability(beta, eta_scale, most);
     if (!(u < survival)) return false;
-    if (!injected(Fault::roulette_rescaling)) beta /= survival;
+    beta /= survival;
     return true;
 }
 

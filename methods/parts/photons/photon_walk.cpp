@@ -145,7 +145,7 @@ private:
     bool survives(float survival, float most, float u) {
         survival = std::clamp(survival, 0.f, most);
         if (!(u < survival)) return false;
-        if (!injected(Fault::roulette_rescaling)) power_ /= survival;
+        power_ /= survival;
         return true;
     }
 

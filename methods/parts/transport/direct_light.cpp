@@ -22,8 +22,7 @@ template <typename Visibility>
     if (is_black(f.of(which) * light.Le)) return {};
     const auto visible = visibility(light);
     if (is_blocked(visible)) return {};
-    const bool combine =
-        !injected(Fault::mis_weight) && techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
     const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),

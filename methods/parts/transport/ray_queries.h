@@ -116,8 +116,7 @@ private:
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
-            if (!injected(Fault::mask_opacity) || hit->bsdf->pass_through() == 0.f)
-                visibility *= hit->bsdf->pass_through();
+            visibility *= hit->bsdf->pass_through();
             if (visibility == 0.f) return 0.f;
             origin = offset_origin(*hit, to.wi);
             if (is_past(origin, to.target, to.wi)) return visibility;
