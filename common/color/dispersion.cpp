@@ -1,7 +1,6 @@
 #include "common/color/dispersion.h"
 
 #include "common/color/cie.h"
-#include "common/core/fault.h"
 
 #include <array>
 
@@ -30,7 +29,7 @@ std::array<Color, wavelength_strata> stratum_weights() {
     }
     std::array<Color, wavelength_strata> weights;
     for (std::size_t k = 0; k < weights.size(); ++k)
-        weights[k] = with_loss(Fault::stratum_weight) * (shown[k] * wavelength_strata / sum).cast<float>();
+        weights[k] = (shown[k] * wavelength_strata / sum).cast<float>();
     return weights;
 }
 
@@ -44,7 +43,7 @@ const Color& stratum_weight(int stratum) {
 }
 
 double cauchy_index(double index, double b, double wavelength) {
-    return index + (injected(Fault::dispersion_sign) ? -b : b) * (per_square_um(wavelength) - per_square_um(d_line));
+    return index + b * (per_square_um(wavelength) - per_square_um(d_line));
 }
 
 double cauchy_b_of_abbe(double index, double abbe) {

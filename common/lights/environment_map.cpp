@@ -105,9 +105,7 @@ float EnvironmentMap::density(const Quad& quad) const {
     const Corners c = corners(quad);
     const Color here = lerp(lerp(c.c00, c.c10, quad.s), lerp(c.c01, c.c11, quad.s), quad.t);
     const auto relative = static_cast<float>(luminance_d(here) / luminance_of(c, quad.row));
-    const double latitude = 0.5 * (theta_of(quad.row) + theta_of(quad.row + 1));
-    const float sine = injected(Fault::environment_jacobian) ? static_cast<float>(std::sin(latitude)) : 1.f;
-    return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative * sine;
+    return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative;
 }
 
 EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {

@@ -26,10 +26,7 @@ struct SphereCone {
     float one_minus_cos_max;
 
     /// [sr]
-    float solid_angle() const {
-        const float sin2 = one_minus_cos_max * (2.f - one_minus_cos_max);
-        return injected(Fault::cone_density) ? pi * sin2 : 2.f * pi * one_minus_cos_max;
-    }
+    float solid_angle() const { return 2.f * pi * one_minus_cos_max; }
 };
 
 std::optional<SphereCone> cone_to_sphere(const Sphere& sphere, const Vec3& p) {
@@ -130,14 +127,13 @@ private:
         const float d2 = to_light.squaredNorm(), d = std::sqrt(d2), per_d = 1.f / d;
         const Vec3 wi = to_light * per_d;
         const float cos_light = towards * per_d;
-        const float cosine = injected(Fault::light_cosine) ? 1.f : cos_light;
         // The sample is built in place, member by member, because clang 14 cannot initialise an
         // aggregate in parentheses.
         std::optional<LightSample> sample(std::in_place);
         sample->wi = wi;
         sample->distance = d;
         sample->Le = Le;
-        sample->pdf_w = d2 / (cosine * light.surface.area());
+        sample->pdf_w = d2 / (cos_light * light.surface.area());
         sample->delta = false;
         sample->target = shadow_ray_target(q, p);
         return sample;
@@ -237,8 +233,8 @@ private:
     /// E pi r^2.
     EmissionSample from_infinity(const BoundingSphere& scene, const Vec3& w, const Colord& irradiance) const {
         const Vec2 d = scene.radius * square_to_disk(u_position);
-        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w},
-                scene.area() * (injected(Fault::directional_area) ? 0.9 : 1.0) * irradiance, Vec3::Zero()};
+        return {Ray{scene.center + Frame(w).to_world(Vec3(d.x(), d.y(), scene.radius)), -w}, scene.area() * irradiance,
+                Vec3::Zero()};
     }
 };
 

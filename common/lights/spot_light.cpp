@@ -39,8 +39,7 @@ SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& inten
 
 float SpotLight::falloff(float theta) const {
     if (theta <= beam_) return 1.f;
-    const float share = theta < cutoff_ ? (cutoff_ - theta) / (cutoff_ - beam_) : 0.f;
-    return injected(Fault::spot_falloff) ? sqr(share) : share;
+    return theta < cutoff_ ? (cutoff_ - theta) / (cutoff_ - beam_) : 0.f;
 }
 
 Color SpotLight::slide_color(const Vec3& w) const {

@@ -35,7 +35,7 @@ bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
 /// 1997, section 5.3).
 float tilted_cosine_ratio(const Bsdf::Layer& layer, Transport transport, const Vec3& wo, const Vec3& wo_layer,
                           const Vec3& wi, const Vec3& wi_layer) {
-    if (!layer.to_layer || injected(Fault::tilted_cosine)) return 1.f;
+    if (!layer.to_layer) return 1.f;
     const float ratio = transport == Transport::radiance ? wi_layer.z() / wi.z() : wo_layer.z() / wo.z();
     return std::abs(ratio);
 }

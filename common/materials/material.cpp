@@ -86,8 +86,7 @@ private:
     void add(const Nothing&, const Passage& passage) { pass_through(passage, passage.share); }
     void add(const Blend& node, Passage passage) {
         const float share = passage.share;
-        float weight = std::clamp(node.weight.value(point_.uv), 0.f, 1.f);
-        if (injected(Fault::blend_weight)) weight = 1.f - weight;
+        const float weight = std::clamp(node.weight.value(point_.uv), 0.f, 1.f);
         passage.share = share * (1.f - weight);
         add(*node.first, passage);
         passage.share = share * weight;

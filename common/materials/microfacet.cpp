@@ -112,8 +112,7 @@ float MicrofacetDistribution::visible_area(const Vec3& w) const {
 }
 
 Vec3 MicrofacetDistribution::sample_visible(const Vec3& wo, const Vec2& u) const {
-    const Vec3 from = injected(Fault::visible_normal_warp) ? Vec3(0, 0, 1) : wo;
-    const Vec3 wo_std = Vec3(along_u() * from.x(), along_v() * from.y(), from.z()).normalized();
+    const Vec3 wo_std = Vec3(along_u() * wo.x(), along_v() * wo.y(), wo.z()).normalized();
     const Vec3 m_std = type == MicrofacetType::ggx ? ggx_visible_normal(wo_std, u) : beckmann_visible_normal(wo_std, u);
     return Vec3(along_u() * m_std.x(), along_v() * m_std.y(), m_std.z()).normalized();
 }
@@ -128,7 +127,7 @@ Facet reflecting_facet(const Vec3& wo, const Vec3& wi) {
     const double length = h.norm();
     // wo.h = 1 + wo.wi = |h|^2 / 2.
     const auto cosine = static_cast<float>(0.5 * length);
-    return {.m = (h / length).cast<float>(), .cos_o = cosine, .cos_i = cosine, .jacobian = reflection_jacobian(cosine)};
+    return {.m = (h / length).cast<float>(), .cos_o = cosine, .cos_i = cosine, .jacobian = reflection_jacobian};
 }
 
 std::optional<Facet> refracting_facet(const Vec3& wo, const Vec3& wi, float eta_ti) {

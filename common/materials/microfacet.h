@@ -8,7 +8,6 @@
 // Microfacet-Based BSDFs using the Distribution of Visible Normals".
 
 #include "common/core/components.h"
-#include "common/core/fault.h"
 #include "common/core/math.h"
 
 #include <array>
@@ -79,11 +78,11 @@ struct Refraction {
 Refraction refracted(const Vec3& wo, const Vec3& m, float cos_o, float cos_i, float eta_ti);
 
 /// The jacobian of a facet that reflects.
-inline float reflection_jacobian(float cos_o) { return injected(Fault::reflection_jacobian) ? 0.25f * cos_o : 0.25f; }
+inline constexpr float reflection_jacobian = 0.25f;
 
 /// The jacobian of a facet that refracts.
 inline float refraction_jacobian(float cos_o, float cos_i, float eta_ti, float length) {
-    return cos_o * cos_i * sqr((injected(Fault::refraction_jacobian) ? 1.f : eta_ti) / length);
+    return cos_o * cos_i * sqr(eta_ti / length);
 }
 
 /// The facet that mirrors wo into wi, for wo.z > 0 and wi.z > 0. Walter et al. 2007, equations 13 and 14.

@@ -1,6 +1,5 @@
 #include "common/materials/phong.h"
 
-#include "common/core/fault.h"
 #include "common/sampling/warp.h"
 
 namespace gib {
@@ -39,7 +38,7 @@ LobeValues Phong::f_local(const Vec3& wo, const Vec3& wi, Transport) const {
     if (!(wo.z() > 0.f && wi.z() > 0.f)) return f;
     f.diffuse = diffuse_reflectance * inv_pi;
     const float lobe = 0.5f * inv_pi * (exponent + 2.f) * cosine_power(mirrored(wo), wi, exponent);
-    f.add(glossy_kind(), specular_reflectance * (lobe * with_loss(Fault::phong_energy)));
+    f.add(glossy_kind(), specular_reflectance * lobe);
     return f;
 }
 
@@ -47,8 +46,7 @@ float Phong::pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
     if (!(wo.z() > 0.f && wi.z() > 0.f)) return 0.f;
     const std::optional<float> glossy = glossy_probability(which);
     if (!glossy) return 0.f;
-    const float n = exponent + (injected(Fault::phong_density) ? 0.f : 1.f);
-    const float lobe = 0.5f * inv_pi * n * cosine_power(mirrored(wo), wi, exponent);
+    const float lobe = 0.5f * inv_pi * (exponent + 1.f) * cosine_power(mirrored(wo), wi, exponent);
     return *glossy * lobe + (1.f - *glossy) * cosine_hemisphere_pdf(wi.z());
 }
 

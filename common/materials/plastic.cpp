@@ -106,8 +106,8 @@ LobeValues Plastic::f_local(const Vec3& wo, const Vec3& wi, Transport) const {
     if (!(wo.z() > 0.f && wi.z() > 0.f)) return f;
     const float in = 1.f - fresnel_dielectric(wi.z(), eta).reflectance;
     const float out = 1.f - fresnel_dielectric(wo.z(), eta).reflectance;
-    f.diffuse = base_reflectance(diffuse_reflectance, internal_reflectance_, nonlinear) *
-                (in * out * inv_pi / sqr(eta) * with_loss(Fault::plastic_base_energy));
+    f.diffuse =
+        base_reflectance(diffuse_reflectance, internal_reflectance_, nonlinear) * (in * out * inv_pi / sqr(eta));
     return f;
 }
 
@@ -126,7 +126,7 @@ std::optional<BsdfSample> Plastic::sample_local(const Vec3& wo, float u_lobe, co
     const LobeChoice choice = choose_lobe(1.f - r, specular_reflectance, diffuse_reflectance, which != Lobes::diffuse,
                                           which != Lobes::specular);
     if (u_lobe < choice.coat) {
-        const Color weight = specular_reflectance * (r * with_loss(Fault::plastic_coat_energy));
+        const Color weight = specular_reflectance * r;
         return BsdfSample{.wi = Vec3(-wo.x(), -wo.y(), wo.z()),
                           .f = weight / wo.z(),
                           .pdf_w = choice.coat,
@@ -199,8 +199,7 @@ LobeValues RoughPlastic::f_local(const Vec3& wo, const Vec3& wi, Transport) cons
     const Facet facet = reflecting_facet(wo, wi);
     const float coat = fresnel_dielectric(facet.cos_o, eta).reflectance * distribution.density(facet.m) *
                        facet.jacobian / (distribution.visible_area(wo) * distribution.visible_area(wi));
-    f.add(kind_of_roughness(distribution.roughness()),
-          specular_reflectance * (coat * with_loss(Fault::rough_plastic_energy)));
+    f.add(kind_of_roughness(distribution.roughness()), specular_reflectance * coat);
     f.diffuse += base_reflectance(diffuse_reflectance, coat_->internal_reflectance, nonlinear) *
                  (coat_->transmittance(wo.z()) * coat_->transmittance(wi.z()) * inv_pi / sqr(eta));
     return f;

@@ -32,8 +32,8 @@ LobeTraits RoughConductor::traits() const {
 }
 
 Color RoughConductor::reflectance(float cos_o) const {
-    const Color tint = specular_reflectance * with_loss(Fault::rough_conductor_energy);
-    return index ? Color(tint * fresnel_conductor(std::min(cos_o, 1.f), index->eta, index->k)) : tint;
+    if (!index) return specular_reflectance;
+    return specular_reflectance * fresnel_conductor(std::min(cos_o, 1.f), index->eta, index->k);
 }
 
 LobeValues RoughConductor::f_local(const Vec3& wo, const Vec3& wi, Transport) const {
@@ -60,7 +60,7 @@ std::optional<BsdfSample> RoughConductor::sample_local(const Vec3& wo, float, co
     const float cos_o = wo.dot(m);
     const Vec3 wi = reflected(wo, m, cos_o);
     if (!(cos_o > 0.f && wi.z() > 0.f)) return std::nullopt;
-    const float pdf_w = distribution.density(m) * reflection_jacobian(cos_o) / distribution.visible_area(wo);
+    const float pdf_w = distribution.density(m) * reflection_jacobian / distribution.visible_area(wo);
     return BsdfSample{.wi = wi,
                       .f = reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)),
                       .pdf_w = pdf_w,
@@ -98,11 +98,9 @@ std::optional<RoughDielectric::Event> RoughDielectric::event(const Vec3& wo, con
                  .area_i = distribution.visible_area(on_side(wi, wi.z() < 0.f))};
 }
 
-Color RoughDielectric::reflection() const { return specular_reflectance * with_loss(Fault::rough_reflection_energy); }
-
 Color RoughDielectric::transmission(Transport transport, float eta_ti) const {
     const float scale = transport == Transport::radiance ? 1.f / sqr(eta_ti) : 1.f;
-    return specular_transmittance * (scale * with_loss(Fault::rough_refraction_energy));
+    return specular_transmittance * scale;
 }
 
 LobeTraits RoughDielectric::traits() const {
@@ -118,7 +116,7 @@ LobeTraits RoughDielectric::traits() const {
 LobeValues RoughDielectric::f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {
     LobeValues f;
     if (const std::optional<Event> e = event(wo, wi)) {
-        const Color tint = e->reflects ? reflection() : transmission(transport, e->eta_ti);
+        const Color tint = e->reflects ? specular_reflectance : transmission(transport, e->eta_ti);
         f.add(kind_of_roughness(distribution.roughness()), tint * (e->pdf_w / e->area_i));
     }
     return f;
@@ -155,9 +153,9 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
     if (u_lobe < fresnel.reflectance) {
         const Vec3 i = reflected(o, m, cos_o);
         if (!(i.z() > 0.f)) return std::nullopt;
-        const float pdf_w = fresnel.reflectance * facets * reflection_jacobian(cos_o);
+        const float pdf_w = fresnel.reflectance * facets * reflection_jacobian;
         return BsdfSample{.wi = on_side(i, below),
-                          .f = reflection() * (pdf_w / distribution.visible_area(i)),
+                          .f = specular_reflectance * (pdf_w / distribution.visible_area(i)),
                           .pdf_w = pdf_w,
                           .delta = false,
                           .lobe = kind,

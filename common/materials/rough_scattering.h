@@ -67,7 +67,6 @@ private:
     struct Event;
     std::optional<Event> event(const Vec3& wo, const Vec3& wi) const;
     /// The factors of the lobes: tint, and the scaling of refracted radiance.
-    Color reflection() const;
     Color transmission(Transport transport, float eta_ti) const;
 };
 

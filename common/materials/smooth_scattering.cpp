@@ -39,19 +39,14 @@ std::optional<BsdfSample> Dielectric::sample_local(const Vec3& wo, float u_lobe,
     const float r = fresnel.reflectance;
     if (u_lobe < r) {
         if (wo.z() == 0.f) return std::nullopt;
-        return delta_sample(mirrored(wo), specular_reflectance * (r * with_loss(Fault::dielectric_reflection_energy)),
-                            r, 1.f);
+        return delta_sample(mirrored(wo), specular_reflectance * r, r, 1.f);
     }
     if (fresnel.cos_t == 0.f || r >= 1.f) return std::nullopt;
     // The delta lobe divides by the cosine of the TRANSMITTED ray. Seen from the eye, the radiance from the side of
     // wi is scaled by (eta_o / eta_i)^2; power is not.
-    float scale = transport == Transport::radiance ? 1.f / sqr(fresnel.eta_ti) : 1.f;
-    if (injected(Fault::radiance_scaling)) scale = 1.f / scale;
+    const float scale = transport == Transport::radiance ? 1.f / sqr(fresnel.eta_ti) : 1.f;
     const Vec3 wi(-wo.x() / fresnel.eta_ti, -wo.y() / fresnel.eta_ti, fresnel.cos_t);
-    const float share = (1.f - r) * scale * with_loss(Fault::dielectric_refraction_energy);
-    BsdfSample sample = delta_sample(wi, specular_transmittance * share, 1.f - r, fresnel.eta_ti);
-    if (injected(Fault::delta_cosine)) sample.f *= std::abs(wi.z() / wo.z());
-    return sample;
+    return delta_sample(wi, specular_transmittance * ((1.f - r) * scale), 1.f - r, fresnel.eta_ti);
 }
 
 ScatteringCoefficients Dielectric::coefficients_local(const Vec3& wo) const {
@@ -77,8 +72,7 @@ std::optional<BsdfSample> ThinDielectric::sample_local(const Vec3& wo, float u_l
     const float r = reflectance(wo.z());
     if (u_lobe < r) return delta_sample(mirrored(wo), specular_reflectance * r, r, 1.f);
     if (r >= 1.f) return std::nullopt;
-    return delta_sample(-wo, specular_transmittance * ((1.f - r) * with_loss(Fault::thin_dielectric_energy)), 1.f - r,
-                        1.f);
+    return delta_sample(-wo, specular_transmittance * (1.f - r), 1.f - r, 1.f);
 }
 
 ScatteringCoefficients ThinDielectric::coefficients_local(const Vec3& wo) const {
@@ -95,7 +89,7 @@ Color Conductor::reflectance(float cos_theta) const {
 
 std::optional<BsdfSample> Conductor::sample_local(const Vec3& wo, float, const Vec2&, Transport, Lobes which) const {
     if (which == Lobes::diffuse || wo.z() <= 0.f) return std::nullopt;
-    return delta_sample(mirrored(wo), reflectance(wo.z()) * with_loss(Fault::conductor_energy), 1.f, 1.f);
+    return delta_sample(mirrored(wo), reflectance(wo.z()), 1.f, 1.f);
 }
 
 ScatteringCoefficients Conductor::coefficients_local(const Vec3& wo) const {

@@ -3,7 +3,6 @@
 // directions: they have samples, but neither f nor a density.
 
 #include "common/color/conductor_index.h"
-#include "common/core/fault.h"
 #include "common/materials/scattering.h"
 #include "common/sampling/warp.h"
 
@@ -16,7 +15,7 @@ struct Diffuse {
     LobeTraits traits() const { return {.diffuse = !is_black(reflectance)}; }
     LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport) const {
         LobeValues f;
-        if (wo.z() > 0.f && wi.z() > 0.f) f.diffuse = value(wi.z());
+        if (wo.z() > 0.f && wi.z() > 0.f) f.diffuse = reflectance * inv_pi;
         return f;
     }
     float pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which) const {
@@ -26,7 +25,7 @@ struct Diffuse {
         if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
         const Vec3 wi = square_to_cosine_hemisphere(u);
         return BsdfSample{.wi = wi,
-                          .f = value(wi.z()),
+                          .f = reflectance * inv_pi,
                           .pdf_w = cosine_hemisphere_pdf(wi.z()),
                           .delta = false,
                           .lobe = LobeKind::diffuse,
@@ -36,12 +35,6 @@ struct Diffuse {
         ScatteringCoefficients c;
         if (wo.z() > 0.f) c.diffuse = reflectance;
         return c;
-    }
-
-private:
-    Color value(float cos_i) const {
-        const float cosine = injected(Fault::diffuse_cosine) ? 1.5f * cos_i : 1.f;
-        return reflectance * (inv_pi * cosine * with_loss(Fault::diffuse_energy));
     }
 };
 

@@ -1,7 +1,5 @@
 #include "common/media/medium.h"
 
-#include "common/core/fault.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -54,12 +52,10 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
     while (q[channel] == 0.f)  // the rounded shares may sum to less than `choice`
         --channel;
     const float t = free_flight(sigma[channel], u);
-    const auto mean = [&](const Color& density) {
-        return injected(Fault::flight_channel) ? density[channel] : (q * density).sum();
-    };
+    const auto mean = [&](const Color& density) { return (q * density).sum(); };
     if (t < length) {
         const Color transmitted = attenuation(sigma, t);
-        const Color scattered = with_loss(Fault::medium_energy) * albedo_.at(from + t * w) * sigma * transmitted;
+        const Color scattered = albedo_.at(from + t * w) * sigma * transmitted;
         throughput *= scattered / mean(sigma * transmitted);
         return t;
     }
@@ -90,7 +86,7 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
             throughput *= scattered / probability;
             return begin + t;
         }
-        if (!injected(Fault::null_collision)) throughput *= passed / (1.f - probability);
+        throughput *= passed / (1.f - probability);
     }
 }
 
@@ -109,7 +105,7 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
         transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
         if (transmitted.maxCoeff() > little) continue;
         if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
-        if (!injected(Fault::transmittance_roulette)) transmitted /= survival;
+        transmitted /= survival;
     }
 }
 

@@ -9,12 +9,10 @@ float PhaseFunction::value(const Vec3& wo, const Vec3& wi) const {
     const float a = std::abs(g);
     const float squared = g >= 0.f ? (wo + wi).squaredNorm() : (wo - wi).squaredNorm();
     const float denominator = sqr(1.f - a) + a * squared;
-    return with_loss(Fault::phase_energy) * 0.25f * inv_pi * (1.f - a) * (1.f + a) /
-           (denominator * std::sqrt(denominator));
+    return 0.25f * inv_pi * (1.f - a) * (1.f + a) / (denominator * std::sqrt(denominator));
 }
 
 Vec3 PhaseFunction::sample(const Vec3& wo, const Vec2& u) const {
-    if (injected(Fault::phase_warp)) return square_to_sphere(u);
     // c = cos of the scattering angle has a distribution whose inverse is c = (1 + a^2 - s^2) / 2a with s = (1 - a^2)
     // / (1 - a + 2 a u). With v = 1 - u and k = 1 + a - 2 a v this is, without cancellation and for a = 0 too,
     //     1 - c = 2 v (1 - a)^2 (1 + a - a v) / k^2.

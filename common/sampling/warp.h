@@ -1,7 +1,6 @@
 #pragma once
 // Maps from the unit square to the distributions that light transport needs, with their densities.
 
-#include "common/core/fault.h"
 #include "common/core/math.h"
 
 #include <algorithm>
@@ -36,18 +35,13 @@ inline Vec2 square_to_disk(const Vec2& u) {
     if (a == 0.f && b == 0.f) return Vec2::Zero();
     const bool wide = std::abs(a) > std::abs(b);
     const float side = wide ? a : b, other = wide ? b : a;
-    const float r = injected(Fault::disk_warp) ? side * std::abs(side) : side;
     const SineCosine angle = small_sine_cosine((pi / 4) * (other / side));  // from the nearer axis
-    const float along = r * angle.cosine, across = r * angle.sine;
+    const float along = side * angle.cosine, across = side * angle.sine;
     return wide ? Vec2(along, across) : Vec2(across, along);
 }
 
 /// A direction of the upper hemisphere in the local frame, with density cos(theta) / pi [1/sr].
 inline Vec3 square_to_cosine_hemisphere(const Vec2& u) {
-    if (injected(Fault::cosine_hemisphere_density)) {
-        const float r = safe_sqrt(1.f - u.x() * u.x()), phi = 2.f * pi * u.y();
-        return {r * std::cos(phi), r * std::sin(phi), u.x()};
-    }
     const Vec2 d = square_to_disk(u);
     // 1 - d.d >= 0 up to rounding; the lower bound keeps the density positive for the direction that is returned.
     return {d.x(), d.y(), std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f))};
@@ -57,7 +51,7 @@ inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta,
 /// Uniform directions on the unit sphere and their density [1/sr].
 inline constexpr float uniform_sphere_pdf_w = 0.25f * inv_pi;
 inline Vec3 square_to_sphere(const Vec2& u) {
-    const float z = injected(Fault::sphere_warp) ? std::cos(pi * u.x()) : 1.f - 2.f * u.x();
+    const float z = 1.f - 2.f * u.x();
     const float r = safe_sqrt(1.f - z * z);
     const float phi = 2.f * pi * u.y();
     return {r * std::cos(phi), r * std::sin(phi), z};
@@ -75,7 +69,6 @@ inline Vec3 square_to_cone(const Vec2& u, float one_minus_cos_max) {
 /// Barycentric weights of the second and third vertex of a uniform point of the triangle.
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 inline Vec2 square_to_triangle(const Vec2& u) {
-    if (injected(Fault::triangle_warp)) return {u.x(), u.y() * (1.f - u.x())};
     // Both coordinates lose half of the smaller one. The minimum replaces a branch, which could not be predicted.
     const float half = 0.5f * std::min(u.x(), u.y());
     return {u.x() - half, u.y() - half};

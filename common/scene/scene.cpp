@@ -160,7 +160,7 @@ std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, co
     if (!has_light()) return std::nullopt;
     const auto choice = light_choice_.sample(u_choice);
     auto sample = gib::sample_light(lights_[choice.index], shapes_, p, u);
-    if (sample && !injected(Fault::light_choice)) sample->pdf_w *= choice.probability;
+    if (sample) sample->pdf_w *= choice.probability;
     return sample;
 }
 

@@ -118,8 +118,7 @@ Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) c
     Vec3 o = origin_, d = c.x() * left_ + c.y() * up_ + forward_;
     if (has_lens_) {
         // All rays of a film position meet in the plane of focus: o + focus_distance * d is the same for all.
-        const Vec2 on_disk = square_to_disk(u_lens);
-        const Vec2 lens = aperture_radius_ * (injected(Fault::thin_lens_area) ? on_disk.norm() : 1.f) * on_disk;
+        const Vec2 lens = aperture_radius_ * square_to_disk(u_lens);
         const Vec3 shift = lens.x() * left_ + lens.y() * up_;
         o += shift;
         d -= inv_focus_distance_ * shift;

@@ -1,7 +1,6 @@
 #include "experiments/program/command_line.h"
 
 #include "common/core/error.h"
-#include "experiments/hard_cases/hard_case_run.h"
 #include "experiments/measuring/cell_process.h"
 #include "experiments/plan/run_limits.h"
 #include "experiments/program/commands.h"
@@ -232,26 +231,6 @@ void add_measure_cell(CLI::App& app, Action& action) {
     });
 }
 
-void add_judge_case(CLI::App& app, Action& action) {
-    struct Request {
-        std::string file, name, label;
-        int seeds;
-    };
-    auto request = std::make_shared<Request>();
-    CLI::App* command =
-        app.add_subcommand("judge-case", "internal: renders a hard case, see hard_case_run.h")->group("");
-    command->add_option("FILE", request->file, "the file of hard cases")->required();
-    command->add_option("CASE", request->name, "the case's name")->required();
-    command->add_option("METHOD", request->label, "label; empty: path, for a scene that must be refused")->required();
-    command->add_option("SEEDS", request->seeds, "seeds 1 to this")->required();
-    command->callback([request, &action] {
-        action = [request] {
-            judge_case(request->file, request->name, request->label, request->seeds, std::cout);
-            return 0;
-        };
-    });
-}
-
 int perform(const Action& action) {
     try {
         const int code = action();
@@ -291,7 +270,6 @@ int run_program(int argc, char** argv) {
     add_list(app, action);
     add_report(app, action);
     add_measure_cell(app, action);
-    add_judge_case(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -3,7 +3,6 @@
 #include "common/core/files.h"
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
-#include "experiments/hard_cases/hard_case_run.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/report/report.h"
@@ -179,14 +178,9 @@ int print_plan(const std::string& scene, const std::string& method,
 }
 
 int rebuild_report(const std::string& folder_path, std::ostream& out) {
-    const bool of_hard_cases = holds_hard_case_results(folder_path);
     // The index is read before the lock is taken, so that a folder without results gives that error.
-    if (!of_hard_cases) static_cast<void>(ResultFolder(folder_path).read_index());
+    static_cast<void>(ResultFolder(folder_path).read_index());
     const FileLock lock = lock_result_folder(folder_path);  // a run at the same time would write the same files
-    if (of_hard_cases) {
-        out << "Report: " << rebuild_hard_case_report(folder_path) << "\n";
-        return 0;
-    }
     const ResultFolder folder(folder_path);
     std::string report;
     std::vector<std::string> damage;

@@ -2,8 +2,6 @@
 
 #include "common/core/error.h"
 #include "common/core/files.h"
-#include "experiments/hard_cases/hard_case_file.h"
-#include "experiments/hard_cases/hard_case_run.h"
 #include "experiments/run/cell_queue.h"
 #include "experiments/system/interrupt.h"
 
@@ -27,16 +25,6 @@ void require_utf8(const std::string& text, const char* what) {
     }
 }
 
-/// Throws InputError if the experiment exists but is not a regular file: it is read several times, for hard cases by
-/// other processes too, and a pipe would be empty after the first time. A file that cannot be read gives an error
-/// when it is read.
-void require_regular_file(const std::string& path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-        throw InputError({path, 0, 0}, "an experiment has to be a regular file");
-}
-
 }  // namespace
 
 void require_utf8_names(const std::string& command_line) {
@@ -46,8 +34,6 @@ void require_utf8_names(const std::string& command_line) {
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     require_utf8_names(options.command_line);
-    require_regular_file(options.experiment);
-    if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
     ExperimentRun run(options);
     const bool complete = run.measure();

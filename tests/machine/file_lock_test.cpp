@@ -80,28 +80,6 @@ TEST_F(FileLockTest, AKilledRunLocksNothing) {
     EXPECT_FALSE(fs::exists(results(".lock")));
 }
 
-TEST_F(FileLockTest, HardCasesTakeTheirFolderToo) {
-    write("h.toml",
-          "seeds = 2\n[[method]]\nname = 'path'\n[[case]]\nscene = 'bad.xml'\nrefused = 'bad.xml'\nreason = 'r'\n");
-    write("bad.xml", "<scene version='3.0.0'></scene>");
-    fs::create_directories(path("results/h"));
-    write("results/h/table.md.tmp-abcdef", "half");
-    auto lock = std::make_optional(lock_result_folder(path("results/h")));
-    const ProgramResult refused = run_gibench("run h.toml", path());
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_THAT(refused.err, HasSubstr("is working in 'results/h'"));
-    EXPECT_FALSE(fs::exists(path("results/h/hard_cases.csv")));
-    lock.reset();
-    const ProgramResult alone = run_gibench("run h.toml", path());
-    EXPECT_EQ(alone.code, 0) << alone.out << alone.err;
-    EXPECT_FALSE(fs::exists(path("results/h/table.md.tmp-abcdef")));
-    lock.emplace(lock_result_folder(path("results/h")));
-    EXPECT_THAT(run_gibench("report results/h", path()).err, HasSubstr("is working in 'results/h'"));
-    lock.reset();
-    EXPECT_EQ(run_gibench("report results/h", path()).code, 0);
-    EXPECT_FALSE(fs::exists(path("results/h/.lock")));
-}
-
 TEST_F(FileLockTest, AReferenceThatAnotherProcessMakesIsWaitedForAndUsed) {
     ASSERT_EQ(run().code, 0);
     const std::string reference = cached_reference();

@@ -65,26 +65,16 @@ TEST_F(RunResumeTest, NamesThatRecordsCannotHoldAreRefusedBeforehand) {
 
 TEST_F(RunResumeTest, NamesThatAreNoFolderOfTheirOwnNeedAnother) {
     const std::string experiment = read_file(path("e.toml"));
-    const std::string hard =
-        "[[method]]\nname = 'path'\n[[case]]\nscene = 'tiny.xml'\nblack = true\npasses = 1\nreason = '-'\n";
-    for (const std::string name : {"references", ".", ".."})
-        for (const std::string& text : {experiment, hard}) {
-            write(name + ".toml", text);
-            const ProgramResult result = run_gibench("run " + name + ".toml --threads 1", path());
-            EXPECT_EQ(result.code, 2) << name << ": " << result.err;
-            EXPECT_THAT(result.err, ::testing::StartsWith("an experiment cannot be named '" + name + "'"));
-            EXPECT_FALSE(fs::exists(path("results")) || fs::exists(path("report.html"))) << name;
-        }
+    for (const std::string name : {"references", ".", ".."}) {
+        write(name + ".toml", experiment);
+        const ProgramResult result = run_gibench("run " + name + ".toml --threads 1", path());
+        EXPECT_EQ(result.code, 2) << name << ": " << result.err;
+        EXPECT_THAT(result.err, ::testing::StartsWith("an experiment cannot be named '" + name + "'"));
+        EXPECT_FALSE(fs::exists(path("results")) || fs::exists(path("report.html"))) << name;
+    }
     write("references.toml", experiment);
     const ProgramResult elsewhere = run_gibench("run references.toml --threads 1 --out elsewhere", path());
     EXPECT_EQ(elsewhere.code, 0) << elsewhere.err;
-}
-
-TEST_F(RunResumeTest, APipeIsNoExperiment) {
-    const ProgramResult result =
-        run_gibench("--version >/dev/null; cat e.toml | '" + program_path() + "' run /dev/stdin --threads 1", path());
-    EXPECT_EQ(result.code, 2) << result.err;
-    EXPECT_THAT(result.err, ::testing::StartsWith("/dev/stdin:1:1: an experiment has to be a regular file"));
 }
 
 TEST_F(RunResumeTest, FlipIsMeasuredOncePerCellAndAgainForANewImage) {

@@ -120,6 +120,10 @@ std::vector<Stretch> stretches() {
     all.push_back({"absorbing ramp", Medium(layers({0.2f, 2.2f}, 1, 0, 2), 1.f, GridVolume(Color::Zero()), {}),
                    [=](double x) { return Color::Constant(ramp_depth(x)); },
                    [=](double x) { return Color::Constant(ramp(x)); }, constant(Color::Zero())});
+    // From 8 to 16 in the same way. Much of the light that passes the first 0.3 survives roulette.
+    all.push_back({"dense ramp", Medium(layers({8.f, 16.f}, 1, 0, 2), 1.f, GridVolume(albedo), {}),
+                   [=](double x) { return Color::Constant(static_cast<float>(7.2 * x) + 4.f * ramp_depth(x)); },
+                   [=](double x) { return Color::Constant(7.2f + 4.f * ramp(x)); }, constant(albedo)});
     all.push_back({"grid of one value", Medium(layers({1.5f, 1.5f, 1.5f}, 1, 0, 2), 2.f, GridVolume(grey), {}),
                    times_x(Color::Constant(3)), constant(Color::Constant(3)), constant(grey)});
     return all;

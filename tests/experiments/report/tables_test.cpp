@@ -2,7 +2,6 @@
 
 #include "experiments/report/tables.h"
 
-#include "experiments/hard_cases/hard_case_table.h"
 #include "experiments/text/numbers.h"
 
 #include <gmock/gmock.h>
@@ -94,12 +93,6 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("a|b")));
     EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("b\nc")));
     EXPECT_EQ(error_table(analysis).rows.at(0).at(0), "a|b\nc") << "CSV has quotes for that";
-}
-
-TEST(Tables, ReasonsOfHardCasesDoNotBreakTheirRows) {
-    const HardCaseTable table{
-        "T", {{"a|b", "path", "1", "", "not judged", "", "", "equals", "one\ntwo | three", "", "s.xml", ""}}};
-    EXPECT_THAT(hard_case_markdown(table), ::testing::HasSubstr("\n| a\\|b | 1 | not judged  | one two \\| three |\n"));
 }
 
 TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
