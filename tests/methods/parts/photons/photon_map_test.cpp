@@ -234,7 +234,7 @@ TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
         {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
     EXPECT_EQ(found.size(), 50u);
     for (const auto& f : found)
-        EXPECT_LT(map[f.photon].edges, 9);
+        EXPECT_LT(map[f.index].edges, 9);
 }
 
 TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
