@@ -13,8 +13,8 @@ namespace gib {
 /// not known.
 struct FootingWarning {
     std::string scene, method;
-    bool differs;           ///< true: the energy differs; false: this is not known
-    std::string text;       ///< a sentence that names method and components
+    bool differs;      ///< true: the energy differs; false: this is not known
+    std::string text;  ///< a sentence that names method and components
 };
 /// The warnings come in three parts: one for each method with components that differ from the reference; where the
 /// reference cannot judge a component of several methods, one for the two methods that differ most surely from each
