@@ -60,6 +60,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
                     const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
                     double noise_floor) {
     TableRow row = plain_row(replicates, index, component);
+    row.noise_floor = noise_floor;
     row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
     row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
     row.noise = noise_spectrum(images, r_total);

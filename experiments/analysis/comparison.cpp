@@ -1,11 +1,6 @@
 #include "experiments/analysis/comparison.h"
 
 #include "experiments/analysis/curves.h"
-#include "experiments/text/markdown.h"
-#include "experiments/text/numbers.h"
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -176,48 +171,6 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                 laws.push_back(std::move(law));
             }
     return laws;
-}
-
-std::string comparison_text(const Analysis& analysis) {
-    std::string text;
-    const auto rows = equal_time_rows(analysis);
-    if (!rows.empty())
-        text +=
-            "\n## At equal time\n\nAfter the whole time of the fastest method; the reference's own error is "
-            "subtracted.\n\n"
-            "| scene | component | seconds | best | relative RMSE % | times as much |\n|---|---|---:|---|---:|---|\n";
-    for (const auto& row : rows) {
-        std::vector<std::string> others;
-        for (std::size_t i = 1; i < row.entries.size(); ++i)
-            others.push_back(fmt::format("{}: {}", markdown_text(row.entries[i].method),
-                                         short_number(row.entries[i].relative_rmse / row.entries[0].relative_rmse)));
-        text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", markdown_text(row.scene), row.component,
-                            short_number(row.seconds), markdown_text(row.entries[0].method),
-                            percent_text(row.entries[0].relative_rmse), fmt::join(others, "; "));
-    }
-    const auto frontier = pareto_frontier(analysis);
-    if (!frontier.empty())
-        text +=
-            "\n## Pareto frontier\n\nThe checkpoints that no other beats in both time and error; the reference's own "
-            "error is subtracted.\n\n"
-            "| scene | seconds | relative RMSE % | passes | method |\n|---|---:|---:|---:|---|\n";
-    for (const auto& point : frontier)
-        text += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_text(point.scene), short_number(point.seconds),
-                            point.relative_rmse > 0 ? percent_text(point.relative_rmse) : "below the reference's",
-                            point.passes, markdown_text(point.method));
-    const auto laws = bias_laws(analysis);
-    if (!laws.empty())
-        text +=
-            "\n## How bias falls\n\nbias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose "
-            "bias is below what "
-            "the reference resolves are left out.\n\n"
-            "| scene | component | method | parameter | values fitted | p |\n|---|---|---|---|---:|---|\n";
-    for (const auto& law : laws)
-        text += fmt::format("| {} | {} | {} | {} | {} of {} | {} ({} to {}) |\n", markdown_text(law.scene),
-                            law.component, markdown_text(law.method), law.parameter, law.resolved_count,
-                            law.values.size(), short_number(law.exponent.value),
-                            short_number(law.exponent.interval->lo), short_number(law.exponent.interval->hi));
-    return text;
 }
 
 }  // namespace gib

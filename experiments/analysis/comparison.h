@@ -49,7 +49,4 @@ struct BiasLaw {
 /// least three of these values are resolved.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
 
-/// The three comparisons as sections of table.md; a section without rows is left out.
-std::string comparison_text(const Analysis& analysis);
-
 }  // namespace gib

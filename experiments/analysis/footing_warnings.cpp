@@ -1,7 +1,5 @@
 #include "experiments/analysis/footing_warnings.h"
 
-#include "experiments/text/markdown.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,14 +12,16 @@ namespace gib {
 
 namespace {
 
-/// A component with its excess of mean energy, as in "`caustic` -0.40 % (-3.10 to +2.30)".
+/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
+std::string signed_percent(const Estimate& e) {
+    return fmt::format("{:+.2f} %", 100 * e.value) +
+           (e.interval ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * e.interval->lo, 100 * e.interval->hi) : "");
+}
+
 std::string component_text(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
-    if (!std::isfinite(excess.value)) return fmt::format("`{}` is not finite", row.component);
-    return fmt::format("`{}` {:+.2f} %{}", row.component, 100 * excess.value,
-                       excess.interval
-                           ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * excess.interval->lo, 100 * excess.interval->hi)
-                           : "");
+    return fmt::format("`{}` {}", row.component,
+                       std::isfinite(excess.value) ? signed_percent(excess) : "is not finite");
 }
 
 /// The two rows that differ most surely from each other, among
@@ -53,16 +53,11 @@ std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
             for (std::size_t j = 0; j < i; ++j)
                 consider(*rows[i], *rows[j], surest);
         if (!surest) continue;
-        const auto [lo, hi] = *surest->difference.interval;
         warnings.push_back(
-            {.scene = key.first,
-             .method = surest->more->method,
-             .component = key.second,
-             .differs = true,
-             .text = fmt::format("{}: `{}` differs between methods where the reference cannot judge: {} has "
-                                 "{:+.2f} % ({:+.2f} to {:+.2f}) of mean energy over {}",
-                                 key.first, key.second, surest->more->method, 100 * surest->difference.value, 100 * lo,
-                                 100 * hi, surest->less->method)});
+            {key.first, surest->more->method, true,
+             fmt::format("`{}` differs between methods where the reference cannot judge: {} has {} of "
+                         "mean energy over {}",
+                         key.second, surest->more->method, signed_percent(surest->difference), surest->less->method)});
     }
     return warnings;
 }
@@ -76,19 +71,14 @@ std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
     UnresolvedRows groups;
     const auto add = [](std::vector<FootingWarning>& warnings, const TableRow& row, const std::string& what) {
         if (!warnings.empty() && warnings.back().scene == row.scene && warnings.back().method == row.method) {
-            warnings.back().component += ";" + row.component;
             warnings.back().text += ", " + component_text(row);
             return;
         }
         const bool differs = has(row, FootingVerdict::differs);
         const std::string missing =
             differs && !row.effects_missing.empty() ? ", which leaves out " + row.effects_missing + "," : "";
-        warnings.push_back(
-            {.scene = row.scene,
-             .method = row.method,
-             .component = row.component,
-             .differs = differs,
-             .text = fmt::format("{}: {}{} {}: {}", row.scene, row.method, missing, what, component_text(row))});
+        warnings.push_back({row.scene, row.method, differs,
+                            fmt::format("{}{} {}: {}", row.method, missing, what, component_text(row))});
     };
     for (const TableRow& row : analysis.rows) {
         if (has(row, FootingVerdict::differs)) add(differing, row, "differs from the reference in mean energy");
@@ -100,28 +90,6 @@ std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
         differing.push_back(std::move(warning));
     differing.insert(differing.end(), unresolved.begin(), unresolved.end());
     return differing;
-}
-
-std::string footing_text(const Analysis& analysis) {
-    std::size_t checked = 0;
-    for (const TableRow& row : analysis.rows)
-        checked += row.footing.has_value();
-    if (checked == 0) return "";
-    const auto count = [&](FootingVerdict verdict) {
-        return std::count_if(analysis.rows.begin(), analysis.rows.end(),
-                             [&](const TableRow& row) { return has(row, verdict); });
-    };
-    std::string text = fmt::format(
-        "\n## Equal footing\n\nMean energy against the reference's, 99 % intervals: of {} components {} agree within "
-        "{:.0f} %, {} differ, {} cannot be told.\n\n",
-        checked, count(FootingVerdict::agrees), 100 * footing_tolerance, count(FootingVerdict::differs),
-        count(FootingVerdict::unresolved));
-    if (analysis.index.seeds < 2) text += "One seed has no interval: run with two seeds or more.\n";
-    for (const auto& warning : footing_warnings(analysis)) {
-        if (!warning.differs && analysis.index.seeds < 2) continue;
-        text += fmt::format("- {}{}.\n", warning.differs ? "Warning: " : "", markdown_text(warning.text));
-    }
-    return text;
 }
 
 }  // namespace gib

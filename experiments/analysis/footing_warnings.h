@@ -13,16 +13,12 @@ namespace gib {
 /// not known.
 struct FootingWarning {
     std::string scene, method;
-    std::string component;  ///< names of the components, separated by `;`
-    bool differs;           ///< true: the energy differs; false: this is not known
-    std::string text;       ///< a sentence that names scene, method and components
+    bool differs;      ///< true: the energy differs; false: this is not known
+    std::string text;  ///< a sentence that names method and components
 };
 /// The warnings come in three parts: one for each method with components that differ from the reference; where the
 /// reference cannot judge a component of several methods, one for the two methods that differ most surely from each
 /// other; one for each method with components that are not resolved.
 std::vector<FootingWarning> footing_warnings(const Analysis& analysis);
-
-/// The section of table.md on equal footing, which stands before every number. Empty if no component was checked.
-std::string footing_text(const Analysis& analysis);
 
 }  // namespace gib

@@ -36,6 +36,7 @@ struct TableRow {
     std::uint64_t nonfinite = 0;           ///< samples that were not finite, of all seeds
     double peak_rss_mib = 0;               ///< the largest of all seeds
     std::string effects_missing;           ///< names of effects that the method leaves out, separated by `;`
+    double noise_floor = 0;      ///< of the reference [relative squared error], as Analysis::noise_floor() says
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
 };
 

@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ file that defines the functions of report_assets.h. FOLDER holds page.html, page.css and the
-# scripts; SCRIPTS are the names of these, separated by |, in their order; CHART is the file of Chart.js.
+# Writes OUTPUT, a C++ file that defines the functions of report_assets.h. FOLDER holds the templates, page.css
+# and the scripts; SCRIPTS are the names of these, separated by |, in their order; CHART is the file of Chart.js.
 
 # The texts become arrays of bytes, because a compiler need not accept a string literal of their length.
 function(bytes_of path result)
@@ -10,7 +10,7 @@ function(bytes_of path result)
 endfunction()
 
 string(REPLACE "|" ";" SCRIPTS "${SCRIPTS}")
-set(paths ${FOLDER}/page.html ${FOLDER}/page.css ${CHART})
+set(paths ${FOLDER}/page.html ${FOLDER}/section.html ${FOLDER}/table.mustache ${FOLDER}/page.css ${CHART})
 foreach(script ${SCRIPTS})
   list(APPEND paths ${FOLDER}/${script})
 endforeach()
@@ -31,11 +31,13 @@ std::string_view text_of(const unsigned char (&bytes)[N]) {
 }  // namespace
 
 std::string_view report_page() { return text_of(asset_0); }
-std::string_view report_style() { return text_of(asset_1); }
+std::string_view report_section() { return text_of(asset_1); }
+std::string_view table_page() { return text_of(asset_2); }
+std::string_view report_style() { return text_of(asset_3); }
 std::vector<std::string_view> report_scripts() {
     return {")
 math(EXPR last "${index} - 1")
-foreach(i RANGE 2 ${last})
+foreach(i RANGE 4 ${last})
   string(APPEND code "text_of(asset_${i}), ")
 endforeach()
 string(APPEND code "};\n}\n\n}  // namespace gib\n")

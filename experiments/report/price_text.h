@@ -1,5 +1,5 @@
 #pragma once
-// States the price of accuracy in words and tables, for table.md and the report.
+// States the price of accuracy in words, for table.md and the report.
 
 #include "experiments/analysis/price.h"
 
@@ -12,9 +12,9 @@ namespace gib {
 /// Indices into target_errors of the errors for which price_answers() names the cheapest method: 5 % and 1 %.
 inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 
-/// Whether the target is above the noise floor, so that the reference can tell that an image has reached it.
-bool is_target_resolved(const Analysis& analysis, const std::string& scene, const std::string& component,
-                        std::size_t target);
+/// The time [s] to target_errors[target], "12.3 (11.0 to 14.1)"; "not resolved" if the reference cannot tell that an
+/// image has reached it; if no run has reached it, as unmeasured_time() says.
+std::string time_text(const TableRow& row, std::size_t target);
 
 /// The answer for one scene and error: which method is cheapest, how much longer the next one takes, and how far the
 /// others are then.
@@ -34,8 +34,5 @@ std::string unmeasured_time(const TableRow& row, double target);
 /// The factor by which the time has to grow to halve the error of the final image, by the fitted law: "3.90 (3.10 to
 /// 4.80)", "at least 4.10", "never: floor"; empty if no law holds.
 std::string next_halving_text(const TableRow& row);
-
-/// The sections of table.md with answers, price lists and crossovers.
-std::string price_text(const Analysis& analysis);
 
 }  // namespace gib

@@ -1,21 +1,23 @@
 #include "experiments/report/report.h"
 
 #include "common/core/files.h"
-#include "experiments/analysis/footing_warnings.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/report_assets.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
-#include "experiments/report/report_tables.h"
+#include "experiments/report/sections.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/text/html.h"
+#include "experiments/text/markdown.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>
+#include <kainjow/mustache.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <map>
+#include <functional>
+#include <set>
+#include <stdexcept>
 
 namespace gib {
 
@@ -23,67 +25,130 @@ using nlohmann::json;
 
 namespace {
 
-std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", html_escape(text)); }
+using kainjow::mustache::data;
+using kainjow::mustache::list;
+using kainjow::mustache::object;
 
-/// The warnings about methods whose mean energy differs from the reference's. They stand before the scene's numbers.
-std::string footing_html(const Analysis& analysis, const std::string& scene) {
-    std::string differ, unresolved;
-    int count = 0;
-    for (const FootingWarning& warning : footing_warnings(analysis)) {
-        if (warning.scene != scene) continue;
-        const std::string text = "<li>" + sentence_html(warning.text) + ".</li>\n";
-        if (warning.differs) differ += text;
-        else unresolved += text, ++count;
+data optional_text(const std::string& text) { return text.empty() ? data(false) : data(text); }
+
+/// Whether a column holds words, which stand on the left.
+bool is_of_words(const std::string& column) {
+    static const std::set<std::string> names = {"method",    "before",        "best",           "component",
+                                                "parameter", "times as much", "missing effects"};
+    return names.count(column) > 0;
+}
+
+/// A field. A text such as "12.3 (11.2 to 13.5)" has what stands in brackets as `detail`.
+data field_data(const std::string& text, bool first, bool of_words) {
+    const std::size_t at = text.find(" (");
+    const bool split = at != std::string::npos && text.back() == ')';
+    return object{{"value", text.substr(0, split ? at : std::string::npos)},
+                  {"detail", split ? data(text.substr(at + 2, text.size() - at - 3)) : data(false)},
+                  {"tag", first ? "th" : "td"},
+                  {"first", first},
+                  {"words", of_words}};
+}
+
+data row_data(const Section::Row& row, const Section& section) {
+    list fields;
+    for (std::size_t i = 0; i < section.columns.size(); ++i)
+        fields.push_back(field_data(row.fields[i], i == 0, is_of_words(section.columns[i])));
+    return object{{"scene", row.scene},
+                  {"component", optional_text(row.component)},
+                  {"sentence", row.fields.front()},
+                  {"warning", row.fields.front().starts_with("Warning")},
+                  {"fields", fields}};
+}
+
+using Keeps = std::function<bool(const Section::Row&)>;
+
+/// The sections with some of their rows; those without rows are left out.
+data sections_data(const std::vector<Section>& all, const Keeps& keeps) {
+    list sections;
+    for (const Section& section : all) {
+        list columns, rows;
+        for (const auto& row : section.rows)
+            if (keeps(row)) rows.push_back(row_data(row, section));
+        if (rows.empty()) continue;
+        for (const auto& name : section.columns)
+            columns.push_back(object{{"name", name}, {"words", is_of_words(name)}, {"first", columns.empty()}});
+        sections.push_back(object{{"title", section.title},
+                                  {"intro", optional_text(section.sentence)},
+                                  {"by_component", !section.rows.front().component.empty()},
+                                  {"columns", columns},
+                                  {"table", !columns.empty()},
+                                  {"rows", rows},
+                                  {section.title, true}});  // the report puts charts beside some sections
     }
-    std::string html;
-    if (!differ.empty())
-        html +=
-            "<div class=\"note\" role=\"note\"><b>Not on an equal footing.</b> Mean energy differs from the "
-            "reference's, with 99 % intervals:<ul>\n" +
-            differ + "</ul></div>\n";
-    if (count > 0)
-        html += fmt::format(
-            "<details><summary>Equal footing: {} component{} cannot be told to agree</summary><ul>\n{}"
-            "</ul></details>\n",
-            count, count == 1 ? "" : "s", unresolved);
-    return html;
+    return sections;
 }
 
-std::string answers_html(const Analysis& analysis, const std::string& scene) {
-    std::string html;
-    for (const PriceAnswer& answer : price_answers(analysis))
-        if (answer.scene == scene) html += "<li>" + sentence_html(answer.text) + "</li>\n";
-    return html.empty() ? "" : "<ul class=\"answers\">\n" + html + "</ul>\n";
+/// The method that reaches each of asked_targets first.
+data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
+    list cheapest;
+    for (const std::size_t t : asked_targets) {
+        const TableRow* best = nullptr;
+        for (const TableRow& row : analysis.rows)
+            if (row.scene == quality.scene && row.component == total_name && row.times[t] &&
+                (!best || row.times[t]->value < best->times[t]->value))
+                best = &row;
+        const bool resolved = sqr(target_errors[t]) > analysis.noise_floor(quality.scene, total_name);
+        cheapest.push_back(best ? object{{"method", best->method}, {"seconds", short_number(best->times[t]->value)}}
+                                : object{{"method", resolved ? "not reached" : "not resolved"}, {"seconds", false}});
+    }
+    return cheapest;
 }
 
-std::string reference_html(const ReferenceQuality& quality) {
-    return fmt::format(
-        "<p class=\"muted\">Reference: {}, {} samples a pixel, its own relative standard error {} %{}.</p>\n",
-        html_escape(quality.method), quality.samples, percent_text(quality.relative_error),
-        quality.target ? fmt::format(" (target {} %)", percent_text(*quality.target)) : "");
+data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all, const Analysis& analysis) {
+    const data sections = sections_data(all, [&](const Section::Row& row) { return row.scene == quality.scene; });
+    return object{{"scene", quality.scene},
+                  {"number", std::to_string(&quality - analysis.references.data())},
+                  {"attribute", html_escape(quality.scene)},
+                  {"method", quality.method},
+                  {"samples", std::to_string(quality.samples)},
+                  {"error", percent_text(quality.relative_error)},
+                  {"target", quality.target ? data(percent_text(*quality.target)) : data(false)},
+                  {"notes", list(quality.notes.begin(), quality.notes.end())},
+                  {"cheapest", cheapest_data(quality, analysis)},
+                  {"complete", sections.is_non_empty_list()},
+                  {"sections", sections}};
 }
 
-std::string scene_html(const Analysis& analysis, const std::vector<Crossover>& changes, const ReferenceQuality& quality,
-                       std::size_t number) {
-    const std::string& scene = quality.scene;
-    std::string html = fmt::format("<section class=\"scene\" id=\"scene-{}\" data-scene=\"{}\">\n<h2>{}</h2>\n{}",
-                                   number, html_escape(scene), html_escape(scene), reference_html(quality));
-    for (const auto& note : quality.notes)
-        html += note_html(note);
-    const bool any =
-        std::any_of(analysis.rows.begin(), analysis.rows.end(), [&](const auto& row) { return row.scene == scene; });
-    if (!any) return html + "<p>No cell of this scene is complete.</p>\n</section>\n";
-    html += answers_html(analysis, scene) + footing_html(analysis, scene);
-    html += "<div class=\"controls scene-controls\"></div>\n";
-    html += "<h3>Price list: seconds to reach an error</h3>\n" + price_list_html(analysis, scene);
-    html += "<div class=\"charts\"><div class=\"curve-chart\"></div></div>\n";
-    html += crossovers_html(analysis, changes, scene);
-    html += "<h3>What more accuracy costs</h3>\n" + laws_html(analysis, scene);
-    html += "<h3>Images</h3>\n<div class=\"viewer\"><noscript><p>The images need scripts.</p></noscript></div>\n";
-    html += "<h3>Bias and noise</h3>\n" + split_html(analysis, scene);
-    html += "<div class=\"charts\"><div class=\"noise-chart\"></div><div class=\"bias-chart\"></div></div>\n";
-    html += "<h3>Where the time goes</h3>\n" + stages_html(analysis, scene);
-    return html + "</section>\n";
+std::string counted(int count, const char* name) { return fmt::format("{} {}{}", count, name, count == 1 ? "" : "s"); }
+
+/// Everything that the templates of table.md and of the page say in words and tables: the head, the sections over all
+/// scenes with the totals alone (`sections`), and each scene with its reference and its own sections with all
+/// components (`scenes`).
+data page_data(const Analysis& analysis) {
+    const ResultIndex& index = analysis.index;
+    const std::vector<Section> all = sections(analysis);
+    const auto in_table = [](const Section::Row& row) { return row.component.empty() || row.component == total_name; };
+    list scenes, targets;
+    for (const auto& quality : analysis.references)
+        scenes.push_back(scene_data(quality, all, analysis));
+    for (const std::size_t t : asked_targets)
+        targets.push_back(target_names[t]);
+    return object{
+        {"title", index.title},
+        {"plain_title", html_escape(index.title)},
+        {"epsilon", fmt::format("{}", index.epsilon)},
+        {"seeds", counted(index.seeds, "seed")},
+        {"threads", counted(index.threads, "thread")},
+        {"missing_cells", optional_text(analysis.missing_cells ? std::to_string(analysis.missing_cells) : "")},
+        {"sections", sections_data(all, in_table)},
+        {"targets", targets},
+        {"scenes", scenes},
+        {"section", std::string(report_section())}};
+}
+
+/// The template with the data in place; `escape` writes every text.
+std::string filled(std::string_view page, const data& values, std::string (*escape)(std::string_view)) {
+    kainjow::mustache::mustache text{std::string(page)};
+    text.set_custom_escape([escape](const std::string& part) { return escape(part); });
+    std::string result;
+    text.render(values, [&](const std::string& part) { result += part; });
+    if (!text.is_valid()) throw std::logic_error("not a template: " + text.error_message());
+    return result;
 }
 
 json scale_json(ColorScale colors) {
@@ -93,59 +158,30 @@ json scale_json(ColorScale colors) {
     return steps;
 }
 
-std::string summary_html(const Analysis& analysis) {
-    const ResultIndex& index = analysis.index;
-    std::string html =
-        fmt::format("<p class=\"muted\">{} seed{} &middot; {} thread{} &middot; epsilon {}</p>\n", index.seeds,
-                    index.seeds == 1 ? "" : "s", index.threads, index.threads == 1 ? "" : "s", index.epsilon);
-    if (analysis.missing_cells > 0)
-        html += note_html(fmt::format("{} cells of the experiment are not complete.", analysis.missing_cells));
-    return html;
-}
-
-std::string scripts_html() {
-    std::string html;
-    for (const auto& asset : report_scripts())
-        html += "<script>\n" + script_safe_code(asset) + "\n</script>\n";
-    return html;
-}
-
-/// Replaces every {{NAME}} in one pass, so that inserted text is never searched.
-std::string filled(std::string_view page, const std::map<std::string, std::string>& values) {
-    std::string text;
-    while (true) {
-        const std::size_t begin = page.find("{{");
-        text += page.substr(0, begin);
-        if (begin == std::string_view::npos) return text;
-        const std::size_t end = page.find("}}", begin);
-        text += values.at(std::string(page.substr(begin + 2, end - begin - 2)));
-        page.remove_prefix(end + 2);
-    }
-}
-
 }  // namespace
+
+std::string markdown_table(const Analysis& analysis) {
+    return filled(table_page(), page_data(analysis), markdown_text);
+}
 
 std::string report_html(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {
     ReportPictures pictures = report_pictures(analysis, folder);
     if (damage) damage->insert(damage->end(), pictures.damage.begin(), pictures.damage.end());
-    json data = report_data(analysis);
-    data["pictures"] = std::move(pictures.scenes);
-    data["pictures_note"] = pictures.note;
-    data["scales"] = {{"error", scale_json(error_colors())},
-                      {"flip", scale_json(magma_colors())},
-                      {"bias", scale_json(bias_colors())}};
-    const std::vector<Crossover> changes = crossovers(analysis);
-    std::string scenes;
-    for (std::size_t i = 0; i < analysis.references.size(); ++i)
-        scenes += scene_html(analysis, changes, analysis.references[i], i);
-    return filled(report_page(), {{"TITLE", html_escape(analysis.index.title)},
-                                  {"STYLE", std::string(report_style())},
-                                  {"SUMMARY", summary_html(analysis)},
-                                  {"OVERVIEW", overview_html(analysis)},
-                                  {"SCENES", scenes},
-                                  {"DATA", script_safe_json(data.dump())},
-                                  {"PICTURES", pictures.elements},
-                                  {"SCRIPTS", scripts_html()}});
+    json numbers = report_data(analysis);
+    numbers["pictures"] = std::move(pictures.scenes);
+    numbers["pictures_note"] = pictures.note;
+    numbers["scales"] = {{"error", scale_json(error_colors())},
+                         {"flip", scale_json(magma_colors())},
+                         {"bias", scale_json(bias_colors())}};
+    data page = page_data(analysis);
+    page["style"] = std::string(report_style());
+    page["data"] = script_safe_json(numbers.dump());
+    page["pictures"] = pictures.elements;
+    list scripts;
+    for (const auto& script : report_scripts())
+        scripts.push_back(script_safe_code(script));
+    page["scripts"] = scripts;
+    return filled(report_page(), page, sentence_html);
 }
 
 std::string write_report(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {

@@ -1,5 +1,5 @@
 #pragma once
-// Makes report.html, one file that opens offline, from stored results alone.
+// Makes table.md and report.html, one file that opens offline, from stored results alone.
 
 #include "experiments/analysis/analysis.h"
 
@@ -7,6 +7,9 @@
 #include <vector>
 
 namespace gib {
+
+/// table.md: the totals for people to read, and how good the references are.
+std::string markdown_table(const Analysis& analysis);
 
 /// Returns the page. `damage`, if given, receives a message for each file that cannot be read and is left out. Throws
 /// InputError if an image that the page needs cannot be read.

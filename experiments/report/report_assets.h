@@ -7,9 +7,10 @@
 
 namespace gib {
 
-/// The HTML of the page, with {{TITLE}}, {{STYLE}}, {{SUMMARY}}, {{OVERVIEW}}, {{SCENES}}, {{DATA}}, {{PICTURES}} and
-/// {{SCRIPTS}} to be replaced.
+/// The templates of the page, of a section in it and of table.md; report.cpp makes their data.
 std::string_view report_page();
+std::string_view report_section();
+std::string_view table_page();
 /// The CSS of the page.
 std::string_view report_style();
 /// The JavaScript of the page, in the order in which it has to run; the first is Chart.js with its licence.

@@ -12,14 +12,8 @@ CsvTable curves_table(const Analysis& analysis);
 CsvTable error_table(const Analysis& analysis);
 CsvTable spectra_table(const Analysis& analysis);
 CsvTable stages_table(const Analysis& analysis);
-/// table.md: the totals for people to read, and how good the references are.
-std::string markdown_table(const Analysis& analysis);
 
 /// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
 void write_tables(const Analysis& analysis, const ResultFolder& folder);
-
-/// The relative RMSE of a judged row [%] with its 95 % interval, the reference's own variance subtracted; or a text
-/// that the reference does not resolve it.
-std::string relative_error_text(const TableRow& row, double noise_floor);
 
 }  // namespace gib

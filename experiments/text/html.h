@@ -1,9 +1,6 @@
 #pragma once
 // Makes pieces of HTML.
 
-#include "experiments/metrics/statistics.h"
-
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,13 +17,5 @@ std::string script_safe_json(std::string json);
 /// JavaScript for a <script> element: "</script" becomes "<\/script", which means the same in strings. It
 /// may stand only there.
 std::string script_safe_code(std::string_view code);
-
-/// A value with its interval below it.
-std::string with_interval_html(const Estimate& estimate, std::string (*text)(double));
-
-/// The colour of method `index` as CSS. There are ten colours, which repeat after the tenth method.
-std::string method_color(std::size_t index);
-/// A small square of that colour and the label.
-std::string method_html(std::size_t index, const std::string& label);
 
 }  // namespace gib

@@ -32,6 +32,11 @@ std::string percent_text(double share) {
     return unless_nan(share, [](double x) { return fmt::format("{:.2f}", 100 * x); });
 }
 
+std::string with_interval(const Estimate& estimate, std::string (*text)(double)) {
+    if (!estimate.interval) return text(estimate.value);
+    return fmt::format("{} ({} to {})", text(estimate.value), text(estimate.interval->lo), text(estimate.interval->hi));
+}
+
 double at_least_zero(double value) { return std::isless(value, 0.0) ? 0.0 : value; }
 
 }  // namespace gib

@@ -2,7 +2,9 @@
 
 #include "experiments/analysis/footing_warnings.h"
 #include "experiments/report/price_text.h"
+#include "experiments/report/report.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -82,7 +84,7 @@ TEST(Crossovers, AreWhereTheCurvesCross) {
     ASSERT_TRUE(changes[1].interval.has_value());
     EXPECT_LT(changes[1].interval->lo, changes[1].seconds);
     EXPECT_GT(changes[1].interval->hi, changes[1].seconds);
-    EXPECT_THAT(price_text(analysis), HasSubstr("| box | 16."));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | exact | 16."));
 }
 
 TEST(Crossovers, IgnoreMethodsThatAreLevel) {
@@ -117,23 +119,42 @@ TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
     EXPECT_EQ(unmeasured_time(quick, 0.01), "never (floor 3.00 %)");
     // The floor's bias^2 is at most that of the split of the images: 2e-4 of 9e-4.
     EXPECT_NEAR(floor_bias2(quick), 2e-4, 1e-12);
-    EXPECT_THAT(price_text(analysis), HasSubstr("bias 1.41, fixed noise 2.65"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("bias 1.41, fixed noise 2.65"));
+}
+
+// The runs end after 64 and 96 s. At their mean, 80 s, the longer one has not got its final image.
+TEST(PriceAnswers, GiveTheClosestTheErrorOfItsFinalImages) {
+    Analysis analysis;
+    analysis.cells = {run("a", 1, 10, 0, 1.5, 96), run("a", 2, 10, 0, 1, 64), run("b", 1, 40, 0, 1, 64)};
+    for (const char* method : {"a", "b"})
+        analysis.rows.push_back(row(analysis, method));
+    analysis.rows[0].seconds = 80;
+    const double final_error = std::sqrt((10. / 96 + 10. / 64) / 2);
+    const auto answers = price_answers(analysis);
+    ASSERT_EQ(answers.size(), 2u);
+    EXPECT_THAT(answers[0].text, HasSubstr(fmt::format("after 80.0 s `a` has {:.2f} %", 100 * final_error)));
 }
 
 TEST(FootingWarnings, NameSceneMethodAndComponent) {
     Analysis analysis = crossing();
-    EXPECT_EQ(footing_text(analysis), "") << "nothing was checked";
-    analysis.rows[1].footing = Footing{{}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
-    analysis.rows[0].footing = Footing{{}, 1, {0.0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
-    analysis.rows[2].footing = Footing{{}, 1, {0.0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
+    EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("Equal footing"))) << "nothing was checked";
+    analysis.rows[1].footing = Footing{{1, {}}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    analysis.rows[0].footing = Footing{{1, {}}, 1, {0.0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
+    analysis.rows[2].footing = Footing{{1, {}}, 1, {0.0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
+    analysis.rows[3].footing = Footing{{0, {}}, 1, {0.0, Interval{0, 0}}, FootingVerdict::agrees};
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 2u);
     EXPECT_TRUE(warnings[0].differs) << "the certain ones first";
-    EXPECT_EQ(warnings[0].text,
-              "box: quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
-    EXPECT_EQ(warnings[1].text, "box: quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
+    EXPECT_EQ(warnings[0].text, "quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
+    EXPECT_EQ(warnings[1].text, "quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
     analysis.index.seeds = 3;
-    EXPECT_THAT(footing_text(analysis), HasSubstr("of 3 components 1 agree within 1 %, 1 differ, 1 cannot be told"));
+    const std::string text = markdown_table(analysis);
+    EXPECT_THAT(text, HasSubstr("- box: of 3 components and totals that are not black 1 agree within 1 %, 1 differ, 1 "
+                                "cannot be told."));
+    EXPECT_THAT(text, HasSubstr("- box: Warning: quick differs"));
+    EXPECT_THAT(text, HasSubstr("- box: quick cannot be told"));
+    analysis.index.seeds = 1;
+    EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("quick cannot be told"))) << "one seed tells nothing";
 }
 
 TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
@@ -152,7 +173,7 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 5u) << "one disagreement, four that cannot be told";
     EXPECT_TRUE(warnings[0].differs);
-    EXPECT_THAT(warnings[0].text, HasSubstr("box: `indirect` differs between methods"));
+    EXPECT_THAT(warnings[0].text, HasSubstr("`indirect` differs between methods"));
     EXPECT_THAT(warnings[0].text, HasSubstr("b has +3.00 %"));
     EXPECT_THAT(warnings[0].text, HasSubstr("over a"));
 }

@@ -105,7 +105,7 @@ TEST(ImagePack, Base64IsThatOfTheStandard) {
 }
 
 TEST(Html, TextCannotBecomeMarkup) {
-    EXPECT_EQ(html_escape("<b title=\"a\">'&amp;'"), "&lt;b title=&quot;a&quot;&gt;&#39;&amp;amp;&#39;");
+    EXPECT_EQ(html_escape("<b title=\"a\">'&amp;'"), "&lt;b title=&quot;a&quot;&gt;&apos;&amp;amp;&apos;");
     EXPECT_EQ(sentence_html("`a<b` is > `c`"), "<code>a&lt;b</code> is &gt; <code>c</code>");
     EXPECT_EQ(script_safe_json(json({{"a", "</script><!--"}}).dump()).find('<'), std::string::npos);
     EXPECT_EQ(json::parse(script_safe_json(json("</script>").dump())), "</script>");

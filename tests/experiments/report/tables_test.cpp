@@ -1,7 +1,10 @@
 // Tables: their fixed columns, and CSV that can be read back.
 
 #include "experiments/report/tables.h"
+#include "experiments/report/report.h"
 
+#include "experiments/report/row_columns.h"
+#include "experiments/report/sections.h"
 #include "experiments/text/numbers.h"
 
 #include <gmock/gmock.h>
@@ -77,8 +80,10 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "caustics;refraction");
     EXPECT_EQ(value("flip"), "0.125");
-    EXPECT_THAT(markdown_table(analysis),
-                ::testing::HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) | 0.125 |"));
+    EXPECT_THAT(
+        markdown_table(analysis),
+        ::testing::HasSubstr(
+            "| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) |  |  |  |  | 0 | 0.125 | caustics, refraction |"));
 }
 
 // Files may have such names, and a title may have several lines.
@@ -97,10 +102,68 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
 
 TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
     Analysis analysis = small_analysis();
-    analysis.references.push_back({"box", "path", 0.05, {}, 64, {}, {{total_name, 0.0025}}});
+    analysis.rows[0].noise_floor = 0.0025;
     EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| below 5.00, not resolved |"));
-    analysis.references[0].noise_floors[total_name] = 0.0009;
+    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| not resolved |")) << "the time to 5 %";
+    analysis.rows[0].noise_floor = 0.0009;
     EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| 4.00 (3.00 to 5.00) |"));
+}
+
+// A member that no table shows would be lost in silence. One that is not named here does not compile.
+TEST(Tables, ShowEveryMemberOfARow) {
+    Analysis analysis;
+    analysis.rows.resize(1);
+    auto& [scene, method, component, seeds, seconds, prepare_seconds, statistics, robust, noise, bias, times, footing,
+           law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip] = analysis.rows[0];
+    int number = 0;
+    const auto expect_shown = [&](auto& member, auto value) {
+        const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
+        const std::string before = text();
+        member = std::move(value);
+        EXPECT_NE(text(), before) << "member " << number;
+        ++number;
+    };
+    expect_shown(scene, "box");
+    expect_shown(method, "path");
+    expect_shown(component, "total");
+    expect_shown(seeds, 7);
+    expect_shown(seconds, 1.5);
+    expect_shown(prepare_seconds, 0.5);
+    expect_shown(statistics, ReplicateStatistics{1, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, {}});
+    expect_shown(robust, RobustError{0.5, 0.25, 0.125});
+    expect_shown(noise, NoiseSpectrum{});
+    expect_shown(bias, std::vector<SpectrumPoint>(1));
+    expect_shown(times[2], Estimate{3, {}});
+    expect_shown(footing, Footing{});
+    expect_shown(law, PriceLaw{});
+    expect_shown(last_halving, Estimate{4, {}});
+    expect_shown(nonfinite, 9);
+    expect_shown(peak_rss_mib, 12.0);
+    expect_shown(effects_missing, "caustics");
+    expect_shown(noise_floor, 0.01);
+    expect_shown(flip, 0.25);
+}
+
+// Every entry of row_columns() with a heading stands in table.md, so that no metric is for the CSV file alone.
+TEST(Tables, ShowTheHeadingOfEveryColumn) {
+    Analysis analysis = small_analysis();
+    analysis.rows[0].law = PriceLaw{};
+    analysis.rows[0].robust = RobustError{0.0004, 0.0009, 0.75};
+    const std::string text = markdown_table(analysis);
+    for (const RowColumn& column : row_columns())
+        if (column.sections != 0) {
+            EXPECT_THAT(text, ::testing::HasSubstr(" " + column.heading + " |"));
+        }
+}
+
+TEST(Tables, KeepTheOrderOfTheSections) {
+    Analysis analysis = small_analysis();
+    analysis.rows[0].footing = Footing{{1, {}}, 1, {0, {}}, FootingVerdict::agrees};
+    std::vector<std::string> titles;
+    for (const Section& section : sections(analysis))
+        titles.push_back(section.title);
+    EXPECT_EQ(joined(titles), "Equal footing,Price list,Errors,Bias and noise,Where the time goes")
+        << "those without rows are left out";
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {

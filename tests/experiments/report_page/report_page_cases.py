@@ -79,7 +79,7 @@ class PageTest(ReportCase):
                 self.open(size, scheme)
                 self.driver.execute_script("scrollTo(0, 0)")
                 self.shot(f"{name}-{scheme}-top")
-                for place in (".scene-controls", ".curve-chart", ".viewer", ".stages"):
+                for place in (".scene-controls", ".curve-chart", ".viewer", ".shares"):
                     self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
                                                self.section.find_element(By.CSS_SELECTOR, place))
                     self.settle()

@@ -62,7 +62,7 @@ TEST(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
     EXPECT_THAT(footings(results, "path spp=512"), ::testing::Contains("total differs"));
     EXPECT_THAT(footings(results, "path spp=256"), Not(::testing::Contains(HasSubstr("differs"))));
     const std::string text = read_file(results + "/table.md");
-    EXPECT_THAT(text, HasSubstr("Warning: tiny: path spp=512 differs from the reference in mean energy: `total` +"));
+    EXPECT_THAT(text, HasSubstr("- tiny: Warning: path spp=512 differs from the reference in mean energy: `total` +"));
     EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
 }
 

@@ -1,0 +1,29 @@
+#pragma once
+// The numbers of a row. Each is one entry, which gives its column of table.csv and its columns in the sections that
+// table.md and the report show.
+
+#include "experiments/analysis/table_row.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// The sections with a row for each method and component; bits of RowColumn::sections.
+enum RowSection : unsigned { in_prices = 1, in_laws = 2, in_errors = 4, in_outliers = 8, in_noise = 16 };
+
+using RowText = std::function<std::string(const TableRow&)>;
+
+struct RowColumn {
+    std::string name;           ///< column of table.csv; empty: only sections show it
+    RowText csv_text;           ///< empty where it is undefined or was never reached
+    unsigned sections = 0;      ///< the sections that show it
+    std::string heading = "";   ///< its column there
+    RowText section_text = {};  ///< its field there
+};
+
+/// All entries in the order of table.csv. This order does not change; new ones are added at the end.
+const std::vector<RowColumn>& row_columns();
+
+}  // namespace gib

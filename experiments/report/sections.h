@@ -1,0 +1,28 @@
+#pragma once
+// What table.md and the report say about an analysis, as one list of sections. Texts are Markdown: names stand between
+// backquotes.
+
+#include "experiments/analysis/analysis.h"
+
+#include <string>
+#include <vector>
+
+namespace gib {
+
+struct Section {
+    struct Row {
+        std::string scene;
+        std::vector<std::string> fields;  ///< one for each column, such as "12.3 (11.2 to 13.5)"
+        std::string component = "";       ///< empty: of none; table.md has only the rows of `total` and of none
+    };
+
+    std::string title, sentence;
+    std::vector<std::string> columns;  ///< none: each row is one sentence, its only field
+    std::vector<Row> rows;
+};
+
+/// The sections in their order; those without rows are left out. table.md prints each of them once, the report those
+/// rows of each that belong to a scene.
+std::vector<Section> sections(const Analysis& analysis);
+
+}  // namespace gib
