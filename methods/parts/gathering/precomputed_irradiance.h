@@ -37,7 +37,6 @@ public:
                             DensityEstimator::Neighbours& neighbours) const;
 
     std::size_t size() const { return places_.size(); }
-    std::size_t memory() const { return places_.memory(); }
 
 private:
     PhotonMap places_;  ///< photons that carry irradiance instead of power
