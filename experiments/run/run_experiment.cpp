@@ -8,7 +8,6 @@
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <iostream>
@@ -18,14 +17,6 @@ namespace gib {
 namespace {
 
 constexpr int exit_interrupted = 130;
-
-void require_utf8(const std::string& text, const char* what) {
-    try {
-        static_cast<void>(nlohmann::json(text).dump());
-    } catch (const nlohmann::json::exception&) {
-        throw InputError(fmt::format("{} is not UTF-8, as the records of a run have to be", what));
-    }
-}
 
 /// Throws InputError if the experiment exists but is not a regular file: it is read several times, for hard cases by
 /// other processes too, and a pipe would be empty after the first time. A file that cannot be read gives an error
@@ -39,13 +30,7 @@ void require_regular_file(const std::string& path) {
 
 }  // namespace
 
-void require_utf8_names(const std::string& command_line) {
-    require_utf8(command_line, "the command line");
-    require_utf8(std::filesystem::current_path().string(), "the current folder's name");
-}
-
 int run_experiment(const RunOptions& options, std::ostream& out) {
-    require_utf8_names(options.command_line);
     require_regular_file(options.experiment);
     if (holds_hard_cases(options.experiment)) return run_hard_cases(options, out);
     const InterruptGuard guard;
