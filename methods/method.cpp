@@ -1,8 +1,8 @@
 #include "methods/method.h"
 
+#include "common/core/reject.h"
 #include "common/scene/scene.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -39,23 +39,11 @@ bool Plan::runs(std::string_view pass) const {
 
 const std::vector<Parameter>& shared_parameters() {
     static const std::vector<Parameter> parameters = {
-        {.name = "spp",
-         .kind = Parameter::Kind::integer,
-         .default_value = "",
-         .unit = "samples a pixel",
-         .lower = 1,
-         .upper = 0x1p31,
-         .choices = {},
-         .sentence = "largest number of passes; default: the scene's sample_count, else 16"},
-        {.name = "max_depth",
-         .kind = Parameter::Kind::integer,
-         .default_value = "",
-         .unit = "edges",
-         .lower = 0,
-         .upper = 0x1p30,
-         .choices = {},
-         .sentence =
-             "largest number of edges of a path, 0 = unlimited; default: the scene's max_depth, else unlimited"},
+        integer_parameter("spp", "", "samples a pixel", 1, 0x1p31,
+                          "largest number of passes; default: the scene's sample_count, else 16"),
+        integer_parameter("max_depth", "", "edges", 0, 0x1p30,
+                          "largest number of edges of a path, 0 = unlimited; default: the scene's max_depth, else "
+                          "unlimited"),
     };
     return parameters;
 }
@@ -130,15 +118,14 @@ const MethodDescription& find_method(std::string_view name, const SourceLocation
         if (method.name == name) return method;
         names.push_back(method.name);
     }
-    throw InputError(where, fmt::format("unknown method '{}'; there are: {}", name, fmt::join(names, ", ")));
+    reject(where, "unknown method '{}'; there are: {}", name, fmt::join(names, ", "));
 }
 
 const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where) {
     const MethodDescription& method = find_method(name, where);
     if (!method.estimates_radiance)
-        throw InputError(
-            where, fmt::format("'{}' estimates no radiance, so its images cannot be compared; there are: {}", name,
-                               fmt::join(names_of_comparable_methods(), ", ")));
+        reject(where, "'{}' estimates no radiance, so its images cannot be compared; there are: {}", name,
+               fmt::join(names_of_comparable_methods(), ", "));
     return method;
 }
 
@@ -146,6 +133,15 @@ std::vector<Parameter> all_parameters(const MethodDescription& method) {
     std::vector<Parameter> parameters = method.parameters;
     parameters.insert(parameters.end(), shared_parameters().begin(), shared_parameters().end());
     return parameters;
+}
+
+ConfiguredMethod::ConfiguredMethod(MethodLabel the_label, const SourceLocation& where)
+    : label(std::move(the_label)),
+      description(find_method(label.name, where)),
+      values(all_parameters(description), label, where) {}
+
+std::unique_ptr<Method> ConfiguredMethod::create(const MethodDefaults& defaults) const {
+    return description.create(values, defaults);
 }
 
 }  // namespace gib

@@ -184,4 +184,16 @@ const MethodDescription& find_comparable_method(std::string_view name, const Sou
 /// The method's own parameters and the shared ones.
 std::vector<Parameter> all_parameters(const MethodDescription& method);
 
+/// A method with the values that its label gives.
+struct ConfiguredMethod {
+    MethodLabel label;
+    const MethodDescription& description;
+    ParameterValues values;
+
+    /// Throws InputError at `where` for an unknown method and for parameters that do not fit its declarations.
+    explicit ConfiguredMethod(MethodLabel the_label, const SourceLocation& where = {});
+    /// Throws InputError for values that do not go together.
+    std::unique_ptr<Method> create(const MethodDefaults& defaults) const;
+};
+
 }  // namespace gib

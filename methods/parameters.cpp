@@ -1,10 +1,12 @@
 #include "methods/parameters.h"
 
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace gib {
@@ -12,33 +14,34 @@ namespace gib {
 namespace {
 
 std::optional<double> parse_number(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-    return value;
-}
-
-std::string range_text(const Parameter& p) {
-    const std::string range =
-        std::isinf(p.upper) ? fmt::format("at least {}", p.lower) : fmt::format("from {} to {}", p.lower, p.upper);
-    return p.choices.empty() ? range : fmt::format("{}, or {}", range, fmt::join(p.choices, ", "));
+    const auto value = number_from<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 void check(const Parameter& p, const std::string& value, const SourceLocation& where) {
     const bool is_word = std::find(p.choices.begin(), p.choices.end(), value) != p.choices.end();
     if (is_word || p.kind == Parameter::Kind::text) return;
     if (p.kind == Parameter::Kind::choice)
-        throw InputError(where, fmt::format("parameter '{}' cannot be '{}'; it is one of: {}", p.name, value,
-                                            fmt::join(p.choices, ", ")));
+        reject(where, "parameter '{}' cannot be '{}'; it is one of: {}", p.name, value, fmt::join(p.choices, ", "));
     const auto number = parse_number(value);
-    if (!number) throw InputError(where, fmt::format("parameter '{}' needs a number, not '{}'", p.name, value));
+    if (!number) reject(where, "parameter '{}' needs a number, not '{}'", p.name, value);
     if (*number < p.lower || *number > p.upper)
-        throw InputError(where, fmt::format("parameter '{}' = {} is out of range: {}", p.name, value, range_text(p)));
+        reject(where, "parameter '{}' = {} is out of range: {}", p.name, value, range_of(p));
     if (p.kind == Parameter::Kind::integer && (*number != std::floor(*number) || std::abs(*number) > 0x1p53))
-        throw InputError(where, fmt::format("parameter '{}' needs a whole number, not '{}'", p.name, value));
+        reject(where, "parameter '{}' needs a whole number, not '{}'", p.name, value);
 }
 
 }  // namespace
+
+std::string range_of(const Parameter& p) {
+    if (p.kind == Parameter::Kind::text) return "text";
+    if (p.kind == Parameter::Kind::choice) return fmt::format("{}", fmt::join(p.choices, "|"));
+    std::string range =
+        std::isinf(p.upper) ? fmt::format("at least {:g}", p.lower) : fmt::format("{:g} to {:g}", p.lower, p.upper);
+    if (p.kind == Parameter::Kind::integer) range = "whole, " + range;
+    if (!p.choices.empty()) range += fmt::format(", or {}", fmt::join(p.choices, ", "));
+    return range;
+}
 
 MethodLabel MethodLabel::parse(std::string_view text, const SourceLocation& where) {
     MethodLabel label;
@@ -50,14 +53,13 @@ MethodLabel MethodLabel::parse(std::string_view text, const SourceLocation& wher
         const std::string word(text.substr(at, end - at));
         at = end;
         if (word.find_first_of(",\"\n") != std::string::npos)
-            throw InputError(where, fmt::format("a method's label has no commas, quotes or line breaks: '{}'", word));
+            reject(where, "a method's label has no commas, quotes or line breaks: '{}'", word);
         const std::size_t equals = word.find('=');
         if (label.name.empty()) {
-            if (equals != std::string::npos)
-                throw InputError(where, fmt::format("a method's label starts with its name, not '{}'", word));
+            if (equals != std::string::npos) reject(where, "a method's label starts with its name, not '{}'", word);
             label.name = word;
         } else if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
-            throw InputError(where, fmt::format("expected key=value after the method's name, not '{}'", word));
+            reject(where, "expected key=value after the method's name, not '{}'", word);
         } else {
             label.values.emplace_back(word.substr(0, equals), word.substr(equals + 1));
         }
@@ -81,14 +83,11 @@ ParameterValues::ParameterValues(const std::vector<Parameter>& declared, const M
         const auto p = std::find_if(declared_.begin(), declared_.end(),
                                     [&wanted = key](const auto& d) { return d.name == wanted; });
         if (p == declared_.end()) {
-            std::vector<std::string> names;
-            for (const auto& d : declared_)
-                names.push_back(d.name);
-            throw InputError(where, fmt::format("method '{}' has no parameter '{}'; it has: {}", label.name, key,
-                                                fmt::join(names, ", ")));
+            reject(where, "method '{}' has no parameter '{}'; it has: {}", label.name, key,
+                   fmt::join(names_of(declared_), ", "));
         }
         for (std::size_t j = 0; j < i; ++j)
-            if (values_[j].first == key) throw InputError(where, fmt::format("parameter '{}' is given twice", key));
+            if (values_[j].first == key) reject(where, "parameter '{}' is given twice", key);
         check(*p, value, where);
     }
 }
@@ -112,37 +111,46 @@ std::optional<double> ParameterValues::number_unless_word(std::string_view name)
     return parse_number(text(name));
 }
 
-Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning) {
-    return {.name = std::move(name),
-            .kind = Parameter::Kind::integer,
-            .default_value = std::move(initial),
-            .unit = std::move(unit),
-            .lower = 0,
-            .upper = 4e9,
-            .choices = {},
-            .sentence = std::move(meaning)};
+void ParameterValues::refuse(const std::vector<std::string>& names, std::string_view setting) const {
+    for (const auto& name : names)
+        if (given(name)) reject({}, "parameter '{}' has no effect with {}", name, setting);
 }
-Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most,
-                             std::string meaning) {
+
+Parameter number_parameter(std::string name, std::string initial, std::string unit, double lower, double upper,
+                           std::string meaning) {
     return {.name = std::move(name),
             .kind = Parameter::Kind::number,
             .default_value = std::move(initial),
             .unit = std::move(unit),
-            .lower = 0,
-            .upper = most,
+            .lower = lower,
+            .upper = upper,
             .choices = {},
             .sentence = std::move(meaning)};
 }
+Parameter integer_parameter(std::string name, std::string initial, std::string unit, double lower, double upper,
+                            std::string meaning, std::vector<std::string> words) {
+    Parameter parameter =
+        number_parameter(std::move(name), std::move(initial), std::move(unit), lower, upper, std::move(meaning));
+    parameter.kind = Parameter::Kind::integer;
+    parameter.choices = std::move(words);
+    return parameter;
+}
+Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning) {
+    return integer_parameter(std::move(name), std::move(initial), std::move(unit), 0, 4e9, std::move(meaning));
+}
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning) {
-    std::string initial = choices.front();
-    return {.name = std::move(name),
-            .kind = Parameter::Kind::choice,
-            .default_value = std::move(initial),
-            .unit = "",
-            .lower = 0,
-            .upper = 0,
-            .choices = std::move(choices),
-            .sentence = std::move(meaning)};
+    const std::string initial = choices.front();
+    Parameter parameter = number_parameter(std::move(name), initial, "", 0, 0, std::move(meaning));
+    parameter.kind = Parameter::Kind::choice;
+    parameter.choices = std::move(choices);
+    return parameter;
+}
+
+std::vector<std::string> names_of(const std::vector<Parameter>& parameters) {
+    std::vector<std::string> names;
+    for (const auto& parameter : parameters)
+        names.push_back(parameter.name);
+    return names;
 }
 
 }  // namespace gib

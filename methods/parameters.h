@@ -28,6 +28,9 @@ struct Parameter {
     std::string sentence;
 };
 
+/// The values that a parameter may have, as text.
+std::string range_of(const Parameter& parameter);
+
 /// The name of a method with its settings, as in tables and on the command line: "photon_mapper photons=1e6 k=50". It
 /// holds only the pairs key=value that were given, in the order given, with numbers as typed.
 struct MethodLabel {
@@ -56,6 +59,8 @@ public:
     std::string text(std::string_view name) const;
     /// The number, or empty if the value is one of the words that may replace a number.
     std::optional<double> number_unless_word(std::string_view name) const;
+    /// Throws InputError if one of `names` is given although `setting`, such as "gather=0", leaves it without effect.
+    void refuse(const std::vector<std::string>& names, std::string_view setting) const;
 
 private:
     std::vector<Parameter> declared_;
@@ -64,10 +69,14 @@ private:
 
 // Declarations of the common kinds; `meaning` is the parameter's sentence.
 
+/// Declares a number from `lower` to `upper`.
+Parameter number_parameter(std::string name, std::string initial, std::string unit, double lower, double upper,
+                           std::string meaning);
+/// Declares a whole number from `lower` to `upper`; `words` may replace it.
+Parameter integer_parameter(std::string name, std::string initial, std::string unit, double lower, double upper,
+                            std::string meaning, std::vector<std::string> words = {});
 /// Declares a whole number from 0 to 4e9.
 Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning);
-/// Declares a number from 0 to `most`.
-Parameter fraction_parameter(std::string name, std::string initial, std::string unit, double most, std::string meaning);
 /// Declares a choice, whose default is the first of the choices.
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning);
 
@@ -76,6 +85,8 @@ template <std::size_t n>
 std::vector<std::string> strings(const std::array<std::string_view, n>& names) {
     return {names.begin(), names.end()};
 }
+/// The names of the parameters of a list.
+std::vector<std::string> names_of(const std::vector<Parameter>& parameters);
 /// The value of the enumeration whose name was chosen; `names` stand in the order of the values.
 template <typename Choice, std::size_t n>
 Choice chosen(const std::array<std::string_view, n>& names, const std::string& name) {

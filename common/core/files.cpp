@@ -106,11 +106,6 @@ std::string binary_digest(std::string_view data) {
     return {reinterpret_cast<const char*>(hash.hash), sizeof hash.hash};
 }
 
-void require_no_device(const struct stat& status, const std::string& path) {
-    if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode))
-        throw InputError({path, 0, 0}, "cannot read the file: it is a device");
-}
-
 /// Removes the temporary files without a lock in `folder` if `ours(name)` is true for the name of their target.
 template <typename Ours>
 void remove_leftovers(const std::filesystem::path& folder, const Ours& ours) {
@@ -129,17 +124,11 @@ void remove_leftovers(const std::filesystem::path& folder, const Ours& ours) {
 
 }  // namespace
 
-void require_no_device(const std::string& path) {
-    struct stat status {};
-    if (::stat(path.c_str(), &status) == 0) require_no_device(status, path);
-}
-
 std::string read_file(const std::string& path) {
     const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     struct stat status {};
     if (file.get() < 0 || ::fstat(file.get(), &status) != 0)
         throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
-    require_no_device(status, path);
     if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
     require_memory(static_cast<double>(status.st_size), "the file", {path, 0, 0});
     // The buffer is one byte longer than the size, so that the end is found without growing it. The size is only a

@@ -6,9 +6,6 @@
 
 namespace gib {
 
-/// Throws InputError if `path` is a device: one such as /dev/zero never ends. To be called before a library opens a
-/// file; read_file() does the same check itself.
-void require_no_device(const std::string& path);
 /// The content of a file. Throws InputError with the file's name if it cannot be read or needs more memory
 /// than there is.
 std::string read_file(const std::string& path);

@@ -40,43 +40,26 @@ std::optional<double> number_in(const fs::path& path) {
 
 /// The bytes that a control group leaves: its limit less its use. Cached pages of files count as used, but the system
 /// gives them up when memory is short, so that they are subtracted.
-double left_in(const fs::path& group, const char* limit_name, const char* usage_name, const char* cache_name) {
-    const auto limit = number_in(group / limit_name);
+double left_in(const fs::path& group) {
+    const auto limit = number_in(group / "memory.max");
     if (!limit) return unlimited;
-    const double used = number_in(group / usage_name).value_or(0);
-    const double cached = entry_in((group / "memory.stat").string(), cache_name).value_or(0);
+    const double used = number_in(group / "memory.current").value_or(0);
+    const double cached = entry_in((group / "memory.stat").string(), "inactive_file").value_or(0);
     return std::max(0.0, *limit - std::max(0.0, used - cached));
 }
 
-/// The minimum of left(folder) over a control group and all groups above it, from `root` down.
-template <typename Left>
-double least_above(const fs::path& root, const std::string& group, const Left& left) {
-    double least = left(root);
-    fs::path folder = root;
-    for (const auto& part : fs::path(group).relative_path()) {
-        folder /= part;
-        least = std::min(least, left(folder));
-    }
-    return least;
-}
-
+/// The minimum over the process's control group and all groups above it.
 double left_by_groups(const std::string& proc, const fs::path& root) {
-    const auto version2 = [](const fs::path& group) {
-        return left_in(group, "memory.max", "memory.current", "inactive_file");
-    };
-    const auto version1 = [](const fs::path& group) {
-        return left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file");
-    };
-    double least = unlimited;
+    constexpr std::string_view start = "0::";  // of the line that names the group
+    double least = left_in(root);
     std::ifstream file(proc + "/self/cgroup");
-    for (std::string line; std::getline(file, line);) {  // a line is `number:controllers:/group`
-        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-        if (first == std::string::npos || second == std::string::npos) continue;
-        const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
-        const std::string group = line.substr(second + 1);
-        if (controllers == ",,") least = std::min(least, least_above(root, group, version2));
-        else if (controllers.find(",memory,") != std::string::npos)
-            least = std::min(least, least_above(root / "memory", group, version1));
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with(start)) continue;
+        fs::path folder = root;
+        for (const auto& part : fs::path(line.substr(start.size())).relative_path()) {
+            folder /= part;
+            least = std::min(least, left_in(folder));
+        }
     }
     return least;
 }

@@ -1,7 +1,9 @@
 #include "common/core/text_cursor.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
+
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -18,8 +20,8 @@ bool TextCursor::at_word_end() const { return at_line_end() || is_blank(*at_); }
 void TextCursor::fail_number(const char* expected) {
     const SourceLocation where = location();
     const std::string_view found = word();
-    throw InputError(where, found.empty() ? fmt::format("{} is missing", expected)
-                                          : fmt::format("bad number '{}': expected {}", found, expected));
+    if (found.empty()) reject(where, "{} is missing", expected);
+    reject(where, "bad number '{}': expected {}", found, expected);
 }
 
 void TextCursor::skip_blanks() {
@@ -68,6 +70,30 @@ std::int64_t TextCursor::integer() {
     if (error == std::errc() && (at_word_end() || *at_ == '/')) return value;
     at_ = start;
     fail_number("an integer");
+}
+
+double TextCursor::finite_number(const char* what) {
+    skip_blanks();
+    mark();
+    const double value = number();
+    if (!std::isfinite(value)) reject(marked(), "{} is not finite", what);
+    return value;
+}
+
+float TextCursor::float_number(const char* what) {
+    const double value = finite_number(what);
+    if (!std::isfinite(static_cast<float>(value))) reject(marked(), "{} is too large: {:g}", what, value);
+    return static_cast<float>(value);
+}
+
+void TextCursor::require_more() const {
+    if (at_end()) throw InputError(location(), "truncated: the file ends before its data");
+}
+
+void TextCursor::end_line() {
+    skip_blanks();
+    if (!at_line_end()) throw InputError(location(), "too many words in the line");
+    next_line();
 }
 
 }  // namespace gib

@@ -41,6 +41,16 @@ public:
     double number();
     std::int64_t integer();
 
+    // These mark the place of the number. They throw InputError, which names `what`, if it is not finite or, where it
+    // is returned as float, too large.
+    double finite_number(const char* what);
+    float float_number(const char* what);
+
+    /// Throws InputError at the end of the file.
+    void require_more() const;
+    /// Moves to the start of the next line. Throws InputError if anything but blanks is left on this one.
+    void end_line();
+
 private:
     SourceLocation location_of(const char* place) const {
         return {file_, line_, static_cast<int>(place - line_begin_) + 1};

@@ -1,6 +1,13 @@
 #include "common/images/image.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace gib {
+
+std::size_t Image::non_finite_values() const {
+    return static_cast<std::size_t>(std::count_if(rgb.begin(), rgb.end(), [](float v) { return !std::isfinite(v); }));
+}
 
 Image ComponentImages::total() const {
     Image sum(width, height);

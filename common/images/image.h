@@ -26,6 +26,8 @@ struct Image {
             rgb[3 * pixel + k] = c[static_cast<Eigen::Index>(k)];
     }
     bool same_size(const Image& other) const { return width == other.width && height == other.height; }
+    /// The number of values that are not finite.
+    std::size_t non_finite_values() const;
 };
 
 /// An image as the sum of its components. A component that the method cannot simulate, or that the scene cannot have,

@@ -153,7 +153,6 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image) {
 }
 
 LayeredImage read_image(const std::string& path) {
-    require_no_device(path);
     const StoredImage stored = image_library().read_image(path);
     require_display_window(stored, path);
     const auto layers = layers_among(stored.channels);

@@ -11,7 +11,7 @@
 
 namespace gib {
 
-/// An open image file that is read as linear floats; linear_file.h describes how.
+/// An open image file that is read as linear floats, see ImageLibrary::open_image().
 class ImageReader {
 public:
     virtual ~ImageReader() = default;
@@ -33,7 +33,7 @@ public:
         void* handle;
         int tile_width;  ///< texels from one row of a tile to the next
     };
-    /// Adds a file; `raw` as for LinearFile. Throws InputError as open_image() does.
+    /// Adds a file; `raw` as for ImageLibrary::open_image(). Throws InputError as open_image() does.
     virtual File add(const std::string& path, bool raw) = 0;
     /// Writes the whole rows [begin, end) of an image that is `width` texels wide to `values`, interleaved.
     virtual void read_rows(void* file, int width, int begin, int end, float* values) = 0;
@@ -66,7 +66,11 @@ public:
     virtual StoredImage read_image(const std::string& path) const = 0;
     /// A PNG file in memory. `rgb` holds height x width x 3 bytes in sRGB, row 0 on top. Throws RunError.
     virtual std::vector<std::uint8_t> encode_png(int width, int height, const std::vector<std::uint8_t>& rgb) const = 0;
-    /// Throws InputError for the reasons given at LinearFile's constructor.
+    /// Opens an image file with one grey channel or with R, G and B. Alpha and other channels are left out, and colours
+    /// are never multiplied by alpha. By Mitsuba's rule, 8- and 16-bit integers are decoded as sRGB whatever the file
+    /// says, and floats are linear; if `raw` is true, integers become fractions of their range. The image is the file's
+    /// data window. Throws InputError with the file's name if the file is missing, is not an image, has several parts,
+    /// subsampled colour or primaries other than sRGB's.
     virtual std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw) const = 0;
     /// A cache of `megabytes` MB, whose tiles have `tile_size` texels a side.
     virtual std::unique_ptr<TileCache> tile_cache(double megabytes, int tile_size) const = 0;

@@ -1,7 +1,6 @@
 #include "common/images/linear_file.h"
 
 #include "common/core/error.h"
-#include "common/core/files.h"
 #include "common/core/memory_limit.h"
 #include "common/images/image_library.h"
 
@@ -13,20 +12,9 @@
 
 namespace gib {
 
-LinearFile::LinearFile(const std::string& path, bool raw) {
-    require_no_device(path);
-    reader_ = image_library().open_image(path, raw);
-}
-LinearFile::~LinearFile() = default;
-LinearFile::LinearFile(LinearFile&&) noexcept = default;
-
-int LinearFile::width() const { return reader_->width(); }
-int LinearFile::height() const { return reader_->height(); }
-int LinearFile::channels() const { return reader_->channels(); }
-void LinearFile::read_rows(int begin, int end, float* values) const { reader_->read_rows(begin, end, values); }
-
 LinearImage load_linear_image(const std::string& path) {
-    const LinearFile file(path, false);
+    const auto reader = image_library().open_image(path, false);
+    const ImageReader& file = *reader;
     const int rows = std::min(64, file.height());
     require_memory_for_image(1.0 * file.width() * (3.0 * file.height() + 1.0 * rows * file.channels()), file.width(),
                              file.height(), file.channels(), {path, 0, 0});

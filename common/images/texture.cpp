@@ -1,46 +1,11 @@
 #include "common/images/texture.h"
 
-#include <algorithm>
 #include <array>
 #include <variant>
 
 namespace gib {
 
 namespace {
-
-/// A coordinate reduced to its first period, [0, 1] or, if mirrored, [0, 2], so that no later step leaves the range
-/// of int. NaN becomes 0.
-float reduced(float s, TextureWrap wrap) {
-    if (wrap == TextureWrap::repeat) s -= std::floor(s);
-    else if (wrap == TextureWrap::mirror) s -= 2 * std::floor(s / 2);
-    else s = std::clamp(s, 0.f, 1.f);
-    return s >= 0 ? s : 0;
-}
-
-/// The texel that index `i` stands for in a row of `size` texels; i is at most one texel outside the first period.
-int wrapped(int i, int size, TextureWrap wrap) {
-    if (wrap == TextureWrap::clamp) return std::clamp(i, 0, size - 1);
-    if (wrap == TextureWrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
-    if (i < 0) return -1 - i;
-    if (i >= 2 * size) return i - 2 * size;
-    return i < size ? i : 2 * size - 1 - i;
-}
-
-/// Two neighbouring texels along one axis; `weight` is the position between the first (0) and the second (1).
-struct Neighbours {
-    int first, second;
-    float weight;
-};
-
-Neighbours neighbours(float s, int size, TextureWrap wrap) {
-    const float x = reduced(s, wrap) * static_cast<float>(size) - 0.5f;
-    const int i = static_cast<int>(std::floor(x));
-    return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap), x - static_cast<float>(i)};
-}
-
-int nearest(float s, int size, TextureWrap wrap) {
-    return wrapped(static_cast<int>(std::floor(reduced(s, wrap) * static_cast<float>(size))), size, wrap);
-}
 
 /// The four texels around a place: (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
 struct Quad {
@@ -63,8 +28,8 @@ Color color_of(const BitmapTexture& texture, const Vec2& uv) {
     const Bitmap& bitmap = *texture.bitmap;
     if (texture.filter == TextureFilter::nearest) {
         const Vec2 st = texture.to_uv(uv);
-        return bitmap.texel(nearest(st.x(), bitmap.width(), texture.wrap),
-                            nearest(st.y(), bitmap.height(), texture.wrap));
+        return bitmap.texel(nearest_cell(st.x(), bitmap.width(), texture.wrap),
+                            nearest_cell(st.y(), bitmap.height(), texture.wrap));
     }
     const Quad q = quad_at(texture, uv);
     const Color top = (1 - q.wx) * q.texels[0] + q.wx * q.texels[1];

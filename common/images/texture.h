@@ -1,6 +1,7 @@
 #pragma once
 // Colours and numbers that vary over a surface, as Mitsuba's textures define them (variant scalar_rgb).
 
+#include "common/core/wrap.h"
 #include "common/images/texture_bitmap.h"
 
 #include <memory>
@@ -8,7 +9,6 @@
 namespace gib {
 
 enum class TextureFilter { bilinear, nearest };
-enum class TextureWrap { repeat, mirror, clamp };
 
 /// Maps a surface's uv to a texture's st: st = linear uv + offset.
 struct UvTransform {
@@ -25,7 +25,7 @@ class Texture;
 struct BitmapTexture {
     std::shared_ptr<const Bitmap> bitmap;
     TextureFilter filter = TextureFilter::bilinear;
-    TextureWrap wrap = TextureWrap::repeat;
+    Wrap wrap = Wrap::repeat;
     UvTransform to_uv{};
 };
 

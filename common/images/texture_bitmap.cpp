@@ -1,9 +1,8 @@
 #include "common/images/texture_bitmap.h"
 
-#include "common/core/error.h"
 #include "common/core/memory_limit.h"
+#include "common/core/reject.h"
 #include "common/images/image_library.h"
-#include "common/images/linear_file.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -28,7 +27,8 @@ TextureCache::~TextureCache() = default;
 TileCache& Bitmap::files() const { return *cache_->tiles_->files; }
 
 Bitmap::Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw) : cache_(std::move(cache)) {
-    const LinearFile file(path, raw);
+    const auto reader = image_library().open_image(path, raw);
+    const ImageReader& file = *reader;
     width_ = file.width();
     height_ = file.height();
     channels_ = file.channels();
@@ -47,7 +47,7 @@ Bitmap::~Bitmap() {
 
 /// Computes mean, minimum and maximum. Rows are read in the file's order, so that the cache never seeks backwards
 /// while it fills.
-void Bitmap::measure(const LinearFile& file, const std::string& path) {
+void Bitmap::measure(const ImageReader& file, const std::string& path) {
     // A damaged header may announce rows that do not fit into memory.
     require_memory(1.0 * sizeof(float) * width_ * tile_size * channels_,
                    fmt::format("a texture of {} x {} pixels", width_, height_), {path, 0, 0});
@@ -67,8 +67,7 @@ void Bitmap::measure(const LinearFile& file, const std::string& path) {
         for (int i = 0; i < count; ++i) {
             const Color c = color_at(values.data() + i * channels_);
             if (!c.isFinite().all())
-                throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is not finite", i % width_,
-                                                           y + i / width_));
+                reject({path, 0, 0}, "the pixel in column {}, row {} is not finite", i % width_, y + i / width_);
             sum += c.cast<double>();
             minimum_ = minimum_.min(c);
             maximum_ = maximum_.max(c);

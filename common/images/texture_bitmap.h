@@ -9,7 +9,7 @@
 
 namespace gib {
 
-class LinearFile;
+class ImageReader;
 class TileCache;
 
 /// The memory that the bitmaps of one scene share.
@@ -29,8 +29,8 @@ private:
 /// An image of linear colours or greys. Safe to read from several threads.
 class Bitmap {
 public:
-    /// Opens a file; `raw` as for LinearFile. Throws InputError with the file's name if LinearFile refuses the file
-    /// or a value is not finite.
+    /// Opens a file; `raw` as for ImageLibrary::open_image(). Throws InputError with the file's name if open_image()
+    /// refuses the file or a value is not finite.
     Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw);
     ~Bitmap();
     Bitmap(const Bitmap&) = delete;
@@ -67,7 +67,7 @@ private:
         return channels_ == 1 ? Color(Color::Constant(*texel)) : Color(texel[0], texel[1], texel[2]);
     }
     Color paged_texel(int x, int y) const;
-    void measure(const LinearFile& file, const std::string& path);
+    void measure(const ImageReader& file, const std::string& path);
     void keep_in_memory();
     TileCache& files() const;
 

@@ -13,20 +13,6 @@ namespace gib {
 
 namespace {
 
-int wrapped(int i, int size, VolumeWrap wrap) {
-    switch (wrap) {
-        case VolumeWrap::clamp:
-            return std::clamp(i, 0, size - 1);
-        case VolumeWrap::repeat:
-            return ((i % size) + size) % size;
-        case VolumeWrap::mirror: {
-            const int j = ((i % (2 * size)) + 2 * size) % (2 * size);
-            return j < size ? j : 2 * size - 1 - j;
-        }
-    }
-    return 0;
-}
-
 /// Reads a file's values one after another.
 class BinaryCursor {
 public:
@@ -51,7 +37,7 @@ private:
 
 }  // namespace
 
-GridVolume::GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, VolumeWrap wrap)
+GridVolume::GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, Wrap wrap)
     : data_(std::move(data)),
       linear_(to_grid.linear().cast<float>()),
       offset_(to_grid.translation().cast<float>()),
@@ -93,31 +79,22 @@ bool GridVolume::clip(const Vec3& from, const Vec3& w, float& begin, float& end)
 
 Color GridVolume::interpolated(const Vec3& p) const {
     const Vec3 in_cube = linear_ * p + offset_;
-    std::array<int, 3> low, high;
-    Vec3 weight;  // of `high`
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        const int size = data_.size[a];
-        // Far outside the cube a float has no fraction left; the bound keeps the conversion to int defined.
-        const float x = std::clamp(in_cube[axis] * static_cast<float>(size), -1e9f, 1e9f);
-        const float shifted = filter_ == VolumeFilter::nearest ? x : x - 0.5f;
-        const float floor = std::floor(shifted);
-        const int i = static_cast<int>(floor);
-        low[a] = wrapped(i, size, wrap_);
-        high[a] = wrapped(i + 1, size, wrap_);
-        weight[axis] = filter_ == VolumeFilter::nearest ? 0.f : shifted - floor;
-    }
-    if (filter_ == VolumeFilter::nearest) return voxel(low[0], low[1], low[2]);
+    if (filter_ == VolumeFilter::nearest)
+        return voxel(nearest_cell(in_cube.x(), data_.size[0], wrap_), nearest_cell(in_cube.y(), data_.size[1], wrap_),
+                     nearest_cell(in_cube.z(), data_.size[2], wrap_));
+    const Neighbours x = neighbours(in_cube.x(), data_.size[0], wrap_),
+                     y = neighbours(in_cube.y(), data_.size[1], wrap_),
+                     z = neighbours(in_cube.z(), data_.size[2], wrap_);
     const auto along_x = [&](int j, int k) {
-        const Color a = voxel(low[0], j, k);
-        return Color(a + weight.x() * (voxel(high[0], j, k) - a));
+        const Color a = voxel(x.first, j, k);
+        return Color(a + x.weight * (voxel(x.second, j, k) - a));
     };
     const auto along_y = [&](int k) {
-        const Color a = along_x(low[1], k);
-        return Color(a + weight.y() * (along_x(high[1], k) - a));
+        const Color a = along_x(y.first, k);
+        return Color(a + y.weight * (along_x(y.second, k) - a));
     };
-    const Color a = along_y(low[2]);
-    return a + weight.z() * (along_y(high[2]) - a);
+    const Color a = along_y(z.first);
+    return a + z.weight * (along_y(z.second) - a);
 }
 
 GridVolume::Data load_volume(const std::string& path) {

@@ -2,6 +2,7 @@
 // Values on a grid in space, such as the extinction or the albedo of a heterogeneous medium.
 
 #include "common/core/math.h"
+#include "common/core/wrap.h"
 
 #include <array>
 #include <string>
@@ -10,7 +11,6 @@
 namespace gib {
 
 enum class VolumeFilter { trilinear, nearest };
-enum class VolumeWrap { repeat, mirror, clamp };
 
 /// As in Mitsuba, voxel (i, j, k) of a unit cube has its centre at ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz).
 class GridVolume {
@@ -25,7 +25,7 @@ public:
     /// A volume with the same value everywhere.
     explicit GridVolume(const Color& constant) : constant_(constant), lowest_(constant), highest_(constant) {}
     /// `to_grid` carries points of the scene into the unit cube.
-    GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, VolumeWrap wrap);
+    GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, Wrap wrap);
 
     bool constant() const { return data_.values.empty(); }
     Color at(const Vec3& p) const { return constant() ? constant_ : interpolated(p); }
@@ -45,7 +45,7 @@ private:
     Eigen::Matrix3f linear_ = Eigen::Matrix3f::Zero();
     Vec3 offset_ = Vec3::Zero();
     VolumeFilter filter_ = VolumeFilter::trilinear;
-    VolumeWrap wrap_ = VolumeWrap::clamp;
+    Wrap wrap_ = Wrap::clamp;
     Color lowest_, highest_;
 };
 

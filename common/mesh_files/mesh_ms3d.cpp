@@ -1,13 +1,11 @@
 #include "common/mesh_files/mesh_ms3d.h"
 
+#include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 #include "common/materials/phong.h"
-#include "common/sampling/sampler.h"
 
-#include <fmt/format.h>
-#include <algorithm>
+#include <map>
 #include <set>
-#include <unordered_map>
 
 namespace gib {
 
@@ -39,10 +37,10 @@ private:
     void parse_block() {
         const SourceLocation where = cursor_.location();
         const std::string name(cursor_.word());
-        if (!blocks_.insert(name).second) throw InputError(where, fmt::format("'{}' is given twice", name));
+        if (!blocks_.insert(name).second) reject(where, "'{}' is given twice", name);
         if (name == "Frames:" || name == "Frame:") {
             integer("a frame number", 0);
-            end_line();
+            cursor_.end_line();
         } else if (name == "Meshes:") {
             repeat([&] { parse_mesh(); });
         } else if (name == "Materials:") {
@@ -53,16 +51,16 @@ private:
             repeat([&] {
                 line();
                 integer("an index", 0);
-                end_line();
+                cursor_.end_line();
                 comment();
             });
         } else if (name == "ModelComment:") {
             repeat([&] { comment(); });
         } else {
-            throw InputError(where,
-                             fmt::format("unknown word '{}': expected Frames:, Frame:, Meshes:, Materials:, Bones:, "
-                                         "GroupComments:, MaterialComments:, BoneComments: or ModelComment:",
-                                         name));
+            reject(where,
+                   "unknown word '{}': expected Frames:, Frame:, Meshes:, Materials:, Bones:, "
+                   "GroupComments:, MaterialComments:, BoneComments: or ModelComment:",
+                   name);
         }
     }
 
@@ -72,7 +70,7 @@ private:
         group.name = quoted();
         integer("flags", 0);
         const Reference material = reference("a material");
-        end_line();
+        cursor_.end_line();
         if (material.index >= 0) group.material = static_cast<std::uint32_t>(material.index);
         remember(material, last_material_);
 
@@ -81,18 +79,15 @@ private:
         items([&] {
             integer("flags", 0);
             positions.push_back(vector("a vertex"));
-            const float u = number("a texture coordinate"), v = number("a texture coordinate");
+            const float u = cursor_.float_number("a texture coordinate"),
+                        v = cursor_.float_number("a texture coordinate");
             uvs.emplace_back(u, v);
             remember(reference("a bone"), last_bone_);
         });
         std::vector<Vec3> normals;
         items([&] { normals.push_back(float_vector("a normal")); });
 
-        // A vertex of the mesh is a pair of a position and a normal.
-        struct PairHash {  // std::hash keeps a number as it is, and so puts regular numbers into few buckets
-            std::size_t operator()(std::uint64_t pair) const { return mix64(pair); }
-        };
-        std::unordered_map<std::uint64_t, std::uint32_t, PairHash> vertex_of_pair;
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of_pair;  // of position and normal
         items([&] {
             integer("flags", 0);
             std::uint32_t position[3], normal[3];
@@ -103,9 +98,8 @@ private:
             integer("a smoothing group", 0);
             auto& triangle = group.mesh.triangles.emplace_back();
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint64_t pair = (std::uint64_t{position[k]} << 32) | normal[k];
-                const auto [it, is_new] =
-                    vertex_of_pair.emplace(pair, static_cast<std::uint32_t>(group.mesh.positions.size()));
+                const auto [it, is_new] = vertex_of_pair.emplace(
+                    std::pair{position[k], normal[k]}, static_cast<std::uint32_t>(group.mesh.positions.size()));
                 triangle[k] = it->second;
                 if (!is_new) continue;
                 group.mesh.positions.push_back(positions[position[k]]);
@@ -120,7 +114,7 @@ private:
         Ms3dMaterial material;
         line();
         material.name = quoted();
-        end_line();
+        cursor_.end_line();
         color("the ambient colour");
         material.diffuse = color("the diffuse colour");
         material.specular = color("the specular colour");
@@ -129,10 +123,10 @@ private:
         material.transparency = line_number("the transparency", 0, 1);
         line();
         material.texture = quoted();
-        end_line();
+        cursor_.end_line();
         line();
         quoted();  // the alpha texture
-        end_line();
+        cursor_.end_line();
         model_.materials.push_back(std::move(material));
     }
 
@@ -140,27 +134,26 @@ private:
         for (int i = 0; i < 2; ++i) {  // the names of the bone and of its parent
             line();
             quoted();
-            end_line();
+            cursor_.end_line();
         }
         line();
         integer("flags", 0);
         vector("a position");
         vector("a rotation");
-        end_line();
+        cursor_.end_line();
         for (int i = 0; i < 2; ++i)  // keys of positions and of rotations
             items([&] {
-                number("a time");
+                cursor_.float_number("a time");
                 vector("a key");
             });
     }
 
     void check_references() const {
         if (last_material_.index >= static_cast<std::int64_t>(model_.materials.size()))
-            throw InputError(last_material_.where, fmt::format("material {} is out of range: there are {}",
-                                                               last_material_.index, model_.materials.size()));
+            reject(last_material_.where, "material {} is out of range: there are {}", last_material_.index,
+                   model_.materials.size());
         if (last_bone_.index >= bones_)
-            throw InputError(last_bone_.where,
-                             fmt::format("bone {} is out of range: there are {}", last_bone_.index, bones_));
+            reject(last_bone_.where, "bone {} is out of range: there are {}", last_bone_.index, bones_);
     }
 
     /// Goes to the next line that is neither empty nor a comment; false at the end of the file.
@@ -170,16 +163,12 @@ private:
         return !cursor_.at_end();
     }
     void line() {
-        if (!find_line()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
-    }
-    void end_line() {
-        cursor_.skip_blanks();
-        if (!cursor_.at_line_end()) throw InputError(cursor_.location(), "too many words in the line");
-        cursor_.next_line();
+        find_line();
+        cursor_.require_more();
     }
     /// Skips a line of any text, which may be empty.
     void comment() {
-        if (cursor_.at_end()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
+        cursor_.require_more();
         cursor_.next_line();
     }
 
@@ -187,7 +176,7 @@ private:
     template <typename Body>
     std::int64_t repeat(const Body& body) {
         const std::int64_t count = integer("a count", 0);
-        end_line();
+        cursor_.end_line();
         for (std::int64_t i = 0; i < count; ++i)
             body();
         return count;
@@ -199,7 +188,7 @@ private:
         repeat([&] {
             line();
             body();
-            end_line();
+            cursor_.end_line();
         });
     }
 
@@ -207,8 +196,7 @@ private:
         cursor_.skip_blanks();
         cursor_.mark();
         const std::int64_t value = cursor_.integer();
-        if (value < lowest || value > largest_integer)
-            throw InputError(cursor_.marked(), fmt::format("{} cannot be {}", what, value));
+        if (value < lowest || value > largest_integer) reject(cursor_.marked(), "{} cannot be {}", what, value);
         return value;
     }
     /// Reads an index; -1 means that there is none.
@@ -224,45 +212,31 @@ private:
         cursor_.mark();
         const std::int64_t value = cursor_.integer();
         if (value < 0 || value >= static_cast<std::int64_t>(count))
-            throw InputError(cursor_.marked(),
-                             fmt::format("{} index {} is out of range: there are {}", what, value, count));
+            reject(cursor_.marked(), "{} index {} is out of range: there are {}", what, value, count);
         return static_cast<std::uint32_t>(value);
-    }
-    float number(const char* what) {
-        cursor_.skip_blanks();
-        cursor_.mark();
-        const double value = cursor_.number();
-        if (!std::isfinite(value)) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
-        if (!fits_float(value)) throw InputError(cursor_.marked(), fmt::format("{} is too large: {:g}", what, value));
-        return static_cast<float>(value);
     }
     Vec3d vector(const char* what) {
         Vec3d v;
-        for (int i = 0; i < 3; ++i) {
-            cursor_.skip_blanks();
-            cursor_.mark();
-            v[i] = cursor_.number();
-            if (!std::isfinite(v[i])) throw InputError(cursor_.marked(), fmt::format("{} is not finite", what));
-        }
+        for (double& x : v)
+            x = cursor_.finite_number(what);
         return v;
     }
     Vec3 float_vector(const char* what) {
         Vec3 v;
         for (int i = 0; i < 3; ++i)
-            v[i] = number(what);
+            v[i] = cursor_.float_number(what);
         return v;
     }
     float ranged(const char* what, float lowest, float highest) {
-        const float value = number(what);
+        const float value = cursor_.float_number(what);
         if (!(value >= lowest && value <= highest))
-            throw InputError(cursor_.marked(),
-                             fmt::format("{} must be between {} and {}, not {}", what, lowest, highest, value));
+            reject(cursor_.marked(), "{} must be between {} and {}, not {}", what, lowest, highest, value);
         return value;
     }
     float line_number(const char* what, float lowest, float highest) {
         line();
         const float value = ranged(what, lowest, highest);
-        end_line();
+        cursor_.end_line();
         return value;
     }
     /// Reads a line of red, green, blue and an alpha, which is not used.
@@ -271,8 +245,8 @@ private:
         Color c;
         for (int i = 0; i < 3; ++i)
             c[i] = ranged(what, 0, 1);
-        number(what);
-        end_line();
+        cursor_.float_number(what);
+        cursor_.end_line();
         return c;
     }
     std::string quoted() {

@@ -1,12 +1,8 @@
 // Reads Wavefront OBJ files.
 
+#include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
-#include "common/sampling/sampler.h"
-
-#include <fmt/format.h>
-
-#include <unordered_map>
 
 namespace gib {
 
@@ -19,14 +15,7 @@ struct Corner {
     bool operator==(const Corner&) const = default;
 };
 
-struct CornerHash {
-    std::size_t operator()(const Corner& c) const {
-        return combine_keys((std::uint64_t{c.position} << 32) + c.uv, c.normal);
-    }
-};
-
 constexpr std::uint32_t none = ~0u;
-constexpr int longest_chain = 32;
 
 class ObjParser {
 public:
@@ -51,35 +40,21 @@ private:
         if (keyword == "v") {
             Vec3d p;
             for (int i = 0; i < 3; ++i)
-                p[i] = finite_number("vertex");
+                p[i] = cursor_.finite_number("a vertex");
             positions_.push_back(p);
         } else if (keyword == "vn") {
             Vec3 n;
             for (int i = 0; i < 3; ++i)
-                n[i] = float_number("normal");
+                n[i] = cursor_.float_number("a normal");
             normals_.push_back(n);
         } else if (keyword == "vt") {
             Vec2 uv;
             for (int i = 0; i < 2; ++i)
-                uv[i] = float_number("texture coordinate");
+                uv[i] = cursor_.float_number("a texture coordinate");
             uvs_.push_back(uv);
         } else if (keyword == "f") {
             parse_face();
         }
-    }
-
-    double finite_number(const char* what) {
-        cursor_.skip_blanks();
-        cursor_.mark();
-        const double x = cursor_.number();
-        if (!std::isfinite(x)) throw InputError(cursor_.marked(), fmt::format("a {} is not finite", what));
-        return x;
-    }
-
-    float float_number(const char* what) {
-        const double x = finite_number(what);
-        if (!fits_float(x)) throw InputError(cursor_.marked(), fmt::format("a {} is too large: {:g}", what, x));
-        return static_cast<float>(x);
     }
 
     void parse_face() {
@@ -91,7 +66,7 @@ private:
             if (corners >= 2) mesh_.triangles.push_back({first, previous, vertex});
             previous = vertex;
         }
-        if (corners < 3) throw InputError(cursor_.location(), fmt::format("a face has only {} vertices", corners));
+        if (corners < 3) reject(cursor_.location(), "a face has only {} vertices", corners);
     }
 
     /// Reads a corner: v, v/vt, v//vn or v/vt/vn.
@@ -112,36 +87,25 @@ private:
         const std::int64_t given = cursor_.integer(), count = static_cast<std::int64_t>(size);
         const std::int64_t index = given < 0 ? count + given : given - 1;
         if (given == 0 || index < 0 || index >= count)
-            throw InputError(cursor_.marked(),
-                             fmt::format("{} index {} is out of range: there are {} so far", what, given, size));
+            reject(cursor_.marked(), "{} index {} is out of range: there are {} so far", what, given, size);
         return static_cast<std::uint32_t>(index);
     }
 
-    /// The vertex of a corner, which is added to the mesh if it is new.
+    /// The vertex of a corner, which is added to the mesh if it is new. Vertices with the same position form a chain;
+    /// in meshes chains are short and then quicker than a hash table.
     std::uint32_t vertex_of(const Corner& corner) {
         if (first_of_position_.size() < positions_.size()) first_of_position_.resize(positions_.capacity(), none);
-        std::uint32_t& known = known_vertex(corner);
-        if (known != none) return known;
+        std::uint32_t* link = &first_of_position_[corner.position];
+        while (*link != none && !(corners_[*link] == corner))
+            link = &next_[*link];
+        if (*link != none) return *link;
         const auto vertex = static_cast<std::uint32_t>(corners_.size());
-        if (vertex == none) throw InputError(cursor_.location(), "the mesh has more than 2^32 - 1 vertices");
-        known = vertex;
+        *link = vertex;
         corners_.push_back(corner);
         next_.push_back(none);
         has_uvs_ |= corner.uv != none;
         has_normals_ |= corner.normal != none;
         return vertex;
-    }
-
-    /// The place that holds the vertex of a corner, or `none` if the corner is new. Corners with the same position
-    /// form a chain. In most meshes chains are short and then quicker than a hash table. The time of a search grows
-    /// with the number of links, so that corners beyond `longest_chain` links are kept in a hash table.
-    std::uint32_t& known_vertex(const Corner& corner) {
-        std::uint32_t* link = &first_of_position_[corner.position];
-        for (int links = 1; *link != none && !(corners_[*link] == corner); ++links) {
-            if (links == longest_chain) return crowded_.try_emplace(corner, none).first->second;
-            link = &next_[*link];
-        }
-        return *link;
     }
 
     void collect_vertices() {
@@ -160,10 +124,9 @@ private:
     std::vector<Vec3d> positions_;
     std::vector<Vec3> normals_;
     std::vector<Vec2> uvs_;
-    std::vector<Corner> corners_;                                    ///< the corner of each vertex of the mesh
-    std::vector<std::uint32_t> first_of_position_;                   ///< the first vertex at a position
-    std::vector<std::uint32_t> next_;                                ///< the next vertex at the same position
-    std::unordered_map<Corner, std::uint32_t, CornerHash> crowded_;  ///< vertices that found no place in a chain
+    std::vector<Corner> corners_;                   ///< the corner of each vertex of the mesh
+    std::vector<std::uint32_t> first_of_position_;  ///< the first vertex at a position
+    std::vector<std::uint32_t> next_;               ///< the next vertex at the same position
     bool has_uvs_ = false, has_normals_ = false;
     MeshData mesh_;
 };

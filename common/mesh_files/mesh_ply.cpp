@@ -1,19 +1,17 @@
 // Reads Stanford PLY files, ascii or binary.
 
+#include "common/core/binary.h"
+#include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <optional>
 
 namespace gib {
 
 namespace {
-
-constexpr std::size_t most_elements = 1000;  // each name is compared with all before it
 
 enum class Format { ascii, little_endian, big_endian };
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -78,7 +76,7 @@ public:
     Header parse() {
         const SourceLocation start = cursor_.location();
         if (cursor_.word() != "ply") throw InputError(start, "not a PLY file: it does not start with 'ply'");
-        end_line();
+        cursor_.end_line();
         std::optional<Format> format;
         for (;;) {
             const SourceLocation where = cursor_.location();
@@ -92,34 +90,28 @@ public:
                 parse_property(where);
             } else if (keyword == "end_header") {
                 if (!format) throw InputError(where, "the PLY header has no 'format'");
-                end_line();
+                cursor_.end_line();
                 return {*format, std::move(elements_), where};
             } else if (keyword == "comment" || keyword == "obj_info") {
                 cursor_.next_line();
                 continue;
             } else if (!keyword.empty()) {
-                throw InputError(where, fmt::format("unknown word '{}' in the PLY header", keyword));
+                reject(where, "unknown word '{}' in the PLY header", keyword);
             }
-            end_line();
+            cursor_.end_line();
         }
     }
 
 private:
-    void end_line() {
-        cursor_.skip_blanks();
-        if (!cursor_.at_line_end()) throw InputError(cursor_.location(), "too many words in the PLY header");
-        cursor_.next_line();
-    }
-
     Format parse_format() {
         cursor_.skip_blanks();
         const SourceLocation where = cursor_.location();
         const std::string_view name = cursor_.word(), version = cursor_.word();
-        if (version != "1.0") throw InputError(where, fmt::format("unknown PLY version '{}'", version));
+        if (version != "1.0") reject(where, "unknown PLY version '{}'", version);
         if (name == "ascii") return Format::ascii;
         if (name == "binary_little_endian") return Format::little_endian;
         if (name == "binary_big_endian") return Format::big_endian;
-        throw InputError(where, fmt::format("unknown PLY format '{}'", name));
+        reject(where, "unknown PLY format '{}'", name);
     }
 
     void parse_element() {
@@ -128,11 +120,9 @@ private:
         const SourceLocation where = cursor_.location();
         const std::int64_t count = cursor_.integer();
         if (count < 0) throw InputError(where, "a negative count in the PLY header");
-        if (elements_.size() == most_elements)
-            throw InputError(where, fmt::format("the PLY header has more than {} elements", most_elements));
         // A second list of vertices could have other properties than the first.
         if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; }))
-            throw InputError(where, fmt::format("the element '{}' is given twice", name));
+            reject(where, "the element '{}' is given twice", name);
         elements_.push_back({name, static_cast<std::uint64_t>(count), {}});
     }
 
@@ -161,7 +151,7 @@ private:
             {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
         for (const auto& [known, type] : types)
             if (name == known) return type;
-        throw InputError(cursor_.location(), fmt::format("unknown PLY type '{}'", name));
+        reject(cursor_.location(), "unknown PLY type '{}'", name);
     }
 
     TextCursor& cursor_;
@@ -175,7 +165,7 @@ public:
 
     double read(Type type) {
         cursor_.skip_space();
-        if (cursor_.at_end()) throw InputError(cursor_.location(), "truncated: the file ends before its data");
+        cursor_.require_more();
         cursor_.mark();
         return is_float(type) ? cursor_.number() : static_cast<double>(cursor_.integer());
     }
@@ -198,63 +188,45 @@ public:
         : content_(content),
           at_(offset),
           header_(header),
-          swap_((header.format == Format::big_endian) != (std::endian::native == std::endian::big)) {}
+          order_(header.format == Format::big_endian ? std::endian::big : std::endian::little) {}
 
     double read(Type type) {
         const std::size_t size = size_of(type);
         if (content_.size() - at_ < size)
-            throw InputError(header_.end,
-                             fmt::format("truncated: the file ends at byte {} before its data", content_.size()));
+            reject(header_.end, "truncated: the file ends at byte {} before its data", content_.size());
         const char* bytes = content_.data() + at_;
         at_ += size;
         switch (type) {
             case Type::i8:
-                return static_cast<std::int8_t>(*bytes);
+                return load<std::int8_t>(bytes, order_);
             case Type::u8:
-                return static_cast<std::uint8_t>(*bytes);
+                return load<std::uint8_t>(bytes, order_);
             case Type::i16:
-                return static_cast<std::int16_t>(load16(bytes));
+                return load<std::int16_t>(bytes, order_);
             case Type::u16:
-                return load16(bytes);
+                return load<std::uint16_t>(bytes, order_);
             case Type::i32:
-                return static_cast<std::int32_t>(load32(bytes));
+                return load<std::int32_t>(bytes, order_);
             case Type::u32:
-                return load32(bytes);
+                return load<std::uint32_t>(bytes, order_);
             case Type::f32:
-                return static_cast<double>(std::bit_cast<float>(load32(bytes)));
+                return static_cast<double>(load<float>(bytes, order_));
             case Type::f64:
-                return std::bit_cast<double>(load64(bytes));
+                return load<double>(bytes, order_);
         }
         return 0;
     }
     SourceLocation location() const { return header_.end; }
     std::string place() const { return fmt::format(", before byte {}", at_); }
     void finish() const {
-        if (at_ != content_.size())
-            throw InputError(header_.end, fmt::format("more data than the PLY header says, from byte {}", at_));
+        if (at_ != content_.size()) reject(header_.end, "more data than the PLY header says, from byte {}", at_);
     }
 
 private:
-    std::uint16_t load16(const char* bytes) const {
-        std::uint16_t value;
-        std::memcpy(&value, bytes, sizeof value);
-        return swap_ ? __builtin_bswap16(value) : value;
-    }
-    std::uint32_t load32(const char* bytes) const {
-        std::uint32_t value;
-        std::memcpy(&value, bytes, sizeof value);
-        return swap_ ? __builtin_bswap32(value) : value;
-    }
-    std::uint64_t load64(const char* bytes) const {
-        std::uint64_t value;
-        std::memcpy(&value, bytes, sizeof value);
-        return swap_ ? __builtin_bswap64(value) : value;
-    }
-
     std::string_view content_;
     std::size_t at_;
     const Header& header_;
-    bool swap_;
+    std::endian order_;
 };
 
 template <typename Reader>
@@ -313,13 +285,13 @@ private:
                     continue;
                 }
                 const double value = reader_.read(property.type);
-                if (!std::isfinite(value))
-                    throw InputError(reader_.location(), fmt::format("vertex {} is not finite{}", i, reader_.place()));
+                if (!std::isfinite(value)) reject(reader_.location(), "vertex {} is not finite{}", i, reader_.place());
                 // Positions stay in double.
                 if (property.role > Role::z && !fits_float(value))
-                    throw InputError(reader_.location(), fmt::format("vertex {}: a normal or texture coordinate is too "
-                                                                     "large: {:g}{}",
-                                                                     i, value, reader_.place()));
+                    reject(reader_.location(),
+                           "vertex {}: a normal or texture coordinate is too "
+                           "large: {:g}{}",
+                           i, value, reader_.place());
                 values[static_cast<std::size_t>(property.role)] = value;
             }
             mesh_.positions.emplace_back(values[0], values[1], values[2]);
@@ -341,9 +313,7 @@ private:
 
     void read_face(const Property& property, std::uint64_t face) {
         const std::uint64_t count = read_count(*property.count_type);
-        if (count < 3)
-            throw InputError(reader_.location(),
-                             fmt::format("face {} has only {} vertices{}", face, count, reader_.place()));
+        if (count < 3) reject(reader_.location(), "face {} has only {} vertices{}", face, count, reader_.place());
         std::uint32_t first = 0, previous = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
             const double index = reader_.read(property.type);
@@ -358,8 +328,8 @@ private:
     }
 
     [[noreturn]] void index_out_of_range(double index) const {
-        throw InputError(reader_.location(), fmt::format("vertex index {:.0f} is out of range: there are {} vertices",
-                                                         index, mesh_.positions.size()));
+        reject(reader_.location(), "vertex index {:.0f} is out of range: there are {} vertices", index,
+               mesh_.positions.size());
     }
 
     const Header& header_;

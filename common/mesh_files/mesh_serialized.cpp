@@ -1,16 +1,12 @@
 // Reads files in Mitsuba's `serialized` format: meshes with a short header each, compressed by zlib, and a dictionary
 // of the places where they start.
 
-#include "common/core/error.h"
-#include "common/core/memory_limit.h"
+#include "common/core/binary.h"
+#include "common/core/reject.h"
 #include "common/mesh_files/mesh_data.h"
 
-#include <fmt/format.h>
 #include <zlib.h>
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <limits>
 #include <optional>
 
 namespace gib {
@@ -27,17 +23,9 @@ enum Flag : std::uint32_t {
     double_precision = 0x2000
 };
 
-/// A number stored in little-endian order.
-template <typename T>
-T load(const char* bytes) {
-    char raw[sizeof(T)];
-    std::memcpy(raw, bytes, sizeof raw);
-    if constexpr (std::endian::native == std::endian::big) std::reverse(std::begin(raw), std::end(raw));
-    return std::bit_cast<T>(raw);
-}
-
-[[noreturn]] void fail(const std::string& file, const std::string& message) {
-    throw InputError(SourceLocation{file, 0, 0}, message);
+template <typename... Args>
+[[noreturn]] void fail(const std::string& file, fmt::format_string<Args...> message, Args&&... args) {
+    reject(SourceLocation{file}, message, std::forward<Args>(args)...);
 }
 
 /// Unpacks a zlib stream piece by piece, so that the claims of a header never decide how much memory is taken.
@@ -88,8 +76,7 @@ private:
             const int result = inflate(&stream_, Z_NO_FLUSH);
             if (result == Z_MEM_ERROR) throw RunError("out of memory");
             if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
-                fail(file_,
-                     fmt::format("bad compressed data{}{}", stream_.msg ? ": " : "", stream_.msg ? stream_.msg : ""));
+                fail(file_, "bad compressed data{}{}", stream_.msg ? ": " : "", stream_.msg ? stream_.msg : "");
             ended_ = result == Z_STREAM_END;
         }
         return wanted - stream_.avail_out;
@@ -100,14 +87,6 @@ private:
     z_stream stream_{};
     bool ended_ = false;
 };
-
-/// Appends an item and asks for memory before it is taken: a file of a few bytes may unpack to a very long list.
-template <typename T>
-void append(std::vector<T>& items, const T& item, const std::string& file) {
-    if (items.size() == items.capacity())
-        require_memory(2.0 * sizeof(T) * static_cast<double>(items.size()), "the mesh", {file, 0, 0});
-    items.push_back(item);
-}
 
 /// Reads `count` items of `width` values each, block by block.
 template <typename T, typename Item>
@@ -132,9 +111,9 @@ void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std
             Eigen::Matrix<double, N, 1> v;
             for (int k = 0; k < N; ++k)
                 v[k] = static_cast<double>(load<T>(bytes + static_cast<std::size_t>(k) * sizeof(T)));
-            if (!v.array().isFinite().all()) fail(file, fmt::format("the {} of vertex {} is not finite", what, index));
+            if (!v.array().isFinite().all()) fail(file, "the {} of vertex {} is not finite", what, index);
             if (in_float && !std::all_of(v.begin(), v.end(), fits_float))
-                fail(file, fmt::format("the {} of vertex {} is too large", what, index));
+                fail(file, "the {} of vertex {} is too large", what, index);
             add(v);
         });
     };
@@ -144,29 +123,27 @@ void read_vectors(Inflater& stream, std::uint64_t count, bool doubles, const std
 
 MeshData read_mesh(Inflater& stream, std::uint32_t flags, const std::string& file) {
     const auto vertices = stream.read<std::uint64_t>(), triangles = stream.read<std::uint64_t>();
-    if (vertices > std::numeric_limits<std::uint32_t>::max())
-        fail(file, fmt::format("the mesh has {} vertices: more than 2^32 - 1", vertices));
     if (triangles == 0) fail(file, "the mesh is empty: it has no faces");
     const bool doubles = flags & double_precision;
     MeshData mesh;
     read_vectors<3, false>(stream, vertices, doubles, file, "position",
-                           [&](const Vec3d& p) { append(mesh.positions, p, file); });
+                           [&](const Vec3d& p) { mesh.positions.push_back(p); });
     if (flags & has_normals)
         read_vectors<3, true>(stream, vertices, doubles, file, "normal",
-                              [&](const Vec3d& n) { append(mesh.normals, Vec3(n.cast<float>()), file); });
+                              [&](const Vec3d& n) { mesh.normals.push_back(Vec3(n.cast<float>())); });
     if (flags & has_uvs)
         read_vectors<2, true>(stream, vertices, doubles, file, "texture coordinate",
-                              [&](const Vec2d& uv) { append(mesh.uvs, Vec2(uv.cast<float>()), file); });
+                              [&](const Vec2d& uv) { mesh.uvs.push_back(Vec2(uv.cast<float>())); });
     if (flags & has_colors) read_vectors<3, false>(stream, vertices, doubles, file, "colour", [](const Vec3d&) {});
     read_items<std::uint32_t>(stream, triangles, 3, [&](std::uint64_t index, const char* bytes) {
         auto triangle = decltype(mesh.triangles)::value_type();
         for (std::size_t k = 0; k < 3; ++k) {
             triangle[k] = load<std::uint32_t>(bytes + 4 * k);
             if (triangle[k] >= vertices)
-                fail(file, fmt::format("vertex index {} of triangle {} is out of range: there are {} vertices",
-                                       triangle[k], index, vertices));
+                fail(file, "vertex index {} of triangle {} is out of range: there are {} vertices", triangle[k], index,
+                     vertices);
         }
-        append(mesh.triangles, triangle, file);
+        mesh.triangles.push_back(triangle);
     });
     return mesh;
 }
@@ -174,13 +151,13 @@ MeshData read_mesh(Inflater& stream, std::uint32_t flags, const std::string& fil
 /// Checks the four bytes that stand before the compressed data of a mesh and returns its version.
 std::uint16_t version_at(std::string_view content, std::uint64_t offset, const std::string& file) {
     if (offset > content.size() || content.size() - offset < 4)
-        fail(file, fmt::format("truncated: there is no mesh at byte {}", offset));
+        fail(file, "truncated: there is no mesh at byte {}", offset);
     const char* header = content.data() + offset;
     if (load<std::uint16_t>(header) != magic)
-        fail(file, fmt::format("not a serialized mesh: byte {} does not start with 0x041C", offset));
+        fail(file, "not a serialized mesh: byte {} does not start with 0x041C", offset);
     const auto version = load<std::uint16_t>(header + 2);
     if (version != 3 && version != 4)
-        fail(file, fmt::format("version {} of the serialized format is not supported: only 3 and 4", version));
+        fail(file, "version {} of the serialized format is not supported: only 3 and 4", version);
     return version;
 }
 
@@ -191,9 +168,8 @@ std::uint64_t offset_of(std::string_view content, int index, std::uint16_t versi
     const std::uint64_t entry = version == 4 ? 8 : 4, size = content.size();
     const std::uint64_t count = load<std::uint32_t>(content.data() + size - 4);
     if (static_cast<std::uint64_t>(index) >= count)
-        fail(file, fmt::format("shape_index {} is out of range: there are {} meshes", index, count));
-    if (count * entry > size - 4)
-        fail(file, fmt::format("damaged: a dictionary of {} meshes does not fit into the file", count));
+        fail(file, "shape_index {} is out of range: there are {} meshes", index, count);
+    if (count * entry > size - 4) fail(file, "damaged: a dictionary of {} meshes does not fit into the file", count);
     const char* place = content.data() + size - 4 - entry * (count - static_cast<std::uint64_t>(index));
     return version == 4 ? load<std::uint64_t>(place) : load<std::uint32_t>(place);
 }

@@ -1,10 +1,9 @@
 #include "common/openimageio/linear_reader.h"
 
 #include "common/color/srgb.h"
-#include "common/core/error.h"
+#include "common/core/reject.h"
 
 #include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
@@ -38,8 +37,7 @@ std::vector<int> choose_channels(const OIIO::ImageSpec& spec, const SourceLocati
         throw InputError(where, "an image of luminance and subsampled chroma; only R,G,B or one channel is supported");
     if (const int grey = find_channel(names, "Y"); grey >= 0 && find_channel(names, "Z") < 0) return {grey};
     if (names.size() == 1) return {0};
-    throw InputError(where,
-                     fmt::format("no channels R,G,B or Y of one layer; the image has {}", fmt::join(names, ", ")));
+    reject(where, "no channels R,G,B or Y of one layer; the image has {}", fmt::join(names, ", "));
 }
 
 /// Throws InputError for primaries other than sRGB's: their colours would need a matrix and would be
@@ -51,19 +49,6 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
     for (std::size_t i = 0; i < srgb.size(); ++i)
         if (!(std::abs(primaries[i] - srgb[i]) <= 1e-3f))
             throw InputError(where, "the file's chromaticities are not those of sRGB");
-}
-
-/// Throws InputError if a damaged header claims more pixels than the file can hold, for which memory would be taken
-/// before the first is read. No format of photographs or renders packs more than 4096 pixels into a byte. Images of
-/// up to 2^24 pixels take little memory and are not checked.
-void check_size(const OIIO::ImageSpec& spec, const std::string& path) {
-    constexpr double most_free = 1 << 24, most_per_byte = 4096;
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(path, error);
-    const double pixels = 1.0 * spec.width * spec.height;
-    if (!error && pixels > most_free && pixels > most_per_byte * static_cast<double>(bytes))
-        throw InputError({path, 0, 0}, fmt::format("the image is damaged: {} x {} pixels in {} bytes", spec.width,
-                                                   spec.height, bytes));
 }
 
 }  // namespace
@@ -79,7 +64,6 @@ std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO:
     if (spec.deep) throw InputError(where, "a deep image; only flat ones are supported");
     if (spec.depth > 1) throw InputError(where, "a volume, not an image");
     if (spec.width < 1 || spec.height < 1) throw InputError(where, "the image has no pixels");
-    check_size(spec, path);
     return file;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Reads an image file row by row as linear floats with OpenImageIO. common/images/linear_file.h says which files it
+// Reads an image file row by row as linear floats with OpenImageIO. common/images/image_library.h says which files it
 // accepts and how it decodes them.
 
 #include "common/core/error.h"

@@ -3,6 +3,7 @@
 #include "common/color/conductor_index.h"
 #include "common/color/dielectric_index.h"
 #include "common/color/dispersion.h"
+#include "common/core/reject.h"
 #include "common/xml/scene_spectrum.h"
 
 #include <fmt/format.h>
@@ -25,12 +26,10 @@ const std::string glass = "bk7", plastic = "polypropylene";
 
 double parse_index(Properties& properties, const std::string& name, const std::string& fallback) {
     if (!properties.is_string(name) && properties.has(name)) return properties.positive(name, 1);
-    std::string wanted = properties.string(name).value_or(fallback);
-    std::transform(wanted.begin(), wanted.end(), wanted.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    const std::string wanted = lower_case(properties.string(name).value_or(fallback));
     if (const auto index = dielectric_index(wanted)) return *index;
-    throw InputError(properties.where(name), fmt::format("'{}': there is no material '{}'; known are: {}", name, wanted,
-                                                         fmt::join(dielectric_names(), ", ")));
+    properties.reject(name, "'{}': there is no material '{}'; known are: {}", name, wanted,
+                      fmt::join(dielectric_names(), ", "));
 }
 
 /// The two indices of refraction at an interface.
@@ -42,22 +41,22 @@ Indices parse_indices(Properties& properties, const std::string& interior) {
     return {parse_index(properties, "int_ior", interior), parse_index(properties, "ext_ior", "air")};
 }
 
+/// The property to blame for a wrong relative index.
+const char* index_name(const Properties& properties) { return properties.has("int_ior") ? "int_ior" : "ext_ior"; }
+
 float parse_relative_index(Properties& properties, const std::string& interior) {
     const auto [inside, outside] = parse_indices(properties, interior);
     const double eta = inside / outside;
     if (!(eta >= lowest_relative_index && eta <= highest_relative_index))
-        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
-                         fmt::format("'int_ior' over 'ext_ior' must be between {} and {}, not {:g}",
-                                     lowest_relative_index, highest_relative_index, eta));
+        properties.reject(index_name(properties), "'int_ior' over 'ext_ior' must be between {} and {}, not {:g}",
+                          lowest_relative_index, highest_relative_index, eta);
     return static_cast<float>(eta);
 }
 
 /// Reads the relative index of a rough model. As in Mitsuba, an interface without a change of index is refused.
 float parse_changing_index(Properties& properties, const std::string& interior) {
     const float eta = parse_relative_index(properties, interior);
-    if (eta == 1.f)
-        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
-                         "'int_ior' and 'ext_ior' must differ");
+    if (eta == 1.f) properties.reject(index_name(properties), "'int_ior' and 'ext_ior' must differ");
     return eta;
 }
 
@@ -67,8 +66,8 @@ float parse_changing_index(Properties& properties, const std::string& interior) 
 float parse_coat_index(Properties& properties, const std::string& interior) {
     const float eta = parse_changing_index(properties, interior);
     if (eta < 1.f)
-        throw InputError(properties.where(properties.has("int_ior") ? "int_ior" : "ext_ior"),
-                         "'int_ior' must be above 'ext_ior': a rough coat is denser than what is outside");
+        properties.reject(index_name(properties),
+                          "'int_ior' must be above 'ext_ior': a rough coat is denser than what is outside");
     return eta;
 }
 
@@ -76,22 +75,18 @@ float parse_coat_index(Properties& properties, const std::string& interior) {
 /// or `abbe`, Abbe's number. Returns B over the exterior's index, as for the relative index; 0 if neither is given.
 float parse_dispersion(Properties& properties, const std::string& interior) {
     const bool has_abbe = properties.has("abbe");
-    if (has_abbe && properties.has("cauchy_b"))
-        throw InputError(properties.where("abbe"), "give either 'cauchy_b' or 'abbe'");
+    properties.exclude("abbe", "cauchy_b");
     const auto [inside, outside] = parse_indices(properties, interior);
-    const double given = properties.number("cauchy_b", 0);
-    if (!(given >= 0))
-        throw InputError(properties.where("cauchy_b"), fmt::format("'cauchy_b' must not be negative: {:g}", given));
+    const double given = properties.not_negative("cauchy_b", 0);
     const double abbe = properties.positive("abbe", 1);
-    if (has_abbe && !(inside > 1))
-        throw InputError(properties.where("abbe"), fmt::format("'abbe' needs an 'int_ior' above 1, not {:g}", inside));
+    if (has_abbe && !(inside > 1)) properties.reject("abbe", "'abbe' needs an 'int_ior' above 1, not {:g}", inside);
     const double b = (has_abbe ? cauchy_b_of_abbe(inside, abbe) : given) / outside;
     for (const int stratum : {0, wavelength_strata - 1}) {
         const double wavelength = stratum_wavelength(stratum), eta = cauchy_index(inside / outside, b, wavelength);
         if (!(eta >= static_cast<double>(lowest_relative_index) && eta <= static_cast<double>(highest_relative_index)))
-            throw InputError(properties.where(has_abbe ? "abbe" : "cauchy_b"),
-                             fmt::format("an index ratio of {:g} at {:g} nm: it must be between {} and {}", eta,
-                                         wavelength, lowest_relative_index, highest_relative_index));
+            properties.reject(has_abbe ? "abbe" : "cauchy_b",
+                              "an index ratio of {:g} at {:g} nm: it must be between {} and {}", eta, wavelength,
+                              lowest_relative_index, highest_relative_index);
     }
     return static_cast<float>(b);
 }
@@ -141,9 +136,8 @@ private:
     void check_highest(const std::string& name, const Texture& texture, float highest) const {
         const float value = texture.maximum().maxCoeff();
         if (!(value <= highest))
-            throw InputError(properties_.where(name),
-                             fmt::format("'{}' must be at most {:g}, not {:g}{}", name, highest, value,
-                                         texture.constant() ? "" : " of its texture"));
+            properties_.reject(name, "'{}' must be at most {:g}, not {:g}{}", name, highest, value,
+                               texture.constant() ? "" : " of its texture");
     }
 
     Properties& properties_;
@@ -165,23 +159,22 @@ void read_conductor_index(ModelReader<Model>& model) {
     const auto set_k = [](Model& m, const Color& c) { m.index->k = c; };
     if (has_index || material == "none") {
         if (!has_index) return;
-        if (material != "none")
-            throw InputError(properties.where("material"), "give either 'material' or 'eta' and 'k'");
+        if (material != "none") properties.reject("material", "give either 'material' or 'eta' and 'k'");
         model.color("eta", 0.f, ColorRange::non_negative, set_eta, highest_conductor_index);
         model.color("k", 1.f, ColorRange::non_negative, set_k, highest_conductor_index);
         return;
     }
     model->index = conductor_index(material);
     if (!model->index)
-        throw InputError(properties.where("material"), fmt::format("there is no material '{}'; known are: none, {}",
-                                                                   material, fmt::join(conductor_names(), ", ")));
+        properties.reject("material", "there is no material '{}'; known are: none, {}", material,
+                          fmt::join(conductor_names(), ", "));
 }
 
 /// Reads `distribution`, and `sample_visible`, which changes no image.
 MicrofacetType parse_distribution_type(Properties& properties) {
     properties.boolean("sample_visible", true);
-    const std::string type = properties.choice("distribution", "beckmann", {"beckmann", "ggx"});
-    return type == "ggx" ? MicrofacetType::ggx : MicrofacetType::beckmann;
+    return properties.chosen("distribution", MicrofacetType::beckmann,
+                             {{"beckmann", MicrofacetType::beckmann}, {"ggx", MicrofacetType::ggx}});
 }
 
 /// Whether alpha_u and alpha_v are given instead of alpha.
@@ -212,11 +205,7 @@ void read_distribution(ModelReader<Model>& model) {
 MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
     const MicrofacetType type = parse_distribution_type(properties);
     const auto roughness = [&](const std::string& name) {
-        const auto alpha = static_cast<float>(properties.number(name, 0.1));
-        if (!(alpha >= 0 && alpha <= highest_roughness))
-            throw InputError(properties.where(name),
-                             fmt::format("'{}' must be between 0 and {:g}, not {:g}", name, highest_roughness, alpha));
-        return alpha;
+        return static_cast<float>(properties.within(name, 0.1, 0, highest_roughness));
     };
     if (!has_two_roughnesses(properties)) {
         const float alpha = roughness("alpha");
@@ -224,83 +213,76 @@ MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
     }
     const MicrofacetDistribution distribution{type, roughness("alpha_u"), roughness("alpha_v")};
     if (distribution.alpha_u != distribution.alpha_v)
-        throw InputError(properties.where("alpha_v"), "the 'alpha_u' and 'alpha_v' of a roughplastic must be the same");
+        properties.reject("alpha_v", "the 'alpha_u' and 'alpha_v' of a roughplastic must be the same");
     return distribution;
 }
 
-Material parse_diffuse(Properties& properties, TextureFiles& files) {
-    ModelReader<Diffuse> model(properties, files);
+void read(ModelReader<Diffuse>& model) {
     model.color("reflectance", 0.5f, ColorRange::unit, [](Diffuse& m, const Color& c) { m.reflectance = c; });
-    return std::move(model).material();
 }
 
 /// Reads a dielectric or a thindielectric.
 template <typename Model>
-Material parse_dielectric(Properties& properties, TextureFiles& files) {
-    ModelReader<Model> model(properties, files);
-    model->eta = parse_relative_index(properties, glass);
-    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(properties, glass);
+void read_dielectric(ModelReader<Model>& model) {
+    model->eta = parse_relative_index(model.properties(), glass);
+    if constexpr (requires { model->cauchy_b; }) model->cauchy_b = parse_dispersion(model.properties(), glass);
     model.reflectance();
     model.transmittance();
-    return std::move(model).material();
 }
+void read(ModelReader<Dielectric>& model) { read_dielectric(model); }
+void read(ModelReader<ThinDielectric>& model) { read_dielectric(model); }
 
-Material parse_roughdielectric(Properties& properties, TextureFiles& files) {
-    ModelReader<RoughDielectric> model(properties, files);
-    model->eta = parse_changing_index(properties, glass);
-    model->cauchy_b = parse_dispersion(properties, glass);
+void read(ModelReader<RoughDielectric>& model) {
+    model->eta = parse_changing_index(model.properties(), glass);
+    model->cauchy_b = parse_dispersion(model.properties(), glass);
     read_distribution(model);
     model.reflectance();
     model.transmittance();
-    return std::move(model).material();
 }
 
-Material parse_conductor(Properties& properties, TextureFiles& files) {
-    ModelReader<Conductor> model(properties, files);
+void read(ModelReader<Conductor>& model) {
     read_conductor_index(model);
     model.reflectance();
-    return std::move(model).material();
 }
 
-Material parse_roughconductor(Properties& properties, TextureFiles& files) {
-    ModelReader<RoughConductor> model(properties, files);
+void read(ModelReader<RoughConductor>& model) {
     read_conductor_index(model);
     read_distribution(model);
     model.reflectance();
-    return std::move(model).material();
 }
 
-Material parse_plastic(Properties& properties, TextureFiles& files) {
-    ModelReader<Plastic> model(properties, files);
-    model->eta = parse_relative_index(properties, plastic);
-    model->nonlinear = properties.boolean("nonlinear", false);
+void read(ModelReader<Plastic>& model) {
+    model->eta = parse_relative_index(model.properties(), plastic);
+    model->nonlinear = model.properties().boolean("nonlinear", false);
     model->prepare();
     model.diffuse_reflectance();
     model.reflectance();
-    return std::move(model).material();
 }
 
-Material parse_roughplastic(Properties& properties, TextureFiles& files) {
-    ModelReader<RoughPlastic> model(properties, files);
-    model->eta = parse_coat_index(properties, plastic);
-    model->nonlinear = properties.boolean("nonlinear", false);
-    model->distribution = parse_uniform_distribution(properties);
+void read(ModelReader<RoughPlastic>& model) {
+    model->eta = parse_coat_index(model.properties(), plastic);
+    model->nonlinear = model.properties().boolean("nonlinear", false);
+    model->distribution = parse_uniform_distribution(model.properties());
     model->prepare();
     model.diffuse_reflectance();
     model.reflectance();
-    return std::move(model).material();
 }
 
-Material parse_phong(Properties& properties, TextureFiles& files) {
-    ModelReader<Phong> model(properties, files);
+void read(ModelReader<Phong>& model) {
     model.number(
         "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
     model.diffuse_reflectance();
     model.reflectance(0.2f);
     // Two textures may reach their bounds at different places; such a pair is refused although it might be valid.
     if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
-        throw InputError(properties.element().where,
+        throw InputError(model.properties().element().where,
                          "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+}
+
+template <typename Model>
+Material parse_model(Properties& properties, TextureFiles& files) {
+    ModelReader<Model> model(properties, files);
+    read(model);
     return std::move(model).material();
 }
 
@@ -313,11 +295,9 @@ std::vector<NestedObject> nested_bsdfs(Properties& properties, std::size_t lowes
     auto nested = properties.objects("bsdf");
     if (nested.size() >= lowest && nested.size() <= highest) return nested;
     const char* names[] = {"no", "one", "two"};
-    throw InputError(
-        properties.element().where,
-        fmt::format("{} takes {} bsdf{}, found {}", properties.element().required("type").value,
-                    lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
-                    highest == 1 ? "" : "s", nested.size()));
+    reject(properties.element().where, "{} takes {} bsdf{}, found {}", properties.element().required("type").value,
+           lowest == highest ? names[lowest] : fmt::format("{} or {}", names[lowest], names[highest]),
+           highest == 1 ? "" : "s", nested.size());
 }
 
 Material parse_twosided(Properties& properties, TextureFiles& files) {
@@ -349,10 +329,7 @@ PerturbationOptions parse_perturbation(Properties& properties) {
 
 /// Reads a bumpmap. The texture of the height may have any name.
 Material parse_bumpmap(Properties& properties, TextureFiles& files) {
-    const double scale = properties.number("scale", 1);
-    if (!(std::abs(scale) <= highest_bump))
-        throw InputError(properties.where("scale"), fmt::format("'scale' must be between {0:g} and {1:g}, not {2:g}",
-                                                                -highest_bump, highest_bump, scale));
+    const double scale = properties.within("scale", 1, -highest_bump, highest_bump);
     const PerturbationOptions options = parse_perturbation(properties);
     const auto height = properties.object("texture");
     if (!height) throw InputError(properties.element().where, "a bumpmap needs a texture");
@@ -381,15 +358,15 @@ struct BsdfPlugin {
     Parse parse;
 };
 constexpr BsdfPlugin plugins[] = {
-    {"diffuse", parse_diffuse},
-    {"dielectric", parse_dielectric<Dielectric>},
-    {"thindielectric", parse_dielectric<ThinDielectric>},
-    {"roughdielectric", parse_roughdielectric},
-    {"conductor", parse_conductor},
-    {"roughconductor", parse_roughconductor},
-    {"plastic", parse_plastic},
-    {"roughplastic", parse_roughplastic},
-    {"phong", parse_phong},
+    {"diffuse", parse_model<Diffuse>},
+    {"dielectric", parse_model<Dielectric>},
+    {"thindielectric", parse_model<ThinDielectric>},
+    {"roughdielectric", parse_model<RoughDielectric>},
+    {"conductor", parse_model<Conductor>},
+    {"roughconductor", parse_model<RoughConductor>},
+    {"plastic", parse_model<Plastic>},
+    {"roughplastic", parse_model<RoughPlastic>},
+    {"phong", parse_model<Phong>},
     {"twosided", parse_twosided},
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},

@@ -1,9 +1,8 @@
 #include "common/reader/scene_emitter.h"
 
+#include "common/core/reject.h"
 #include "common/images/linear_file.h"
 #include "common/xml/scene_spectrum.h"
-
-#include <fmt/format.h>
 
 namespace gib {
 
@@ -29,9 +28,8 @@ Frame rigid_axes(const Properties& properties, const Mat4d& to_world, bool may_s
     const double scale = may_scale ? std::cbrt(std::abs(linear.determinant())) : 1;
     const Eigen::Matrix3d axes = linear / scale;
     if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= rigid_tolerance))
-        throw InputError(properties.where("to_world"),
-                         fmt::format("the to_world of '{}' must not {}", properties.element().find("type")->value,
-                                     may_scale ? "shear or scale its axes differently" : "scale or shear"));
+        properties.reject("to_world", "the to_world of '{}' must not {}", properties.element().find("type")->value,
+                          may_scale ? "shear or scale its axes differently" : "scale or shear");
     // Errors within the tolerance are removed.
     const Vec3d z = axes.col(2).normalized();
     const Vec3d x = (axes.col(0) - z.dot(axes.col(0)) * z).normalized();
@@ -46,8 +44,7 @@ Frame rigid_axes(const Properties& properties, const Mat4d& to_world, bool may_s
 PointLight parse_point(Properties& properties, const Vec3d& origin) {
     const auto position = properties.point("position");
     const Mat4d to_world = properties.transform("to_world");
-    if (position && properties.has("to_world"))
-        throw InputError(properties.where("to_world"), "give either 'position' or 'to_world'");
+    properties.exclude("to_world", "position");
     const Color intensity = color_property(properties, "intensity", 1, ColorRange::emission);
     return {recentred_position(properties, position.value_or(Vec3d(to_world.topRightCorner<3, 1>())), origin),
             intensity};
@@ -57,33 +54,17 @@ PointLight parse_point(Properties& properties, const Vec3d& origin) {
 /// rounding would change its light by more than a thousandth.
 constexpr double least_cutoff = 1e-3;
 
-/// The cut-off angle [degrees], up to 180.
-double parse_cutoff(Properties& properties) {
-    const double cutoff = properties.positive("cutoff_angle", 20);
-    if (cutoff < least_cutoff)
-        throw InputError(properties.where("cutoff_angle"),
-                         fmt::format("'cutoff_angle' must be at least {} degrees, not {}", least_cutoff, cutoff));
-    if (!(cutoff <= 180))
-        throw InputError(properties.where("cutoff_angle"),
-                         fmt::format("'cutoff_angle' must be at most 180 degrees, not {}", cutoff));
-    return cutoff;
-}
-
 SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& origin) {
     const Mat4d to_world = properties.transform("to_world");
     const Color intensity = color_property(properties, "intensity", 1, ColorRange::emission);
-    const double cutoff = parse_cutoff(properties), beam = properties.number("beam_width", 0.75 * cutoff);
-    if (!(beam >= 0 && beam <= cutoff))
-        throw InputError(properties.where("beam_width"),
-                         fmt::format("'beam_width' must be between 0 and the cutoff_angle {}, not {}", cutoff, beam));
+    const double cutoff = properties.within("cutoff_angle", 20, least_cutoff, 180);
+    const double beam = properties.within("beam_width", 0.75 * cutoff, 0, cutoff);
     std::optional<Texture> slide;
     const Texture texture = parse_textured(properties, "texture", 1, ColorRange::non_negative, files);
     if (properties.has("texture")) {
-        if (texture.constant())
-            throw InputError(properties.where("texture"), "the 'texture' of a spot must vary: a <texture>");
+        if (texture.constant()) properties.reject("texture", "the 'texture' of a spot must vary: a <texture>");
         if (!(cutoff < 90))
-            throw InputError(properties.where("cutoff_angle"),
-                             fmt::format("a spot with a texture needs a 'cutoff_angle' below 90, not {}", cutoff));
+            properties.reject("cutoff_angle", "a spot with a texture needs a 'cutoff_angle' below 90, not {}", cutoff);
         slide = texture;
     }
     constexpr double radians = std::numbers::pi / 180;
@@ -98,31 +79,26 @@ SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& o
 DirectionalLight parse_directional(Properties& properties) {
     const auto direction = properties.point("direction");
     const Mat4d to_world = properties.transform("to_world");
-    if (direction && properties.has("to_world"))
-        throw InputError(properties.where("to_world"), "give either 'direction' or 'to_world'");
+    properties.exclude("to_world", "direction");
     const Vec3d z = direction.value_or(Vec3d(to_world.block<3, 1>(0, 2)));
-    if (!(z.stableNorm() > 0)) throw InputError(properties.where("direction"), "'direction' must not be zero");
+    if (!(z.stableNorm() > 0)) properties.reject("direction", "'direction' must not be zero");
     return {z.stableNormalized().cast<float>(), color_property(properties, "irradiance", 1, ColorRange::emission), {}};
 }
 
 MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
-    const auto name = properties.string("filename");
-    if (!name) throw InputError(properties.element().where, "'envmap' needs a 'filename'");
+    const std::string name = properties.required_string("filename");
     const Frame axes = rigid_axes(properties, properties.transform("to_world"), false);
-    const auto scale = static_cast<float>(properties.number("scale", 1));
-    if (!(scale >= 0))
-        throw InputError(properties.where("scale"), fmt::format("'scale' must not be negative: {}", scale));
+    const auto scale = static_cast<float>(properties.not_negative("scale", 1));
     properties.boolean("mis_compensation", false);  // changes Mitsuba's sampling, not its image
-    const std::string path = files.path(*name, properties.element_where("filename"));
+    const std::string path = files.path(name, properties.element_where("filename"));
     LinearImage image = load_linear_image(path);
     const auto width = static_cast<std::size_t>(image.width);
     for (std::size_t i = 0; i < image.rgb.size(); ++i) {
         if (!(image.rgb[i] >= 0))
-            throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is negative: {}", i / 3 % width,
-                                                       i / 3 / width, image.rgb[i]));
+            reject({path, 0, 0}, "the pixel in column {}, row {} is negative: {}", i / 3 % width, i / 3 / width,
+                   image.rgb[i]);
         image.rgb[i] *= scale;
-        if (!std::isfinite(image.rgb[i]))
-            throw InputError(properties.where("scale"), fmt::format("'scale' is too large for '{}': {}", *name, scale));
+        if (!std::isfinite(image.rgb[i])) properties.reject("scale", "'scale' is too large for '{}': {}", name, scale);
     }
     return {std::make_shared<const EnvironmentMap>(std::move(image), axes), {}};
 }

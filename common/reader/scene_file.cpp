@@ -1,6 +1,7 @@
 #include "common/reader/scene_file.h"
 
 #include "common/core/float_traps.h"
+#include "common/core/reject.h"
 #include "common/reader/scene_bsdf.h"
 #include "common/reader/scene_emitter.h"
 #include "common/reader/scene_medium.h"
@@ -146,8 +147,7 @@ private:
         PendingGroup group;
         for (const auto& member : members) {
             for (const std::string_view plugin : {"shapegroup", "instance"})
-                if (is_shape(member, plugin))
-                    throw InputError(member.where, fmt::format("a shapegroup cannot hold a shape '{}'", plugin));
+                if (is_shape(member, plugin)) reject(member.where, "a shapegroup cannot hold a shape '{}'", plugin);
             const std::size_t first = group.members.size();
             group.bounds.extend(add_shapes(member, group.members));
             for (std::size_t i = first; i < group.members.size(); ++i)
@@ -192,13 +192,11 @@ private:
                                       .material = p.material,
                                       .radiance = p.radiance,
                                       .media = p.media};
-            const double area = p.radiance ? area_of(object.shape) : 1;
-            if (!(area > 0)) throw InputError(p.emitter_where, "an area emitter on a shape without area");
             // Densities are inverse areas, which must fit into float.
+            const double area = p.radiance ? area_of(object.shape) : 1;
             if (!(area >= 1e-37 && area <= 1e37))
-                throw InputError(p.emitter_where, fmt::format("an area emitter on a shape of area {:g}: it must be "
-                                                              "between 1e-37 and 1e+37",
-                                                              area));
+                reject(p.emitter_where, "an area emitter on a shape of area {:g}: it must be between 1e-37 and 1e+37",
+                       area);
             objects.push_back(std::move(object));
         }
         return objects;

@@ -1,7 +1,7 @@
 #include "common/reader/scene_medium.h"
-#include "common/xml/scene_spectrum.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
+#include "common/xml/scene_spectrum.h"
 
 namespace gib {
 
@@ -14,42 +14,36 @@ PhaseFunction parse_phase(const NestedObject& object, const XmlIds& ids) {
     Properties properties(*object.element, ids);
     PhaseFunction phase;
     if (properties.plugin({"isotropic", "hg"}) == "hg") {
-        const double g = properties.number("g", 0.8);
         constexpr auto largest = static_cast<double>(PhaseFunction::largest_g);
-        if (!(std::abs(g) <= largest))
-            throw InputError(properties.where("g"),
-                             fmt::format("'g' must be between {:g} and {:g}, not {:g}", -largest, largest, g));
-        phase.g = static_cast<float>(g);
+        phase.g = static_cast<float>(properties.within("g", 0.8, -largest, largest));
     }
     properties.finish();
     return phase;
 }
 
 GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const Vec3d& origin) {
-    const auto name = properties.string("filename");
-    if (!name) throw InputError(properties.element().where, "'gridvolume' needs a 'filename'");
+    const std::string name = properties.required_string("filename");
     const Mat4d to_world = properties.transform("to_world");
-    const std::string filter = properties.choice("filter_type", "trilinear", {"nearest", "trilinear"});
-    const std::string wrap = properties.choice("wrap_type", "clamp", {"repeat", "mirror", "clamp"});
+    const VolumeFilter filter =
+        properties.chosen("filter_type", VolumeFilter::trilinear,
+                          {{"nearest", VolumeFilter::nearest}, {"trilinear", VolumeFilter::trilinear}});
+    const Wrap wrap = properties.chosen("wrap_type", Wrap::clamp, wrap_names);
     const bool own_box = properties.boolean("use_grid_bbox", false);
     // Two options of Mitsuba have no effect here: values are always linear, and there is one way to look them up.
     properties.boolean("raw", false);
     properties.boolean("accel", true);
     properties.finish();
-    GridVolume::Data data = load_volume(files.path(*name, properties.element_where("filename")));
+    GridVolume::Data data = load_volume(files.path(name, properties.element_where("filename")));
     Eigen::Affine3d from_grid(to_world);
     if (own_box) {
         if (!(data.box.sizes().minCoeff() > 0))
-            throw InputError(properties.where("use_grid_bbox"), "the box of the volume's file is empty");
+            properties.reject("use_grid_bbox", "the box of the volume's file is empty");
         from_grid = from_grid * Eigen::Translation3d(data.box.min()) * Eigen::Scaling(data.box.sizes());
     }
     const Eigen::Affine3d to_grid = from_grid.inverse() * Eigen::Translation3d(origin);
     if (!(std::abs(from_grid.linear().determinant()) > 0) || !to_grid.matrix().cast<float>().array().isFinite().all())
-        throw InputError(properties.where("to_world"), "the to_world of the volume cannot be inverted");
-    return {std::move(data), to_grid, filter == "nearest" ? VolumeFilter::nearest : VolumeFilter::trilinear,
-            wrap == "repeat"   ? VolumeWrap::repeat
-            : wrap == "mirror" ? VolumeWrap::mirror
-                               : VolumeWrap::clamp};
+        properties.reject("to_world", "the to_world of the volume cannot be inverted");
+    return {std::move(data), to_grid, filter, wrap};
 }
 
 /// The parameter `name`: a constant, or a <volume> with values within `range`.
@@ -65,22 +59,17 @@ GridVolume parse_volume(Properties& properties, const std::string& name, float f
     }
     GridVolume grid = parse_gridvolume(volume, files, origin);
     const float lowest = grid.lowest().minCoeff(), highest = grid.highest().maxCoeff();
-    if (!(lowest >= 0))
-        throw InputError(nested->where, fmt::format("'{}' must not be negative, but its volume has {}", name, lowest));
+    if (!(lowest >= 0)) reject(nested->where, "'{}' must not be negative, but its volume has {}", name, lowest);
     if (range == ColorRange::unit && !(highest <= 1))
-        throw InputError(nested->where,
-                         fmt::format("'{}' must be between 0 and 1, but its volume has {}", name, highest));
+        reject(nested->where, "'{}' must be between 0 and 1, but its volume has {}", name, highest);
     return grid;
 }
 
 float parse_scale(Properties& properties, const Color& highest) {
-    const double scale = properties.number("scale", 1);
-    if (!(scale >= 0))
-        throw InputError(properties.where("scale"), fmt::format("'scale' must not be negative: {:g}", scale));
+    const double scale = properties.not_negative("scale", 1);
     if (!(scale * static_cast<double>(highest.maxCoeff()) <= static_cast<double>(highest_extinction)))
         for (const char* name : {"scale", "sigma_t", "sigma_a", "sigma_s"})
-            if (properties.has(name))
-                throw InputError(properties.where(name), fmt::format("an extinction above {:g}", highest_extinction));
+            if (properties.has(name)) properties.reject(name, "an extinction above {:g}", highest_extinction);
     return static_cast<float>(scale);
 }
 
@@ -89,8 +78,7 @@ Medium parse_homogeneous(Properties& properties, const PhaseFunction& phase) {
     for (const std::string name : {"sigma_s", "sigma_a"})
         for (const std::string other : {"sigma_t", "albedo"})
             if (properties.has(name) && properties.has(other))
-                throw InputError(properties.where(name),
-                                 "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'");
+                properties.reject(name, "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'");
     if (properties.has("sigma_s") || properties.has("sigma_a")) {
         const Color scattering = color_property(properties, "sigma_s", 0.f, ColorRange::non_negative),
                     absorption = color_property(properties, "sigma_a", 0.f, ColorRange::non_negative);

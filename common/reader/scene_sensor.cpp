@@ -1,9 +1,9 @@
 #include "common/reader/scene_sensor.h"
 
 #include "common/core/float_traps.h"
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
 
-#include <fmt/format.h>
-#include <charconv>
 #include <climits>
 
 namespace gib {
@@ -41,9 +41,8 @@ void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
     const auto check = [&](int offset, int size, int film, const char* offset_name, const char* size_name) {
         if (offset <= film - size) return;
         const char* name = properties.has(offset_name) ? offset_name : size_name;
-        throw InputError(properties.where(name),
-                         fmt::format("the crop window from {} to {} is not within the film's {} pixels", offset,
-                                     static_cast<std::int64_t>(offset) + size, film));
+        properties.reject(name, "the crop window from {} to {} is not within the film's {} pixels", offset,
+                          static_cast<std::int64_t>(offset) + size, film);
     };
     check(x, sensor.width, film_width, "crop_offset_x", "crop_width");
     check(y, sensor.height, film_height, "crop_offset_y", "crop_height");
@@ -54,7 +53,7 @@ void parse_crop(Properties& properties, Sensor::Parameters& sensor) {
 /// Changes the number of pixels of the same picture.
 void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resolution) {
     const auto [width, height] = resolution;
-    if (width < 1 || height < 1) throw InputError(fmt::format("a resolution of {} x {} has no pixels", width, height));
+    if (width < 1 || height < 1) reject({}, "a resolution of {} x {} has no pixels", width, height);
     if (sensor.crop) {
         const Vec2d scale(1.0 * width / sensor.width, 1.0 * height / sensor.height);
         sensor.crop = Sensor::Crop{sensor.crop->film.cwiseProduct(scale), sensor.crop->offset.cwiseProduct(scale)};
@@ -94,18 +93,16 @@ std::optional<int> parse_sampler(const NestedObject& sampler, const XmlIds& ids)
 
 /// Parses a focal length [mm] for a film of 36 mm x 24 mm, such as "50mm".
 double parse_focal_length(const std::string& text, const SourceLocation& where) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const std::string unit(end, text.data() + text.size());
-    if (error != std::errc() || (!unit.empty() && unit != "mm") || !std::isfinite(value) || value <= 0)
-        throw InputError(where, fmt::format("bad number '{}': expected a focal length such as 50mm", text));
-    return value;
+    const auto value = number_from<double>(text.ends_with("mm") ? text.substr(0, text.size() - 2) : text);
+    if (!value || !std::isfinite(*value) || *value <= 0)
+        reject(where, "bad number '{}': expected a focal length such as 50mm", text);
+    return *value;
 }
 
 void parse_field_of_view(Properties& properties, Sensor::Parameters& sensor) {
     const auto fov = properties.number("fov");
     const auto focal_length = properties.string("focal_length");
-    if (fov && focal_length) throw InputError(properties.where("focal_length"), "give either 'fov' or 'focal_length'");
+    properties.exclude("focal_length", "fov");
     if (!fov) {
         // Mitsuba's default: the diagonal of a 35 mm film behind a lens of 50 mm.
         const double f = parse_focal_length(focal_length.value_or("50mm"), properties.where("focal_length"));
@@ -113,16 +110,15 @@ void parse_field_of_view(Properties& properties, Sensor::Parameters& sensor) {
         sensor.fov_axis = Sensor::FovAxis::diagonal;
         return;
     }
-    if (!(*fov > 0 && *fov < 180))
-        throw InputError(properties.where("fov"), fmt::format("'fov' must be between 0 and 180 degrees, not {}", *fov));
+    if (!(*fov > 0 && *fov < 180)) properties.reject("fov", "'fov' must be between 0 and 180 degrees, not {}", *fov);
     sensor.fov = *fov;
     using Axis = Sensor::FovAxis;
-    const std::map<std::string, Axis> axes{{"x", Axis::x},
-                                           {"y", Axis::y},
-                                           {"diagonal", Axis::diagonal},
-                                           {"smaller", Axis::smaller},
-                                           {"larger", Axis::larger}};
-    sensor.fov_axis = axes.at(properties.choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"}));
+    sensor.fov_axis = properties.chosen("fov_axis", Axis::x,
+                                        {{"x", Axis::x},
+                                         {"y", Axis::y},
+                                         {"diagonal", Axis::diagonal},
+                                         {"smaller", Axis::smaller},
+                                         {"larger", Axis::larger}});
 }
 
 /// Reads the lens of a thinlens. A perspective may give a focus_distance too, which has no effect without a lens.
@@ -131,28 +127,16 @@ void parse_lens(Properties& properties, bool thinlens, Sensor::Parameters& senso
     const double far_clip = std::isfinite(sensor.far_clip) ? static_cast<double>(sensor.far_clip) : 1e4;
     const double focus_distance = properties.number("focus_distance", far_clip);
     if (!thinlens) return;
-    const auto radius = properties.number("aperture_radius");
-    if (!radius) throw InputError(properties.element().where, "a thinlens needs an 'aperture_radius'");
-    if (!(*radius >= 0))
-        throw InputError(properties.where("aperture_radius"),
-                         fmt::format("'aperture_radius' must not be negative: {}", *radius));
-    const float per_distance = focus_distance > 0 ? static_cast<float>(1 / focus_distance) : 0.f;
-    if (!(per_distance > 0 && std::isfinite(per_distance)))
-        throw InputError(properties.where("focus_distance"),
-                         fmt::format("'focus_distance' must be above 0, not {}", focus_distance));
-    if (!(*radius <= largest_coordinate))
-        throw InputError(properties.where("aperture_radius"), "the lens is too large");
-    if (!(*radius <= largest_coordinate * focus_distance))
-        throw InputError(properties.where("focus_distance"), "'focus_distance' is too small for the lens");
-    sensor.aperture_radius = *radius;
-    sensor.focus_distance = focus_distance;
+    properties.require("aperture_radius");
+    sensor.aperture_radius = properties.not_negative("aperture_radius", 0);
+    sensor.focus_distance = properties.positive("focus_distance", focus_distance);
 }
 
 /// Refuses a camera-to-world transform that changes lengths, by Mitsuba's test and tolerance.
 void refuse_scale(const Properties& properties, const Mat4d& to_world) {
     for (int i = 0; i < 3; ++i)
         if (std::abs(to_world.block<3, 1>(0, i).squaredNorm() - 1) > 1e-3)
-            throw InputError(properties.where("to_world"), "the to_world of a perspective sensor must not scale");
+            properties.reject("to_world", "the to_world of a perspective sensor must not scale");
 }
 
 void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
@@ -160,8 +144,7 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
     const double near_clip = properties.positive("near_clip", 1), far_clip = properties.positive("far_clip", 1);
     if (properties.has("near_clip")) sensor.near_clip = static_cast<float>(near_clip);
     if (properties.has("far_clip")) sensor.far_clip = static_cast<float>(far_clip);
-    if (!(sensor.near_clip < sensor.far_clip))
-        throw InputError(properties.where("near_clip"), "'near_clip' must be below 'far_clip'");
+    if (!(sensor.near_clip < sensor.far_clip)) properties.reject("near_clip", "'near_clip' must be below 'far_clip'");
 }
 
 /// Whether the rays through the film's corners, which point furthest to the side, have directions. An angle of view
@@ -185,7 +168,7 @@ int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
         properties.plugin({"path", "direct", "volpath", "volpathmis", "ptracer", "prb", "prb_basic", "prbvolpath",
                            "direct_projective", "prb_projective", "aov", "moment", "stokes", "depth"});
     if (properties.boolean("hide_emitters", false))
-        throw InputError(properties.where("hide_emitters"), "'hide_emitters' is not supported yet");
+        properties.reject("hide_emitters", "'hide_emitters' is not supported yet");
     if (type == "direct" || type == "direct_projective") return 2;
     const auto max_depth = properties.integer("max_depth", -1);
     if (max_depth) return *max_depth < 0 ? INT_MAX : *max_depth;
@@ -201,8 +184,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     Sensor::Parameters parameters;
     parameters.to_world = properties.transform("to_world");
     for (const double x : parameters.to_world.reshaped())
-        if (!(std::abs(x) <= largest_coordinate))
-            throw InputError(properties.where("to_world"), "the sensor is too far away");
+        if (!(std::abs(x) <= largest_coordinate)) properties.reject("to_world", "the sensor is too far away");
     const std::string& type = properties.plugin({"perspective", "thinlens", "orthographic"});
     if (type == "orthographic") {
         parameters.projection = Sensor::Projection::orthographic;
@@ -226,9 +208,9 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     properties.finish();
     const double samples = 1.0 * parameters.width * parameters.height * sample_count.value_or(1);
     if (samples > most_samples)
-        throw InputError(film ? film->where : sensor.where,
-                         fmt::format("an image of {} x {} pixels with {} samples each is above {:g} samples",
-                                     parameters.width, parameters.height, sample_count.value_or(1), most_samples));
+        reject(film ? film->where : sensor.where,
+               "an image of {} x {} pixels with {} samples each is above {:g} samples", parameters.width,
+               parameters.height, sample_count.value_or(1), most_samples);
     const Sensor result(parameters);
     if (!has_sound_rays(result))
         throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");

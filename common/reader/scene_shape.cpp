@@ -1,8 +1,7 @@
 #include "common/reader/scene_shape.h"
 
 #include "common/core/float_traps.h"
-
-#include <fmt/format.h>
+#include "common/core/reject.h"
 
 namespace gib {
 
@@ -74,7 +73,7 @@ ParsedSphere parse_sphere(Properties& properties, const Mat4d& to_world) {
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
     const double scale = std::cbrt(std::abs(linear.determinant()));
     if (!(linear.transpose() * linear / (scale * scale)).isIdentity(1e-5))
-        throw InputError(properties.where("to_world"), "the to_world of a sphere must scale uniformly and not shear");
+        properties.reject("to_world", "the to_world of a sphere must scale uniformly and not shear");
     // Mitsuba reads a mirroring transform as a negative radius, which turns the normals.
     return {.center = linear * center + to_world.topRightCorner<3, 1>(),
             .radius = scale * radius,
@@ -87,7 +86,7 @@ ParsedDisk parse_disk(Properties& properties, const Mat4d& to_world) {
     const Eigen::Matrix3d linear = to_world.topLeftCorner<3, 3>();
     const Vec3d du = linear.col(0), dv = linear.col(1);
     if (std::abs(du.stableNormalized().dot(dv.stableNormalized())) > 1e-6)
-        throw InputError(properties.where("to_world"), "the to_world of a disk must not shear");
+        properties.reject("to_world", "the to_world of a disk must not shear");
     const Vec3d normal = (unit_columns(to_world).inverse().transpose() * Vec3d::UnitZ()).normalized();
     return {.center = to_world.topRightCorner<3, 1>(),
             .du = du,
@@ -115,8 +114,8 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
     const Vec3d lengths(scale, scale, axes.col(2).stableNorm());
     const Eigen::Matrix3d unit = axes * lengths.cwiseInverse().asDiagonal();
     if (!(unit.transpose() * unit).isIdentity(1e-5))
-        throw InputError(properties.where("to_world"),
-                         "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
+        properties.reject(
+            "to_world", "the to_world of a cylinder must scale alike in all directions across its axis and not shear");
     return {.base = linear * p0 + to_world.topRightCorner<3, 1>(),
             .axis = 2 * (linear * half_axis),
             .s = unit.col(0),
@@ -147,12 +146,11 @@ ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d&
 ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
                              const FileFinder& files, ContentHash& hash) {
     const bool is_serialized = type == "serialized";
-    const auto name = properties.string("filename");
-    if (!name) throw InputError(properties.element().where, fmt::format("'{}' needs a 'filename'", type));
+    const std::string name = properties.required_string("filename");
     MeshOptions options{properties.boolean("face_normals", false), properties.boolean("flip_normals", false),
                         !is_serialized && properties.boolean("flip_tex_coords", type == "obj")};
     const int index = is_serialized ? properties.integer("shape_index", 0).value_or(0) : 0;
-    const std::string path = files.find(*name, properties.element_where("filename"));
+    const std::string path = files.find(name, properties.element_where("filename"));
     const std::string content = read_file(path);
     hash.add(content);
     if (type == "ms3d") {
@@ -174,7 +172,7 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
 void check_range(const Vec3d& p, const SourceLocation& where) {
     // Each coordinate is compared by itself, because the largest coefficient may leave out NaN.
     if (!(p.array().abs() <= largest_coordinate).all())
-        throw InputError(where, fmt::format("the shape has coordinates above {:g}", largest_coordinate));
+        reject(where, "the shape has coordinates above {:g}", largest_coordinate);
 }
 
 Mesh recentred(ParsedMesh&& mesh, const Vec3d& origin, const SourceLocation& where) {

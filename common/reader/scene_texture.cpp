@@ -1,25 +1,16 @@
 #include "common/reader/scene_texture.h"
-#include "common/xml/scene_spectrum.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
+#include "common/xml/scene_spectrum.h"
 
 namespace gib {
 
-namespace {
-
-constexpr std::size_t deepest_part = 64, most_parts = 1000;  ///< of a material or texture
-
-}  // namespace
-
 OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
-    if (files.open_.contains(element_))
-        throw InputError(object.where, fmt::format("the {} holds itself", element_->tag));
-    if (files.open_.size() == deepest_part)
-        throw InputError(object.where,
-                         fmt::format("materials and textures are nested deeper than {} levels", deepest_part));
+    constexpr std::size_t deepest_part = 64, most_parts = 1000;
+    if (files.open_.contains(element_)) reject(object.where, "the {} holds itself", element_->tag);
     files.parts_ = files.open_.empty() ? 1 : files.parts_ + 1;
-    if (files.parts_ > most_parts)
-        throw InputError(object.where, fmt::format("a material or texture of more than {} parts", most_parts));
+    if (files.open_.size() == deepest_part || files.parts_ > most_parts)
+        throw InputError(object.where, "a material or texture of too many parts");
     files.open_.insert(element_);
 }
 
@@ -31,26 +22,24 @@ UvTransform parse_to_uv(Properties& properties) {
     const Mat4d m = properties.transform("to_uv");
     // Mitsuba leaves out the third row and column. Entries there, which it would ignore in silence, are refused.
     if (m(0, 2) != 0 || m(1, 2) != 0 || m(2, 0) != 0 || m(2, 1) != 0)
-        throw InputError(properties.where("to_uv"),
-                         "'to_uv' must map u and v alone (a <matrix> of 9 numbers cannot "
-                         "move them: give a <translate>)");
+        properties.reject("to_uv",
+                          "'to_uv' must map u and v alone (a <matrix> of 9 numbers cannot "
+                          "move them: give a <translate>)");
     return {m.topLeftCorner<2, 2>().cast<float>(), m.topRightCorner<2, 1>().cast<float>()};
 }
 
 Texture parse_bitmap(Properties& properties, TextureFiles& files) {
-    const auto name = properties.string("filename");
-    if (!name) throw InputError(properties.element().where, "'bitmap' needs a 'filename'");
+    const std::string name = properties.required_string("filename");
     BitmapTexture texture;
-    const std::string filter = properties.choice("filter_type", "bilinear", {"nearest", "bilinear"});
-    const std::string wrap = properties.choice("wrap_mode", "repeat", {"repeat", "mirror", "clamp"});
-    texture.filter = filter == "nearest" ? TextureFilter::nearest : TextureFilter::bilinear;
-    texture.wrap = wrap == "repeat" ? TextureWrap::repeat : wrap == "mirror" ? TextureWrap::mirror : TextureWrap::clamp;
+    texture.filter = properties.chosen("filter_type", TextureFilter::bilinear,
+                                       {{"nearest", TextureFilter::nearest}, {"bilinear", TextureFilter::bilinear}});
+    texture.wrap = properties.chosen("wrap_mode", Wrap::repeat, wrap_names);
     texture.to_uv = parse_to_uv(properties);
     const bool raw = properties.boolean("raw", false);
     // These options concern Mitsuba's memory and graphics processors. Texels are always 32-bit floats here.
     properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
     properties.boolean("accel", true);
-    texture.bitmap = files.bitmap(*name, properties.element_where("filename"), raw);
+    texture.bitmap = files.bitmap(name, properties.element_where("filename"), raw);
     return Texture(std::move(texture));
 }
 
@@ -66,10 +55,9 @@ Texture parse_within(const NestedObject& object, const std::string& name, ColorR
     Texture texture = parse_texture(object, range, files);
     const float lowest = texture.minimum().minCoeff(), highest = texture.maximum().maxCoeff();
     if (range == ColorRange::unit && !(lowest >= 0 && highest <= 1))
-        throw InputError(object.where, fmt::format("'{}' must be between 0 and 1, but its texture has {}", name,
-                                                   lowest >= 0 ? highest : lowest));
-    if (!(lowest >= 0))
-        throw InputError(object.where, fmt::format("'{}' must not be negative, but its texture has {}", name, lowest));
+        reject(object.where, "'{}' must be between 0 and 1, but its texture has {}", name,
+               lowest >= 0 ? highest : lowest);
+    if (!(lowest >= 0)) reject(object.where, "'{}' must not be negative, but its texture has {}", name, lowest);
     return texture;
 }
 

@@ -9,6 +9,10 @@
 
 namespace gib {
 
+/// The names of Wrap's values.
+inline const std::initializer_list<std::pair<std::string_view, Wrap>> wrap_names = {
+    {"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}};
+
 /// The images that a scene's textures share. Every file that is read is added to the scene's hash.
 class TextureFiles {
 public:

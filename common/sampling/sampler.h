@@ -111,7 +111,6 @@ enum class PointSet {
     independent,  ///< independent random numbers
     sobol  ///< Owen-scrambled Sobol' points over the passes of one pixel, each pair of dimensions in its own order
 };
-inline constexpr std::array<std::string_view, 2> point_set_names = {"independent", "sobol"};
 
 /// The dimensions of a path from the eye or from a light. A dimension is a random point of the unit square; its name
 /// says what the point decides. All methods use these names, so that no number is used twice.

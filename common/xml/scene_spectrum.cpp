@@ -2,9 +2,8 @@
 
 #include "common/color/cie.h"
 #include "common/core/files.h"
+#include "common/core/reject.h"
 #include "common/core/text_cursor.h"
-
-#include <fmt/format.h>
 
 namespace gib {
 
@@ -37,10 +36,9 @@ public:
     void add(double wavelength, double value, const SourceLocation& where) {
         auto& wavelengths = samples_.wavelengths;
         for (const double x : {wavelength, value})
-            if (!std::isfinite(x)) throw InputError(where, fmt::format("bad number '{}'", x));
+            if (!std::isfinite(x)) reject(where, "bad number '{}'", x);
         if (!wavelengths.empty() && wavelength <= wavelengths.back())
-            throw InputError(
-                where, fmt::format("the wavelengths must increase: {} follows {}", wavelength, wavelengths.back()));
+            reject(where, "the wavelengths must increase: {} follows {}", wavelength, wavelengths.back());
         check_color_value(value, purpose_.range, purpose_.property, where);
         wavelengths.push_back(wavelength);
         samples_.values.push_back(value);
@@ -48,8 +46,7 @@ public:
 
     Color color(const SourceLocation& where) const {
         if (samples_.values.size() < 2)
-            throw InputError(where,
-                             fmt::format("a spectrum needs two wavelengths or more, found {}", samples_.values.size()));
+            reject(where, "a spectrum needs two wavelengths or more, found {}", samples_.values.size());
         return color_of(samples_, purpose_, where);
     }
 
@@ -63,24 +60,12 @@ XmlAttribute part(const XmlAttribute& attribute, std::string text) {
     return {attribute.name, std::move(text), attribute.where};
 }
 
-std::vector<std::string> words_of(const std::string& text) {
-    constexpr std::string_view separators = " \t\r\n,";
-    std::vector<std::string> words;
-    for (std::size_t begin = text.find_first_not_of(separators); begin != text.npos;) {
-        const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
-        words.push_back(text.substr(begin, end - begin));
-        begin = text.find_first_not_of(separators, end);
-    }
-    return words;
-}
-
 Color parse_list(const XmlAttribute& attribute, const Purpose& purpose) {
     SampleList list(purpose);
     for (const std::string& pair : words_of(attribute.value)) {
         const std::size_t colon = pair.find(':');
         if (colon == pair.npos)
-            throw InputError(attribute.where,
-                             fmt::format("bad spectrum '{}': expected wavelength:value, as in 400:0.1", pair));
+            reject(attribute.where, "bad spectrum '{}': expected wavelength:value, as in 400:0.1", pair);
         list.add(parse_number(part(attribute, pair.substr(0, colon))),
                  parse_number(part(attribute, pair.substr(colon + 1))), attribute.where);
     }
@@ -113,21 +98,14 @@ Color parse_constant(const XmlAttribute& attribute, const Purpose& purpose) {
     return checked(purpose.range == ColorRange::emission ? rgb_of_xyz(xyz) : xyz, purpose, attribute.where);
 }
 
-void require(const Properties& properties, const std::string& name) {
-    if (!properties.has(name))
-        throw InputError(properties.element().where, fmt::format("the spectrum '{}' needs '{}'",
-                                                                 properties.element().required("type").value, name));
-}
-
 double required_number(Properties& properties, const std::string& name) {
-    require(properties, name);
+    properties.require(name);
     return *properties.number(name);
 }
 
 /// The numbers of a <string>, as an attribute at their place.
 XmlAttribute required_list(Properties& properties, const std::string& name) {
-    require(properties, name);
-    return {"value", *properties.string(name), properties.where(name)};
+    return {"value", properties.required_string(name), properties.where(name)};
 }
 
 Color parse_regular(Properties& properties, const Purpose& purpose) {
@@ -148,8 +126,7 @@ Color parse_irregular(Properties& properties, const Purpose& purpose) {
     const std::vector<double> wavelengths = parse_numbers(required_list(properties, "wavelengths")),
                               values = parse_numbers(attribute);
     if (wavelengths.size() != values.size())
-        throw InputError(attribute.where,
-                         fmt::format("found {} values at {} wavelengths", values.size(), wavelengths.size()));
+        reject(attribute.where, "found {} values at {} wavelengths", values.size(), wavelengths.size());
     SampleList list(purpose);
     for (std::size_t i = 0; i < values.size(); ++i)
         list.add(wavelengths[i], values[i], attribute.where);
@@ -166,8 +143,8 @@ double planck(double wavelength, double temperature) {
 Color parse_blackbody(Properties& properties, const Purpose& purpose) {
     const SourceLocation& where = properties.element().where;
     if (purpose.range != ColorRange::emission)
-        throw InputError(where, fmt::format("'{}' cannot be a blackbody: only an emission can", purpose.property));
-    require(properties, "temperature");
+        reject(where, "'{}' cannot be a blackbody: only an emission can", purpose.property);
+    properties.require("temperature");
     const double temperature = properties.positive("temperature", 0);
     const double first = properties.number("wavelength_min", shortest_wavelength),
                  last = properties.number("wavelength_max", longest_wavelength);
@@ -185,7 +162,7 @@ Color parse_d65(Properties& properties, const Purpose& purpose) {
 }
 
 Color parse_srgb(Properties& properties, const Purpose& purpose) {
-    require(properties, "color");
+    properties.require("color");
     return properties.rgb("color", 1, purpose.range);
 }
 

@@ -1,6 +1,7 @@
 #include "common/xml/xml_document.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
+
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <pugixml.hpp>
@@ -9,7 +10,6 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t most_attributes = 64;  ///< elements take few, and each is compared with all before it
 constexpr int deepest_element = 64;  ///< deeper files are mistakes, and recursion over them must stay on the stack
 
 class Converter {
@@ -30,12 +30,12 @@ public:
         const auto name_offset = static_cast<std::size_t>(node.offset_debug());
         XmlElement element{.tag = node.name(), .where = location(name_offset - 1), .attributes = {}, .children = {}};
         if (depth > deepest_element)
-            throw InputError(element.where, fmt::format("elements are nested deeper than {} levels", deepest_element));
+            reject(element.where, "elements are nested deeper than {} levels", deepest_element);
         convert_attributes(node, name_offset + element.tag.size(), element);
         for (const auto& child : node.children()) {
             if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
-                throw InputError(location(static_cast<std::size_t>(child.offset_debug())),
-                                 fmt::format("unexpected text in <{}>", element.tag));
+                reject(location(static_cast<std::size_t>(child.offset_debug())), "unexpected text in <{}>",
+                       element.tag);
             element.children.push_back(convert(child, depth + 1));
         }
         return element;
@@ -48,11 +48,7 @@ private:
         for (const auto& attribute : node.attributes()) {
             at = text_.find_first_not_of(" \t\r\n", at);
             XmlAttribute converted{attribute.name(), attribute.value(), location(at)};
-            if (element.attributes.size() == most_attributes)
-                throw InputError(converted.where,
-                                 fmt::format("<{}> has more than {} attributes", element.tag, most_attributes));
-            if (element.find(converted.name))
-                throw InputError(converted.where, fmt::format("attribute '{}' is given twice", converted.name));
+            if (element.find(converted.name)) reject(converted.where, "attribute '{}' is given twice", converted.name);
             element.attributes.push_back(std::move(converted));
             const std::size_t quote = text_.find_first_of("\"'", at);
             at = text_.find(text_[quote], quote + 1) + 1;
@@ -73,32 +69,27 @@ const XmlAttribute* XmlElement::find(std::string_view name) const {
 
 const XmlAttribute& XmlElement::required(std::string_view name) const {
     const XmlAttribute* attribute = find(name);
-    if (!attribute) throw InputError(where, fmt::format("<{}> needs the attribute '{}'", tag, name));
+    if (!attribute) reject(where, "<{}> needs the attribute '{}'", tag, name);
     return *attribute;
 }
 
 void XmlElement::check_attributes(std::initializer_list<std::string_view> allowed) const {
     for (const auto& attribute : attributes)
         if (std::find(allowed.begin(), allowed.end(), attribute.name) == allowed.end())
-            throw InputError(attribute.where, fmt::format("unknown attribute '{}' of <{}>; it takes: {}",
-                                                          attribute.name, tag, fmt::join(allowed, ", ")));
+            reject(attribute.where, "unknown attribute '{}' of <{}>; it takes: {}", attribute.name, tag,
+                   fmt::join(allowed, ", "));
 }
 
 void XmlElement::check_no_children() const {
-    if (!children.empty())
-        throw InputError(children[0].where, fmt::format("<{}> cannot hold <{}>", tag, children[0].tag));
+    if (!children.empty()) reject(children[0].where, "<{}> cannot hold <{}>", tag, children[0].tag);
 }
 
 XmlElement parse_xml(const std::string& text, const std::string& file) {
     const Converter converter(text, file);
-    // pugixml ends the text at a byte of value zero, whatever follows.
-    if (const std::size_t zero = text.find('\0'); zero != text.npos)
-        throw InputError(converter.location(zero), "malformed XML: a byte of value zero");
     pugi::xml_document document;
     const auto result = document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!result)
-        throw InputError(converter.location(static_cast<std::size_t>(result.offset)),
-                         fmt::format("malformed XML: {}", result.description()));
+        reject(converter.location(static_cast<std::size_t>(result.offset)), "malformed XML: {}", result.description());
     const pugi::xml_node root = document.document_element();
     if (const pugi::xml_node second = root.next_sibling())
         throw InputError(converter.location(static_cast<std::size_t>(second.offset_debug()) - 1),

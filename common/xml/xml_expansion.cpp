@@ -1,5 +1,7 @@
 #include "common/xml/xml_expansion.h"
 
+#include "common/core/reject.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
@@ -11,11 +13,6 @@ namespace gib {
 namespace {
 
 constexpr int deepest_include = 15;
-/// Limits for files that include each other several times, and for parameters made of parameters: a few lines of them
-/// could grow without bound.
-constexpr int most_includes = 1000;
-constexpr std::size_t most_substituted = 1 << 24;
-
 bool is_name_character(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
@@ -42,10 +39,6 @@ public:
                 const std::string& name = name_at(attribute, i + 1);
                 known_.insert(name);
                 const std::string& value = values_.at(name);
-                substituted_ += value.size();
-                if (substituted_ > most_substituted)
-                    throw InputError(attribute.where,
-                                     fmt::format("parameters of more than {} characters in all", most_substituted));
                 result += value;
                 i += 1 + name.size();
             } else {
@@ -58,9 +51,8 @@ public:
     void check_all_known(const std::string& file) const {
         for (const auto& [name, value] : given_)
             if (!known_.count(name))
-                throw InputError({file, 0, 0},
-                                 fmt::format("there is no parameter '{}'; the file has: {}", name,
-                                             known_.empty() ? "none" : fmt::format("{}", fmt::join(known_, ", "))));
+                reject({file, 0, 0}, "there is no parameter '{}'; the file has: {}", name,
+                       known_.empty() ? "none" : fmt::format("{}", fmt::join(known_, ", ")));
     }
 
 private:
@@ -75,21 +67,19 @@ private:
         std::size_t end = at;
         while (end < attribute.value.size() && is_name_character(attribute.value[end]))
             ++end;
-        throw InputError(attribute.where,
-                         fmt::format("the parameter '${}' has no value", attribute.value.substr(at, end - at)));
+        reject(attribute.where, "the parameter '${}' has no value", attribute.value.substr(at, end - at));
     }
 
     const std::map<std::string, std::string>& given_;
     std::map<std::string, std::string> values_;
     std::set<std::string> known_;
-    std::size_t substituted_ = 0;  ///< characters that replaced parameters
 };
 
 void check_version(const XmlElement& root) {
     const XmlAttribute& version = root.required("version");
     const std::string major = version.value.substr(0, version.value.find('.'));
     if (major != "2" && major != "3")
-        throw InputError(version.where, fmt::format("version '{}' is not supported: only 2.x and 3.x", version.value));
+        reject(version.where, "version '{}' is not supported: only 2.x and 3.x", version.value);
 }
 
 /// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
@@ -112,8 +102,7 @@ public:
     XmlElement expand_main(const std::string& text, const std::string& path) {
         hash_.add(text);
         XmlElement root = parse_xml(text, path);
-        if (root.tag != "scene")
-            throw InputError(root.where, fmt::format("the root element must be <scene>, not <{}>", root.tag));
+        if (root.tag != "scene") reject(root.where, "the root element must be <scene>, not <{}>", root.tag);
         check_version(root);
         root.check_attributes({"version", "id"});
         expand_children(root, 0);
@@ -169,7 +158,7 @@ private:
         element.check_no_children();
         const std::string folder = files_.find(element.required("value").value, element.where, folders_);
         if (std::error_code error; !std::filesystem::is_directory(folder, error))
-            throw InputError(element.where, fmt::format("'{}' is not a folder", folder));
+            reject(element.where, "'{}' is not a folder", folder);
         files_.add_path(folder);
     }
 
@@ -177,10 +166,7 @@ private:
         element.check_attributes({"filename", "name"});
         element.check_no_children();
         if (depth == deepest_include)
-            throw InputError(element.where,
-                             fmt::format("includes are nested deeper than {} files: circular?", deepest_include));
-        if (++includes_ > most_includes)
-            throw InputError(element.where, fmt::format("a scene of more than {} includes", most_includes));
+            reject(element.where, "includes are nested deeper than {} files: circular?", deepest_include);
         const std::string path = files_.find(element.required("filename").value, element.where, folders_);
         const std::string text = read_file(path);
         hash_.add(text);
@@ -212,7 +198,6 @@ private:
     FileFinder& files_;
     Parameters& parameters_;
     ContentHash& hash_;
-    int includes_ = 0;                  ///< so far
     std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
 };
 
@@ -224,7 +209,7 @@ std::string FileFinder::find(const std::string& name, const SourceLocation& wher
     std::error_code error;
     if (fs::path(name).is_absolute()) {
         if (fs::exists(name, error)) return name;
-        throw InputError(where, fmt::format("there is no file '{}'", name));
+        reject(where, "there is no file '{}'", name);
     }
     std::vector<std::string> searched = first;
     searched.push_back(main_folder_);
@@ -234,7 +219,7 @@ std::string FileFinder::find(const std::string& name, const SourceLocation& wher
         if (!name.empty() && fs::exists(path, error)) return path.string();
         if (folder.empty()) folder = ".";
     }
-    throw InputError(where, fmt::format("there is no file '{}'; searched: {}", name, fmt::join(searched, ", ")));
+    reject(where, "there is no file '{}'; searched: {}", name, fmt::join(searched, ", "));
 }
 
 void XmlIds::collect(const XmlElement& element) {
@@ -254,14 +239,13 @@ void XmlIds::insert(const std::string& id, const XmlElement& object, const Sourc
     const auto [it, is_new] = objects_.emplace(id, &object);
     if (is_new) return;
     const SourceLocation& first = it->second->where;
-    throw InputError(
-        where, fmt::format("the id '{}' is given twice, first at {}:{}:{}", id, first.file, first.line, first.column));
+    reject(where, "the id '{}' is given twice, first at {}:{}:{}", id, first.file, first.line, first.column);
 }
 
 const XmlElement& XmlIds::resolve(const XmlElement& ref) const {
     const XmlAttribute& id = ref.required("id");
     const auto it = objects_.find(id.value);
-    if (it == objects_.end()) throw InputError(id.where, fmt::format("there is no object with the id '{}'", id.value));
+    if (it == objects_.end()) reject(id.where, "there is no object with the id '{}'", id.value);
     return *it->second;
 }
 

@@ -1,5 +1,7 @@
 #include "common/xml/xml_properties.h"
 
+#include "common/core/reject.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
@@ -22,11 +24,6 @@ bool is_object(const XmlElement& element) {
     return among(element.tag, object_tags) || (element.tag == "spectrum" && element.find("type"));
 }
 
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
-    return text;
-}
-
 /// The value of a <float> or an <integer>.
 double parse_number_of(const XmlElement& element) {
     const XmlAttribute& value = element.required("value");
@@ -45,10 +42,9 @@ void check_value_element(const XmlElement& element) {
 
 void check_color_value(double value, ColorRange range, const std::string& name, const SourceLocation& where) {
     if (range == ColorRange::unit && !(value >= 0 && value <= 1))
-        throw InputError(where, fmt::format("'{}' must be between 0 and 1, not {}", name, value));
-    if (!(value >= 0)) throw InputError(where, fmt::format("'{}' must not be negative: {}", name, value));
-    if (!std::isfinite(static_cast<float>(value)))
-        throw InputError(where, fmt::format("bad number '{}': too large", value));
+        gib::reject(where, "'{}' must be between 0 and 1, not {}", name, value);
+    if (!(value >= 0)) gib::reject(where, "'{}' must not be negative: {}", name, value);
+    if (!std::isfinite(static_cast<float>(value))) gib::reject(where, "bad number '{}': too large", value);
 }
 
 Properties::Properties(const XmlElement& element, const XmlIds& ids) : element_(element), ids_(ids) {
@@ -72,19 +68,18 @@ void Properties::add_child(const XmlElement& child) {
         check_value_element(child);
         properties_.push_back({.name = name, .element = &child, .where = where, .is_object = false});
     } else {
-        throw InputError(where, fmt::format("<{}> cannot hold <{}>", element_.tag, child.tag));
+        gib::reject(where, "<{}> cannot hold <{}>", element_.tag, child.tag);
     }
     if (name.empty()) return;
     const auto [first, is_new] = line_of_name_.emplace(std::move(name), where.line);
-    if (!is_new)
-        throw InputError(where, fmt::format("'{}' is given twice, first at line {}", first->first, first->second));
+    if (!is_new) gib::reject(where, "'{}' is given twice, first at line {}", first->first, first->second);
 }
 
 const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {
     const XmlAttribute& type = element_.required("type");
     if (std::find(supported.begin(), supported.end(), type.value) == supported.end())
-        throw InputError(type.where, fmt::format("the {} '{}' is not supported; supported are: {}", element_.tag,
-                                                 type.value, fmt::join(supported, ", ")));
+        gib::reject(type.where, "the {} '{}' is not supported; supported are: {}", element_.tag, type.value,
+                    fmt::join(supported, ", "));
     return type.value;
 }
 
@@ -93,6 +88,14 @@ SourceLocation Properties::where(const std::string& name) const {
     if (!property) return element_.where;
     const XmlAttribute* value = property->element->find("value");
     return value && !property->is_object ? value->where : property->where;
+}
+
+void Properties::require(const std::string& name) const {
+    if (!has(name)) gib::reject(element_.where, "'{}' needs '{}'", element_.required("type").value, name);
+}
+
+void Properties::exclude(const std::string& name, const std::string& other) const {
+    if (has(name) && has(other)) reject(name, "give either '{}' or '{}'", other, name);
 }
 
 const Properties::Property* Properties::find(const std::string& name) const {
@@ -119,24 +122,33 @@ const XmlElement* Properties::read(const std::string& name, std::initializer_lis
     std::vector<std::string_view> all(kinds);
     for (const auto& [parameter, kind] : other_kinds_)
         if (parameter == name) all.push_back(kind);
-    throw InputError(property->where,
-                     fmt::format("'{}' cannot be a <{}>; it takes: <{}>", name, tag, fmt::join(all, ">, <")));
+    gib::reject(property->where, "'{}' cannot be a <{}>; it takes: <{}>", name, tag, fmt::join(all, ">, <"));
 }
 
 std::optional<double> Properties::number(const std::string& name) {
     const XmlElement* element = read(name, {"float", "integer"});
     if (!element) return std::nullopt;
     const double value = parse_number_of(*element);
-    if (!std::isfinite(static_cast<float>(value)))
-        throw InputError(where(name), fmt::format("bad number '{}': too large", value));
+    if (!std::isfinite(static_cast<float>(value))) reject(name, "bad number '{}': too large", value);
     return value;
 }
 
 double Properties::positive(const std::string& name, double fallback) {
     const double value = number(name, fallback);
-    if (!(static_cast<float>(value) > 0))
-        throw InputError(where(name), fmt::format("'{}' must be above 0, not {}", name, value));
+    if (!(static_cast<float>(value) > 0)) reject(name, "'{}' must be above 0, not {}", name, value);
     return value;
+}
+
+double Properties::not_negative(const std::string& name, double fallback) {
+    const double value = number(name, fallback);
+    if (!(value >= 0)) reject(name, "'{}' must not be negative: {:g}", name, value);
+    return value;
+}
+
+double Properties::within(const std::string& name, double fallback, double lowest, double highest) {
+    const double value = number(name, fallback);
+    if (value >= lowest && value <= highest) return value;
+    reject(name, "'{}' must be between {:g} and {:g}, not {:g}", name, lowest, highest, value);
 }
 
 std::optional<int> Properties::integer(const std::string& name, int lowest, int highest) {
@@ -144,8 +156,7 @@ std::optional<int> Properties::integer(const std::string& name, int lowest, int 
     if (!element) return std::nullopt;
     const auto value = parse_integer(element->required("value"));
     if (value < lowest || value > highest)
-        throw InputError(where(name),
-                         fmt::format("'{}' must be between {} and {}, not {}", name, lowest, highest, value));
+        reject(name, "'{}' must be between {} and {}, not {}", name, lowest, highest, value);
     return static_cast<int>(value);
 }
 
@@ -160,12 +171,16 @@ std::optional<std::string> Properties::string(const std::string& name) {
     return element->required("value").value;
 }
 
+std::string Properties::required_string(const std::string& name) {
+    require(name);
+    return *string(name);
+}
+
 std::string Properties::choice(const std::string& name, const std::string& fallback,
-                               std::initializer_list<std::string_view> choices) {
+                               const std::vector<std::string_view>& choices) {
     const std::string value = lower_case(string(name).value_or(fallback));
     if (std::find(choices.begin(), choices.end(), value) == choices.end())
-        throw InputError(where(name),
-                         fmt::format("'{}' cannot be '{}'; it takes: {}", name, value, fmt::join(choices, ", ")));
+        reject(name, "'{}' cannot be '{}'; it takes: {}", name, value, fmt::join(choices, ", "));
     return value;
 }
 
@@ -193,7 +208,7 @@ Color Properties::rgb(const std::string& name, float fallback, ColorRange range)
     const bool is_rgb = element->tag == "rgb";
     const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number_of(*element)};
     if (numbers.size() != 1 && numbers.size() != 3)
-        throw InputError(value.where, fmt::format("'{}' takes one or three numbers, found {}", name, numbers.size()));
+        gib::reject(value.where, "'{}' takes one or three numbers, found {}", name, numbers.size());
     Color color;
     for (int i = 0; i < 3; ++i) {
         const double x = numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)];
@@ -222,8 +237,7 @@ std::vector<NestedObject> Properties::objects(const std::string& tag) {
 
 std::optional<NestedObject> Properties::object(const std::string& tag) {
     const auto found = objects(tag);
-    if (found.size() > 1)
-        throw InputError(found[1].where, fmt::format("<{}> can hold only one <{}>", element_.tag, tag));
+    if (found.size() > 1) gib::reject(found[1].where, "<{}> can hold only one <{}>", element_.tag, tag);
     return found.empty() ? std::nullopt : std::optional(found[0]);
 }
 
@@ -245,9 +259,8 @@ void Properties::finish() const {
         const std::string plugin = type ? fmt::format("{} '{}'", element_.tag, type->value) : element_.tag;
         const std::string what = property.is_object ? fmt::format("a <{}>", property.element->tag)
                                                     : fmt::format("a parameter '{}'", property.name);
-        throw InputError(property.where,
-                         fmt::format("{} does not take {}; it takes: {}", plugin, what,
-                                     known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", "))));
+        gib::reject(property.where, "{} does not take {}; it takes: {}", plugin, what,
+                    known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", ")));
     }
 }
 

@@ -2,11 +2,14 @@
 // The parameters of a plugin element such as <shape type="sphere">. A plugin takes only what it asks for: anything
 // else in its element is an error at its place, so that no setting is ignored in silence.
 
+#include "common/core/reject.h"
 #include "common/xml/xml_expansion.h"
 #include "common/xml/xml_values.h"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <unordered_map>
 
 namespace gib {
@@ -44,6 +47,16 @@ public:
     /// The place of a property's element; the property must be given.
     const SourceLocation& element_where(const std::string& name) const { return find(name)->where; }
 
+    /// Throws InputError, put together from a message and its arguments, at the value of `name`.
+    template <typename... Args>
+    [[noreturn]] void reject(const std::string& name, fmt::format_string<Args...> message, Args&&... args) const {
+        gib::reject(where(name), message, std::forward<Args>(args)...);
+    }
+    /// Throws InputError at the plugin's element if the parameter is not given.
+    void require(const std::string& name) const;
+    /// Throws InputError at `name` if `other` is given too.
+    void exclude(const std::string& name, const std::string& other) const;
+
     /// Declares that the plugin takes the parameter `name`, though perhaps not together with those that are given.
     void declare(const std::string& name);
     // Reading a property declares that the plugin takes it. All readers throw InputError for a value of another kind.
@@ -51,12 +64,28 @@ public:
     double number(const std::string& name, double fallback) { return number(name).value_or(fallback); }
     /// Throws InputError at a value that is not above 0.
     double positive(const std::string& name, double fallback);
+    /// Throws InputError at a value below 0.
+    double not_negative(const std::string& name, double fallback);
+    /// Throws InputError at a value out of [lowest, highest].
+    double within(const std::string& name, double fallback, double lowest, double highest);
     std::optional<int> integer(const std::string& name, int lowest, int highest = std::numeric_limits<int>::max());
     bool boolean(const std::string& name, bool fallback);
     std::optional<std::string> string(const std::string& name);
+    std::string required_string(const std::string& name);
     /// One of `choices`, in lower case.
     std::string choice(const std::string& name, const std::string& fallback,
-                       std::initializer_list<std::string_view> choices);
+                       const std::vector<std::string_view>& choices);
+    /// The value that one of `choices` names.
+    template <typename Value>
+    Value chosen(const std::string& name, Value fallback,
+                 std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> choices) {
+        std::vector<std::string_view> names;
+        for (const auto& [word, value] : choices)
+            names.push_back(word);
+        const std::string given = choice(name, std::string(names.front()), names);
+        const auto* chosen = choices.begin() + (std::find(names.begin(), names.end(), given) - names.begin());
+        return has(name) ? chosen->second : fallback;
+    }
     std::optional<Vec3d> point(const std::string& name);
     Mat4d transform(const std::string& name);
     /// Declares that the property may be a <spectrum>. Returns its element if it is one, else null; color_property()

@@ -1,10 +1,10 @@
 #include "common/xml/xml_values.h"
 
 #include "common/core/float_traps.h"
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
 
-#include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
 namespace gib {
@@ -19,18 +19,15 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
+/// A number that may begin with a plus.
 template <typename T>
-std::optional<T> from_text(std::string_view text) {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    T value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
-    return value;
+std::optional<T> signed_number(std::string_view text) {
+    return number_from<T>(text.substr(text.starts_with('+') ? 1 : 0));
 }
 
 double finite_number(std::string_view text, const XmlAttribute& attribute) {
-    const auto value = from_text<double>(text);
-    if (!value || !std::isfinite(*value)) throw InputError(attribute.where, fmt::format("bad number '{}'", text));
+    const auto value = signed_number<double>(text);
+    if (!value || !std::isfinite(*value)) reject(attribute.where, "bad number '{}'", text);
     return *value;
 }
 
@@ -41,8 +38,7 @@ Vec3d vector_from(const XmlElement& element, std::optional<double> fallback) {
             if (axis) throw InputError(axis->where, "give either 'value' or 'x', 'y' and 'z'");
         const auto numbers = parse_numbers(*value);
         if (numbers.size() == 1) return Vec3d::Constant(numbers[0]);
-        if (numbers.size() != 3)
-            throw InputError(value->where, fmt::format("expected one or three numbers, found {}", numbers.size()));
+        if (numbers.size() != 3) reject(value->where, "expected one or three numbers, found {}", numbers.size());
         return {numbers[0], numbers[1], numbers[2]};
     }
     Vec3d v;
@@ -54,8 +50,7 @@ Vec3d vector_from(const XmlElement& element, std::optional<double> fallback) {
 
 Vec3d three_numbers(const XmlAttribute& attribute) {
     const auto numbers = parse_numbers(attribute);
-    if (numbers.size() != 3)
-        throw InputError(attribute.where, fmt::format("expected three numbers, found {}", numbers.size()));
+    if (numbers.size() != 3) reject(attribute.where, "expected three numbers, found {}", numbers.size());
     return {numbers[0], numbers[1], numbers[2]};
 }
 
@@ -117,7 +112,7 @@ Mat4d parse_matrix(const XmlElement& element) {
     const XmlAttribute& value = element.required("value");
     const auto numbers = parse_numbers(value);
     if (numbers.size() != 9 && numbers.size() != 16)
-        throw InputError(value.where, fmt::format("a matrix has 9 or 16 numbers, found {}", numbers.size()));
+        reject(value.where, "a matrix has 9 or 16 numbers, found {}", numbers.size());
     if (numbers.size() == 9)
         return with_linear_part(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data()));
     const Mat4d m = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
@@ -133,9 +128,10 @@ Mat4d parse_operation(const XmlElement& element) {
     if (element.tag == "scale") return parse_scale(element);
     if (element.tag == "lookat") return parse_lookat(element);
     if (element.tag == "matrix") return parse_matrix(element);
-    throw InputError(element.where, fmt::format("<transform> cannot hold <{}>; it takes: translate, rotate, scale, "
-                                                "lookat, matrix",
-                                                element.tag));
+    reject(element.where,
+           "<transform> cannot hold <{}>; it takes: translate, rotate, scale, "
+           "lookat, matrix",
+           element.tag);
 }
 
 /// Whether the columns span less than three dimensions. The test is relative to their lengths, because a small
@@ -153,33 +149,40 @@ bool singular(const Mat4d& m) {
 
 }  // namespace
 
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
+    return text;
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+    constexpr std::string_view separators = " \t\r\n,";
+    std::vector<std::string> words;
+    for (std::size_t begin = text.find_first_not_of(separators); begin != text.npos;) {
+        const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+        words.emplace_back(text.substr(begin, end - begin));
+        begin = text.find_first_not_of(separators, end);
+    }
+    return words;
+}
+
 double parse_number(const XmlAttribute& attribute) { return finite_number(trimmed(attribute.value), attribute); }
 
 std::vector<double> parse_numbers(const XmlAttribute& attribute) {
-    constexpr std::string_view separators = " \t\r\n,";
     std::vector<double> numbers;
-    std::string_view rest = attribute.value;
-    for (;;) {
-        const auto first = rest.find_first_not_of(separators);
-        if (first == rest.npos) return numbers;
-        rest.remove_prefix(first);
-        const std::string_view token = rest.substr(0, rest.find_first_of(separators));
-        numbers.push_back(finite_number(token, attribute));
-        rest.remove_prefix(token.size());
-    }
+    for (const auto& word : words_of(attribute.value))
+        numbers.push_back(finite_number(word, attribute));
+    return numbers;
 }
 
 std::int64_t parse_integer(const XmlAttribute& attribute) {
-    const auto value = from_text<std::int64_t>(trimmed(attribute.value));
-    if (!value) throw InputError(attribute.where, fmt::format("bad number '{}': expected an integer", attribute.value));
+    const auto value = signed_number<std::int64_t>(trimmed(attribute.value));
+    if (!value) reject(attribute.where, "bad number '{}': expected an integer", attribute.value);
     return *value;
 }
 
 bool parse_boolean(const XmlAttribute& attribute) {
-    std::string text = attribute.value;
-    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
-    if (text != "true" && text != "false")
-        throw InputError(attribute.where, fmt::format("'{}' is neither true nor false", attribute.value));
+    const std::string text = lower_case(attribute.value);
+    if (text != "true" && text != "false") reject(attribute.where, "'{}' is neither true nor false", attribute.value);
     return text == "true";
 }
 

@@ -8,6 +8,11 @@
 
 namespace gib {
 
+/// The text with the letters of ASCII in lower case.
+std::string lower_case(std::string text);
+/// The parts of a text between white space and commas.
+std::vector<std::string> words_of(std::string_view text);
+
 /// A finite number. Throws InputError at the attribute.
 double parse_number(const XmlAttribute& attribute);
 /// Finite numbers, separated by white space or commas.

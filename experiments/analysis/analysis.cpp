@@ -1,13 +1,13 @@
 #include "experiments/analysis/analysis.h"
 
 #include "common/core/error.h"
+#include "common/core/number_text.h"
 #include "common/images/image_file.h"
 #include "experiments/analysis/price.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -117,17 +117,10 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .target = scene.target,
                              .notes = scene.notes,
                              .noise_floors = {}};
-    const auto passes = reference.metadata.find("passes");
-    if (passes != reference.metadata.end()) {
-        const std::string& text = passes->second;
-        std::from_chars(text.data(), text.data() + text.size(), quality.samples);
-        quality.samples *= static_cast<std::uint64_t>(reference_groups);
-    }
-    const Image& r_total = judgement.total().mean;
-    quality.noise_floors[total_name] = noise_floor_of(judgement.total(), r_total, epsilon);
-    for (Component c : all_components)
-        if (const auto* layer = judgement.component(c))
-            quality.noise_floors[std::string(name_of(c))] = noise_floor_of(*layer, r_total, epsilon);
+    if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
+        quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
+    for (const auto& [name, layer] : judgement.layers())
+        quality.noise_floors[name] = noise_floor_of(*layer, judgement.total().mean, epsilon);
     return quality;
 }
 

@@ -1,9 +1,9 @@
 #include "experiments/analysis/comparison.h"
 
+#include "common/core/number_text.h"
 #include "experiments/analysis/curves.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -47,11 +47,9 @@ void add_points(const std::string& scene, const std::string& method, const std::
     }
 }
 
-std::optional<double> number_of(const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value > 0)) return std::nullopt;
-    return value;
+std::optional<double> positive_number(const std::string& text) {
+    const auto value = number_from<double>(text);
+    return value && *value > 0 ? value : std::nullopt;
 }
 
 struct BiasPoint {
@@ -92,7 +90,7 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
         if (row.scene != scene || row.component != component) continue;
         const MethodLabel label = MethodLabel::parse(row.method);
         for (std::size_t i = 0; i < label.values.size(); ++i) {
-            const auto value = number_of(label.values[i].second);
+            const auto value = positive_number(label.values[i].second);
             if (!value) continue;
             MethodLabel rest = label;
             rest.values.erase(rest.values.begin() + static_cast<std::ptrdiff_t>(i));

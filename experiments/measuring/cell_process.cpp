@@ -19,32 +19,21 @@ namespace gib {
 
 using nlohmann::json;
 
+static auto json_fields(RecordOf<CellRequest> auto& r) {
+    return std::tuple(JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution},
+                      JsonField{"scene_hash", r.scene_hash}, JsonField{"method", r.method}, JsonField{"seed", r.seed},
+                      JsonField{"seconds", r.budget.seconds}, JsonField{"passes", r.budget.passes},
+                      JsonField{"threads", r.threads}, JsonField{"work_folder", r.work_folder});
+}
+
+static auto json_fields(RecordOf<CellTiming> auto& timing) {
+    auto& m = timing.measurement;
+    return std::tuple(JsonField{"load_seconds", timing.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
+                      JsonField{"converged", m.converged}, JsonField{"checkpoints", m.checkpoints},
+                      JsonField{"stages", m.stages});
+}
+
 namespace {
-
-json to_json(const CellRequest& r) {
-    json j = {{"scene", r.scene_path}, {"scene_hash", r.scene_hash}, {"method", r.method},
-              {"seed", r.seed},        {"threads", r.threads},       {"work_folder", r.work_folder},
-              {"resolution", nullptr}, {"seconds", nullptr},         {"passes", nullptr},
-              {"parent", getpid()}};
-    if (r.resolution) j["resolution"] = {r.resolution->first, r.resolution->second};
-    if (r.budget.seconds) j["seconds"] = *r.budget.seconds;
-    if (r.budget.passes) j["passes"] = *r.budget.passes;
-    return j;
-}
-
-CellRequest request_from(const json& j) {
-    CellRequest r;
-    r.scene_path = j.at("scene");
-    r.scene_hash = j.at("scene_hash");
-    r.method = j.at("method");
-    r.seed = j.at("seed");
-    r.threads = j.at("threads");
-    r.work_folder = j.at("work_folder");
-    if (!j.at("resolution").is_null()) r.resolution = j.at("resolution").get<std::pair<int, int>>();
-    if (!j.at("seconds").is_null()) r.budget.seconds = j.at("seconds").get<double>();
-    if (!j.at("passes").is_null()) r.budget.passes = j.at("passes").get<std::uint32_t>();
-    return r;
-}
 
 void measure_request(const CellRequest& request) {
     using clock = std::chrono::steady_clock;
@@ -54,14 +43,12 @@ void measure_request(const CellRequest& request) {
     if (loaded.content_hash != request.scene_hash)
         throw RunError(fmt::format("the scene '{}' was changed while the experiment ran", request.scene_path));
 
-    const MethodLabel label = MethodLabel::parse(request.method);
-    const MethodDescription& description = find_method(label.name);
-    const ParameterValues values(all_parameters(description), label);
-    const auto method = description.create(values, {loaded.max_edges});
+    const ConfiguredMethod configured(MethodLabel::parse(request.method));
+    const auto method = configured.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
                         .seed = request.seed,
-                        .spp = last_pass(values, loaded.sample_count),
+                        .spp = last_pass(configured.values, loaded.sample_count),
                         .budget = request.budget};
 
     auto said = clock::now();
@@ -74,29 +61,13 @@ void measure_request(const CellRequest& request) {
         fmt::print("{} {}\n", passes, seconds);
         std::fflush(stdout);
     };
-    const Measurement measurement = measure(work, sink, observer);
-
-    json checkpoints = json::array();
-    for (const auto& c : measurement.checkpoints)
-        checkpoints.push_back(checkpoint_to_json(c));
-    const json timing = {{"load_seconds", load_seconds},
-                         {"prepare_seconds", measurement.prepare_seconds},
-                         {"converged", measurement.converged},
-                         {"checkpoints", checkpoints},
-                         {"stages", stages_to_json(measurement.stages)}};
-    write_file(request.work_folder + "/timing.json", timing.dump(1) + "\n");
+    const CellTiming timing{load_seconds, measure(work, sink, observer)};
+    write_file(request.work_folder + "/timing.json", json(timing).dump(1) + "\n");
 }
 
 CellTiming timing_from(const std::string& path) {
     try {
-        const json j = read_json(path);
-        CellTiming timing;
-        timing.load_seconds = j.at("load_seconds");
-        timing.measurement.prepare_seconds = j.at("prepare_seconds");
-        timing.measurement.converged = j.at("converged");
-        for (const auto& c : j.at("checkpoints"))
-            timing.measurement.checkpoints.push_back(checkpoint_from_json(c));
-        timing.measurement.stages = stages_from_json(j.at("stages"));
+        const auto timing = read_json(path).get<CellTiming>();
         if (timing.measurement.checkpoints.empty()) throw RunError("the cell's process measured nothing");
         return timing;
     } catch (const json::exception& error) {
@@ -113,7 +84,7 @@ void measure_cell(const std::string& request_file) {
         try {
             const json j = read_json(request_file);
             die_with_parent(j.at("parent"));
-            return request_from(j);
+            return j.get<CellRequest>();
         } catch (const json::exception& error) {
             throw InputError({request_file}, fmt::format("not a request: {}", error.what()));
         }
@@ -123,7 +94,9 @@ void measure_cell(const std::string& request_file) {
 
 CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer) {
     const std::string request_file = request.work_folder + "/request.json";
-    write_file(request_file, to_json(request).dump(1) + "\n");
+    json j = request;
+    j["parent"] = getpid();
+    write_file(request_file, j.dump(1) + "\n");
     run_child({program, "measure-cell", request_file}, [&](const std::string& line) {
         std::istringstream words(line);
         std::uint32_t passes = 0;

@@ -40,8 +40,7 @@ public:
         : work_(work),
           progress_(progress),
           key_(reference_key(work.scene.content_hash, work.label)),
-          values_(all_parameters(work.method), work.label),
-          method_(work.method.create(values_, {work.scene.max_edges})),
+          method_(ConfiguredMethod(work.label).create({work.scene.max_edges})),
           unresolved_(method_->plan(*work.scene.scene).unresolved) {}
 
     FinishedReference make() {
@@ -82,11 +81,6 @@ private:
         const auto& sensor = work_.scene.scene->sensor();
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
-            if (!groups_.verified)
-                result_.warnings.push_back(
-                    fmt::format("{}: written before references had digests, so damage to it would not be seen; "
-                                "remove it to have it made again",
-                                work_.path));
         } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
@@ -243,7 +237,6 @@ private:
     const ReferenceWork& work_;
     ProgressLine& progress_;
     std::string key_;
-    ParameterValues values_;
     std::unique_ptr<Method> method_;
     std::vector<Component> unresolved_;
     ReferenceGroups groups_;

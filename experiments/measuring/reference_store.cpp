@@ -1,9 +1,7 @@
 #include "experiments/measuring/reference_store.h"
 
-#include "common/core/error.h"
-
-#include <charconv>
-#include <cmath>
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
 
 namespace gib {
 
@@ -11,20 +9,10 @@ namespace {
 
 template <typename Number>
 Number number_in(const Reference& file, const std::string& key, const std::string& path) {
-    Number value{};
     const auto entry = file.metadata.find(key);
-    if (entry != file.metadata.end()) {
-        const std::string& text = entry->second;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size()) return value;
-    }
-    throw InputError({path}, "not a reference of gibench: its attribute '" + key + "' is missing or no number");
-}
-
-bool finite(const Image& image) {
-    for (const float value : image.rgb)
-        if (!std::isfinite(value)) return false;
-    return true;
+    const auto value = entry == file.metadata.end() ? std::nullopt : number_from<Number>(entry->second);
+    if (!value) reject({path}, "not a reference of gibench: its attribute '{}' is missing or no number", key);
+    return *value;
 }
 
 }  // namespace
@@ -72,6 +60,7 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     const auto stored_key = file.metadata.find("reference_key");
     if (stored_key == file.metadata.end() || stored_key->second != key)
         throw InputError({path}, "it is not the reference of this scene and method");
+    if (!is_verified(file)) throw InputError({path}, "it has no digest, so damage to it would not be seen");
     if (file.total.mean.width != width || file.total.mean.height != height)
         throw InputError({path}, "its size is not the scene's");
     ReferenceGroups groups;
@@ -79,7 +68,6 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     groups.passes = number_in<std::uint64_t>(file, "passes", path);
     groups.seconds = number_in<double>(file, "seconds", path);
     if (groups.rounds == 0 || groups.passes == 0) throw InputError({path}, "it holds no samples");
-    groups.verified = is_verified(file);
     if (file.metadata.count("not_finite") > 0) {
         groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
         if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
@@ -94,7 +82,8 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
         if (!file[c]) continue;
         if (file[c]->groups.size() != reference_groups) throw InputError({path}, "layers of its groups are missing");
         for (std::size_t g = 0; g < reference_groups; ++g) {
-            if (!finite(file[c]->groups[g])) throw InputError({path}, "it holds values that are not finite");
+            if (file[c]->groups[g].non_finite_values() > 0)
+                throw InputError({path}, "it holds values that are not finite");
             groups.groups_[g][c] = file[c]->groups[g];
         }
     }

@@ -22,7 +22,6 @@ public:
     std::uint64_t passes = 0;  ///< of each group
     double seconds = 0;        ///< wall-clock, all rounds together
     DroppedSamples dropped;
-    bool verified = true;  ///< false: read from a file without a digest
 
     /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if
     /// the components of the batches differ.

@@ -289,9 +289,7 @@ Estimate mse_of(const Moments& of) {
 }
 
 bool all_finite(const std::vector<Image>& images) {
-    return std::all_of(images.begin(), images.end(), [](const Image& image) {
-        return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
-    });
+    return std::all_of(images.begin(), images.end(), [](const Image& x) { return x.non_finite_values() == 0; });
 }
 
 void require_same_size(const Image& image, const Image& reference) {
@@ -398,20 +396,15 @@ double log_crossing(const std::vector<CurvePoint>& curve, double target) {
 }  // namespace
 
 std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target) {
-    double sum = 0, scatter = 0;
     std::vector<double> times;
     for (const auto& curve : curves) {
         times.push_back(log_crossing(curve, target));
         if (!std::isfinite(times.back())) return std::nullopt;
-        sum += times.back();
     }
     if (times.empty()) return std::nullopt;
-    const auto n = static_cast<double>(times.size());
-    const double mean = sum / n;
+    const auto [mean, variance] = sample_mean(times);
     if (times.size() < 2) return Estimate{std::exp(mean), std::nullopt};
-    for (double t : times)
-        scatter += sqr(t - mean);
-    const double half = half_width({{scatter / (n * (n - 1)), n - 1}}, interval_tail);
+    const double half = half_width({variance}, interval_tail);
     return Estimate{std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
 }
 

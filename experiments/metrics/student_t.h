@@ -24,11 +24,10 @@ struct SampleMean {
 SampleMean sample_mean(std::span<const double> values);
 
 /// The t for which P(|T| > t) = `tail`, which lies in (0, 1). `degrees` >= 1 may be fractional (Welch-Satterthwaite)
-/// or infinite (the normal distribution). The relative error is below 1e-9.
+/// or infinite (the normal distribution).
 double student_t_two_sided(double tail, double degrees);
 
-/// P(|T| >= t) for t >= 0; `degrees` as above. 0 for an infinite t. The relative error is below 1e-7 up to 1e7
-/// degrees of freedom, and below t^4 / 4e7 beyond.
+/// P(|T| >= t) for t >= 0, which may be infinite; `degrees` as above.
 double student_t_tail(double t, double degrees);
 
 }  // namespace gib

@@ -2,7 +2,7 @@
 // The epsilon of relative errors, (x - r)^2 / (r^2 + epsilon) [radiance^2]: its default and its range, which hold for
 // the experiment file and for the command line.
 
-#include "common/core/error.h"
+#include "common/core/reject.h"
 
 namespace gib {
 
@@ -15,6 +15,9 @@ inline constexpr double default_epsilon = 0.01;
 inline constexpr double smallest_epsilon = 1e-60, largest_epsilon = 1e60;
 
 /// Throws InputError at `where` unless epsilon lies in [smallest_epsilon, largest_epsilon].
-void require_epsilon(double epsilon, const SourceLocation& where = {});
+inline void require_epsilon(double epsilon, const SourceLocation& where = {}) {
+    if (!(epsilon >= smallest_epsilon && epsilon <= largest_epsilon))
+        reject(where, "epsilon is a number from {:g} to {:g}, not {}", smallest_epsilon, largest_epsilon, epsilon);
+}
 
 }  // namespace gib

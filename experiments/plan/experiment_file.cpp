@@ -1,12 +1,11 @@
 #include "experiments/plan/experiment_file.h"
 
 #include "common/core/files.h"
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/run_limits.h"
 
-#include <fmt/format.h>
-
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -27,11 +26,10 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
         scene.name = written.stem().string();
         if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
-            throw InputError(scene.where, fmt::format("there is no scene file '{}'", scene.path));
+            reject(scene.where, "there is no scene file '{}'", scene.path);
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
-                throw InputError(scene.where, fmt::format("two scenes are named '{}': tables could not tell them apart",
-                                                          scene.name));
+                reject(scene.where, "two scenes are named '{}': tables could not tell them apart", scene.name);
         experiment.scenes.push_back(std::move(scene));
     }
 }
@@ -69,8 +67,7 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
         return;
     }
     if (list->size() != experiment.scenes.size())
-        throw InputError(reader.at(node),
-                         fmt::format("'target' lists {} values for {} scenes", list->size(), experiment.scenes.size()));
+        reject(reader.at(node), "'target' lists {} values for {} scenes", list->size(), experiment.scenes.size());
     for (std::size_t i = 0; i < list->size(); ++i)
         experiment.scenes[i].goal.target = read_target(reader, (*list)[i]);
 }
@@ -85,18 +82,13 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
         experiment.reference_method = MethodLabel::parse(reader.string(*method, "method"), where);
     }
     const auto& description = find_comparable_method(experiment.reference_method.name, where);
-    const ParameterValues values(all_parameters(description), experiment.reference_method, where);
-    MethodSweep further(reader, description);
-    for (const auto& entry : reader.entries(table)) {
-        if (entry.key == "method" || entry.key == "target" || entry.key == "seconds") continue;
-        further.add(entry);
-    }
+    MethodSweep further(reader, description, experiment.reference_method);
+    for (const auto& entry : reader.entries(table))
+        if (entry.key != "method" && entry.key != "target" && entry.key != "seconds") further.add(entry);
     const auto labels = further.labels(where);
     if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
-    for (const auto& value : labels.front().values)
-        experiment.reference_method.values.push_back(value);
-    const ParameterValues together(all_parameters(description), experiment.reference_method, where);
-    if (together.given("spp"))
+    experiment.reference_method = labels.front();
+    if (ConfiguredMethod(labels.front()).values.given("spp"))
         throw InputError(where, "a reference takes as many samples as its target needs: no 'spp'");
 
     if (const auto* target = table.get("target")) read_targets(reader, *target, experiment);
@@ -114,12 +106,9 @@ double parse_target(const std::string& text, const SourceLocation& where) {
     const bool percent = last != std::string::npos && text[last] == '%';
     std::string number = text.substr(0, percent ? last : last + 1);
     number.erase(number.find_last_not_of(" \t") + 1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (percent) value /= 100;
-    if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value) || value <= 0 ||
-        value >= 1)
-        throw InputError(where, fmt::format("a target is a relative error such as \"1%\" or 0.01, not '{}'", text));
+    const double value = number_from<double>(number).value_or(0) / (percent ? 100 : 1);
+    if (!(std::isfinite(value) && value > 0 && value < 1))
+        reject(where, "a target is a relative error such as \"1%\" or 0.01, not '{}'", text);
     return value;
 }
 

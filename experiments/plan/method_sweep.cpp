@@ -1,14 +1,14 @@
 #include "experiments/plan/method_sweep.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
 
 #include <algorithm>
 #include <set>
 
 namespace gib {
 
-MethodSweep::MethodSweep(const TomlReader& reader, const MethodDescription& method)
-    : reader_(reader), method_(method), parameters_(all_parameters(method)), labels_{MethodLabel{method.name, {}}} {}
+MethodSweep::MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start)
+    : reader_(reader), parameters_(all_parameters(method)), labels_{std::move(start)} {}
 
 void MethodSweep::add(const TomlReader::Entry& entry) {
     std::vector<std::string> values;
@@ -19,8 +19,8 @@ void MethodSweep::add(const TomlReader::Entry& entry) {
         values.push_back(checked(entry, *entry.value));
     }
     if (labels_.size() * values.size() > most_combinations)
-        throw InputError(entry.key_at, fmt::format("the lists up to '{}' make more than {} combinations of values",
-                                                   entry.key, most_combinations));
+        reject(entry.key_at, "the lists up to '{}' make more than {} combinations of values", entry.key,
+               most_combinations);
     std::vector<MethodLabel> grid;
     for (const auto& label : labels_)
         for (const auto& value : values) {
@@ -32,9 +32,9 @@ void MethodSweep::add(const TomlReader::Entry& entry) {
 
 std::vector<MethodLabel> MethodSweep::labels(const SourceLocation& where) const {
     for (const auto& label : labels_) {
-        const ParameterValues values(parameters_, label, where);
+        const ConfiguredMethod method(label, where);
         try {
-            method_.create(values, MethodDefaults{});
+            method.create(MethodDefaults{});
         } catch (const InputError& error) {
             throw InputError(where, error.what());
         }
@@ -44,18 +44,18 @@ std::vector<MethodLabel> MethodSweep::labels(const SourceLocation& where) const 
 
 std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::node& value) const {
     if (!value.is_string() && !value.is_number() && !value.is_boolean())
-        throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number or a word", entry.key));
+        reject(reader_.at(value), "parameter '{}' needs a number or a word", entry.key);
     const std::string text = reader_.text_of(value);
     const auto declared =
         std::find_if(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == entry.key; });
     const bool known = declared != parameters_.end();
     // An unknown parameter is reported at its key, every other error at the value.
-    ParameterValues(parameters_, MethodLabel{method_.name, {{entry.key, text}}},
+    ParameterValues(parameters_, MethodLabel{labels_.front().name, {{entry.key, text}}},
                     known ? reader_.at(value) : entry.key_at);
     const bool is_word =
         known && std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end();
     if (value.is_string() && !is_word)
-        throw InputError(reader_.at(value), fmt::format("parameter '{}' needs a number without quotes", entry.key));
+        reject(reader_.at(value), "parameter '{}' needs a number without quotes", entry.key);
     return text;
 }
 
@@ -67,15 +67,12 @@ std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node
         const SourceLocation where = reader.at(item);
         const auto* name = table.get("name");
         if (!name) throw InputError(where, "a [[method]] needs a 'name'");
-        MethodSweep sweep(reader, find_comparable_method(reader.string(*name, "name"), reader.at(*name)));
+        const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
+        MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
         for (const auto& entry : reader.entries(table))
             if (entry.key != "name") sweep.add(entry);
         for (auto& label : sweep.labels(where)) {
-            if (!texts.insert(label.text()).second)
-                throw InputError(where, fmt::format("the method '{}' is listed twice", label.text()));
-            if (texts.size() > most_combinations)
-                throw InputError(where,
-                                 fmt::format("more than {} methods and combinations of values", most_combinations));
+            if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
             methods.push_back(std::move(label));
         }
     }

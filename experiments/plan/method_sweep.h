@@ -10,7 +10,7 @@
 
 namespace gib {
 
-/// The most labels of an experiment. Lists of values multiply, so that a few lines could ask for more labels than
+/// The most labels of a method. Lists of values multiply, so that a few lines could ask for more labels than
 /// memory holds.
 inline constexpr std::size_t most_combinations = 10000;
 
@@ -18,7 +18,8 @@ inline constexpr std::size_t most_combinations = 10000;
 /// last list varies fastest.
 class MethodSweep {
 public:
-    MethodSweep(const TomlReader& reader, const MethodDescription& method);
+    /// `start` is a label of the method, to which parameters are added.
+    MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start);
 
     /// Adds a parameter with its value or its list of values.
     /// Throws InputError at the place of the key or of the value.
@@ -30,13 +31,12 @@ private:
     std::string checked(const TomlReader::Entry& entry, const toml::node& value) const;
 
     const TomlReader& reader_;
-    const MethodDescription& method_;
     std::vector<Parameter> parameters_;
     std::vector<MethodLabel> labels_;
 };
 
 /// All labels of an experiment's [[method]] tables, in the order of the file. Throws InputError for a method that is
-/// unknown, estimates no radiance or is listed twice, and for more than `most_combinations` labels.
+/// unknown, estimates no radiance or is listed twice.
 std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node);
 
 }  // namespace gib

@@ -1,6 +1,7 @@
 #include "experiments/plan/toml_reader.h"
 
-#include <fmt/format.h>
+#include "common/core/reject.h"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -11,71 +12,10 @@ namespace gib {
 
 namespace {
 
-constexpr int most_dots = 32;  // no key of an experiment file has a dot
-
 /// Whether a byte begins a character of UTF-8, in which continuation bytes are 10xxxxxx. Columns count characters.
 bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xc0u) != 0x80u; }
 
-/// Counts the dots of keys before the text is parsed. toml++ bounds how deeply values are nested, but not the number
-/// of parts of a dotted key. Each part is a table within the one before, and freeing them recursively could overflow
-/// the stack. Dots in comments and in the four kinds of strings do not count.
-class DotCounter {
-public:
-    DotCounter(std::string_view text, const std::string& file) : text_(text), where_{file, 1, 1} {}
-
-    /// Throws InputError at the first dot beyond `most_dots` in one key.
-    void require_short_keys() {
-        for (int dots = 0; at_ < text_.size();) {
-            const char c = text_[at_];
-            if (c == '"' || c == '\'') {
-                skip_string(c);
-                continue;
-            }
-            if (c == '.' && ++dots > most_dots)
-                throw InputError(where_, fmt::format("a key has more than {} dots", most_dots));
-            if (std::string_view(",=[]{}\n").find(c) != std::string_view::npos) dots = 0;  // the next key or value
-            if (c == '#') skip_comment();
-            else advance(1);
-        }
-    }
-
-private:
-    void advance(std::size_t count) {
-        for (; count > 0 && at_ < text_.size(); --count, ++at_) {
-            if (text_[at_] == '\n') {
-                ++where_.line;
-                where_.column = 1;
-            } else if (begins_character(text_[at_])) {
-                ++where_.column;
-            }
-        }
-    }
-    void skip_comment() {
-        while (at_ < text_.size() && text_[at_] != '\n')
-            advance(1);
-    }
-    void skip_string(char quote) {
-        const std::string quotes(3, quote);
-        const bool multi_line = text_.substr(at_).starts_with(quotes);
-        const std::string_view end = std::string_view(quotes).substr(0, multi_line ? 3 : 1);
-        advance(end.size());
-        while (at_ < text_.size() && !text_.substr(at_).starts_with(end)) {
-            if (text_[at_] == '\n' && !multi_line) return;  // an error that the parser reports
-            advance(text_[at_] == '\\' && quote == '"' ? 2 : 1);
-        }
-        advance(end.size());
-        // The string may end with two quotes of its own: of five quotes in a row, the last three end it.
-        for (int i = 0; i < 2 && multi_line && at_ < text_.size() && text_[at_] == quote; ++i)
-            advance(1);
-    }
-
-    std::string_view text_;
-    std::size_t at_ = 0;
-    SourceLocation where_;
-};
-
 toml::table parse(std::string_view text, const std::string& file) {
-    DotCounter(text, file).require_short_keys();
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
@@ -125,8 +65,7 @@ void TomlReader::check_keys(const toml::table& table, std::string_view what,
                             const std::vector<std::string>& known) const {
     for (const auto& entry : entries(table))
         if (std::find(known.begin(), known.end(), entry.key) == known.end())
-            throw InputError(entry.key_at, fmt::format("unknown key '{}' in {}; there are: {}", entry.key, what,
-                                                       fmt::join(known, ", ")));
+            reject(entry.key_at, "unknown key '{}' in {}; there are: {}", entry.key, what, fmt::join(known, ", "));
 }
 
 std::string TomlReader::typed_at(const toml::source_position& position) const {
@@ -151,35 +90,33 @@ std::string TomlReader::text_of(const toml::node& node) const {
 }
 
 std::string TomlReader::string(const toml::node& node, std::string_view key) const {
-    if (!node.is_string() || node.as_string()->get().empty())
-        throw InputError(at(node), fmt::format("'{}' needs a text in quotes", key));
+    if (!node.is_string() || node.as_string()->get().empty()) reject(at(node), "'{}' needs a text in quotes", key);
     return node.as_string()->get();
 }
 
 double TomlReader::positive_number(const toml::node& node, std::string_view key) const {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value) || *value <= 0)
-        throw InputError(at(node), fmt::format("'{}' needs a number above 0", key));
+    if (!value || !std::isfinite(*value) || *value <= 0) reject(at(node), "'{}' needs a number above 0", key);
     return *value;
 }
 
 int TomlReader::whole_number(const toml::node& node, std::string_view key, int lower, int upper) const {
     const auto* value = node.as_integer();
     if (!value || value->get() < lower || value->get() > upper)
-        throw InputError(at(node), fmt::format("'{}' needs a whole number from {} to {}", key, lower, upper));
+        reject(at(node), "'{}' needs a whole number from {} to {}", key, lower, upper);
     return static_cast<int>(value->get());
 }
 
 const toml::array& TomlReader::filled_array(const toml::node& node, std::string_view key,
                                             std::string_view of_what) const {
     const auto* array = node.as_array();
-    if (!array || array->empty()) throw InputError(at(node), fmt::format("'{}' needs a list of {}", key, of_what));
+    if (!array || array->empty()) reject(at(node), "'{}' needs a list of {}", key, of_what);
     return *array;
 }
 
 const toml::table& TomlReader::table(const toml::node& node, std::string_view key) const {
     const auto* table = node.as_table();
-    if (!table) throw InputError(at(node), fmt::format("'{}' needs a table", key));
+    if (!table) reject(at(node), "'{}' needs a table", key);
     return *table;
 }
 

@@ -1,6 +1,7 @@
 #include "experiments/program/command_line.h"
 
-#include "common/core/error.h"
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
 #include "experiments/measuring/cell_process.h"
 #include "experiments/plan/run_limits.h"
 #include "experiments/program/commands.h"
@@ -10,9 +11,7 @@
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <charconv>
 
 #include <functional>
 #include <iostream>
@@ -32,10 +31,9 @@ std::map<std::string, std::string> assignments(const std::vector<std::string>& t
     std::map<std::string, std::string> values;
     for (const auto& text : texts) {
         const std::size_t equals = text.find('=');
-        if (equals == std::string::npos || equals == 0)
-            throw InputError(fmt::format("--set needs NAME=VALUE, not '{}'", text));
+        if (equals == std::string::npos || equals == 0) reject({}, "--set needs NAME=VALUE, not '{}'", text);
         if (!values.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
-            throw InputError(fmt::format("--set gives '{}' twice", text.substr(0, equals)));
+            reject({}, "--set gives '{}' twice", text.substr(0, equals));
     }
     return values;
 }
@@ -45,10 +43,18 @@ void add_threads(CLI::App* command, int& threads) {
         ->check(CLI::Range(1, most_threads));
 }
 
-void add_set(CLI::App* command, std::vector<std::string>& texts) {
-    command->add_option("--set", texts, "NAME=VALUE: sets a $parameter of the scene file")
+void add_set(CLI::App* command, std::map<std::string, std::string>& parameters) {
+    const auto set = [&parameters](const std::vector<std::string>& texts) { parameters = assignments(texts); };
+    command
+        ->add_option_function<std::vector<std::string>>("--set", set, "NAME=VALUE: sets a $parameter of the scene file")
         ->take_all()
         ->allow_extra_args(false);
+}
+
+/// Makes `work(*options)` the action of a command. The options live as long as the command.
+template <typename Options, typename Work>
+void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
+    command->callback([=, &action] { action = [=] { return work(*options); }; });
 }
 
 void add_run(CLI::App& app, Action& action, const std::string& command_line) {
@@ -92,10 +98,8 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
 CLI::Validator seed_text() {
     return CLI::Validator(
         [](std::string& text) {
-            std::uint64_t seed = 0;
-            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-            const bool good =
-                error == std::errc() && end == text.data() + text.size() && seed < (std::uint64_t{1} << 63);
+            const auto seed = number_from<std::uint64_t>(text);
+            const bool good = seed && *seed < (std::uint64_t{1} << 63);
             return good ? std::string() : "a seed is a whole number from 0 to 2^63 - 1, not '" + text + "'";
         },
         "SEED");
@@ -103,27 +107,20 @@ CLI::Validator seed_text() {
 
 void add_render(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
-    auto texts = std::make_shared<std::vector<std::string>>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method, "name and parameters of the method, such as \"path spp=64\"")
         ->required();
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
-    add_set(command, *texts);
+    add_set(command, options->parameters);
     command->add_option("-o,--out", options->out, "the image (EXR)")->required();
     command->footer("Methods and their parameters:\n" + parameter_help());
-    command->callback([options, texts, &action] {
-        action = [options, texts] {
-            options->parameters = assignments(*texts);
-            return render(*options, std::cout);
-        };
-    });
+    perform_with(options, command, action, [](const auto& o) { return render(o, std::cout); });
 }
 
 void add_reference(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReferenceOptions>();
-    auto texts = std::make_shared<std::vector<std::string>>();
     CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or add samples to one");
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method,
@@ -133,14 +130,9 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
     command->add_option("--epsilon", options->epsilon, "epsilon of the relative error (default 0.01)");
     add_threads(command, options->threads);
-    add_set(command, *texts);
+    add_set(command, options->parameters);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
-    command->callback([options, texts, &action] {
-        action = [options, texts] {
-            options->parameters = assignments(*texts);
-            return make_reference_file(*options, std::cout);
-        };
-    });
+    perform_with(options, command, action, [](const auto& o) { return make_reference_file(o, std::cout); });
 }
 
 void add_compare(CLI::App& app, Action& action) {
@@ -166,19 +158,17 @@ void add_compare(CLI::App& app, Action& action) {
             ->check(CLI::Range(1, 1000000000));
     variance->needs(z_test)->needs(spp);
     spp->needs(variance);
-    command->callback([options, files, &action] {
-        action = [options, files] {
-            options->reference = files->back();
-            options->tests.assign(files->begin(), files->end() - 1);
-            return compare(*options, std::cout);
-        };
+    perform_with(options, command, action, [files](CompareOptions& o) {
+        o.reference = files->back();
+        o.tests.assign(files->begin(), files->end() - 1);
+        return compare(o, std::cout);
     });
 }
 
 void add_plan(CLI::App& app, Action& action) {
     struct Options {
         std::string scene, method;
-        std::vector<std::string> texts;
+        std::map<std::string, std::string> parameters;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
@@ -186,12 +176,9 @@ void add_plan(CLI::App& app, Action& action) {
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
-    add_set(command, options->texts);
-    command->callback([options, &action] {
-        action = [options] {
-            return print_plan(options->scene, options->method, assignments(options->texts), std::cout);
-        };
-    });
+    add_set(command, options->parameters);
+    perform_with(options, command, action,
+                 [](const auto& o) { return print_plan(o.scene, o.method, o.parameters, std::cout); });
 }
 
 void add_list(CLI::App& app, Action& action) {
@@ -200,8 +187,7 @@ void add_list(CLI::App& app, Action& action) {
     auto parameters = std::make_shared<bool>(false);
     CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
     methods->add_flag("--parameters", *parameters, "show every parameter with its unit, range and default, too");
-    methods->callback(
-        [parameters, &action] { action = [parameters] { return list_methods(*parameters, std::cout); }; });
+    perform_with(parameters, methods, action, [](bool with) { return list_methods(with, std::cout); });
     command->add_subcommand("scenes", "scenes that come with the program")->callback([&action] {
         action = [] { return list_scenes(std::cout); };
     });
@@ -214,7 +200,7 @@ void add_report(CLI::App& app, Action& action) {
     auto folder = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("report", "make the tables and report.html again from stored results alone");
     command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
-    command->callback([folder, &action] { action = [folder] { return rebuild_report(*folder, std::cout); }; });
+    perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
 }
 
 /// Adds the internal subcommand that `run` starts for each cell. An empty group hides it from the help.
@@ -223,11 +209,9 @@ void add_measure_cell(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("measure-cell", "internal: measures one cell, see cell_process.h")->group("");
     command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
-    command->callback([request, &action] {
-        action = [request] {
-            measure_cell(*request);
-            return 0;
-        };
+    perform_with(request, command, action, [](const auto& file) {
+        measure_cell(file);
+        return 0;
     });
 }
 
@@ -270,13 +254,15 @@ int run_program(int argc, char** argv) {
     add_list(app, action);
     add_report(app, action);
     add_measure_cell(app, action);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
-        return app.exit(error) == 0 ? 0 : exit_wrong_input;
-    }
-    return perform(action);
+    return perform([&] {
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& error) {
+            // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
+            return app.exit(error) == 0 ? 0 : exit_wrong_input;
+        }
+        return action();
+    });
 }
 
 }  // namespace gib

@@ -24,21 +24,6 @@ namespace gib {
 
 namespace {
 
-/// A label that was checked, with its method and its parameters' values.
-struct ChosenMethod {
-    MethodLabel label;
-    const MethodDescription& description;
-    ParameterValues values;
-
-    explicit ChosenMethod(const std::string& text)
-        : label(MethodLabel::parse(text)),
-          description(find_method(label.name)),
-          values(all_parameters(description), label) {}
-    std::unique_ptr<Method> create(const LoadedScene& scene) const {
-        return description.create(values, {scene.max_edges});
-    }
-};
-
 void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
     if (bad.count == 0) return;
     std::cerr << fmt::format(
@@ -87,10 +72,10 @@ void check_writable(const std::string& path) {
 }
 
 int render(const RenderOptions& options, std::ostream& out) {
-    const ChosenMethod chosen(options.method);
+    const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     check_writable(options.out);
     const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
-    const auto method = chosen.create(loaded);
+    const auto method = chosen.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
                         .seed = options.seed,
@@ -128,7 +113,7 @@ int render(const RenderOptions& options, std::ostream& out) {
 }
 
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
-    const ChosenMethod chosen(options.method);
+    const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     find_comparable_method(chosen.label.name);
     require_epsilon(options.epsilon);
     // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
@@ -162,17 +147,17 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
 
 int print_plan(const std::string& scene, const std::string& method,
                const std::map<std::string, std::string>& parameters, std::ostream& out) {
-    std::vector<ChosenMethod> chosen;
+    std::vector<ConfiguredMethod> chosen;
     if (method.empty())
         for (const auto& name : names_of_comparable_methods())
-            chosen.emplace_back(name);
-    else chosen.emplace_back(method);
+            chosen.emplace_back(MethodLabel{name, {}});
+    else chosen.emplace_back(MethodLabel::parse(method));
     const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {
         if (method.empty()) out << "method: " << one.label.name << "\n";
-        print_plan_lines(one.create(loaded)->plan(*loaded.scene), out);
+        print_plan_lines(one.create({loaded.max_edges})->plan(*loaded.scene), out);
     }
     return 0;
 }

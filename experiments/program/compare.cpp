@@ -1,11 +1,12 @@
 #include "experiments/program/compare.h"
 
-#include "common/core/error.h"
+#include "common/core/reject.h"
 #include "experiments/metrics/flip.h"
 #include "experiments/metrics/robust_error.h"
 #include "experiments/metrics/spectrum.h"
 #include "experiments/program/compare_z_test.h"
 #include "experiments/results/judgement.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 
@@ -29,18 +30,11 @@ struct Subject {
     const Image& r_total;
 };
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 void put(Json& json, const std::string& name, const std::optional<Estimate>& e, bool root = false) {
-    const auto value = [&](double v) { return number(root ? std::sqrt(v) : v); };
+    const auto value = [&](double v) { return number_to_json<Json>(root ? std::sqrt(v) : v); };
     json[name] = e ? value(e->value) : Json(nullptr);
     json[name + "_lo"] = e && e->interval ? value(e->interval->lo) : Json(nullptr);
     json[name + "_hi"] = e && e->interval ? value(e->interval->hi) : Json(nullptr);
-}
-
-std::size_t nonfinite_values(const Image& image) {
-    return static_cast<std::size_t>(
-        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
 }
 
 /// The mean of each channel over all pixels of all images.
@@ -53,7 +47,7 @@ Json channel_means(const std::vector<Image>& images) {
                 sum += static_cast<double>(image.rgb[3 * p + k]);
             count += static_cast<double>(image.pixels());
         }
-        means.push_back(number(sum / count));
+        means.push_back(number_to_json<Json>(sum / count));
     }
     return means;
 }
@@ -73,7 +67,7 @@ Json metrics(const Subject& subject, double epsilon, Flip flip) {
     const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.r_total, epsilon);
     std::size_t nonfinite = 0;
     for (const Image& image : subject.tests)
-        nonfinite += nonfinite_values(image);
+        nonfinite += image.non_finite_values();
     // Values that are not finite would dominate the spectrum.
     const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.r_total) : std::nullopt;
     Json json;
@@ -83,17 +77,17 @@ Json metrics(const Subject& subject, double epsilon, Flip flip) {
     put(json, "rmse", s.rmse);
     put(json, "rel_mse", s.rel_mse);
     put(json, "rel_rmse", s.rel_mse, true);
-    json["rmse_corrected"] = number(s.rmse_corrected);
-    json["rel_mse_corrected"] = number(s.rel_mse_corrected);
+    json["rmse_corrected"] = number_to_json<Json>(s.rmse_corrected);
+    json["rel_mse_corrected"] = number_to_json<Json>(s.rel_mse_corrected);
     const RobustError robust = robust_error(subject.tests, subject.reference.mean, subject.r_total, epsilon);
-    json["rel_mse_median"] = number(robust.median);
-    json["rel_mse_trimmed"] = number(robust.trimmed);
-    json["rel_mse_top_share"] = number(robust.share);
+    json["rel_mse_median"] = number_to_json<Json>(robust.median);
+    json["rel_mse_trimmed"] = number_to_json<Json>(robust.trimmed);
+    json["rel_mse_top_share"] = number_to_json<Json>(robust.share);
     put(json, "bias2", s.bias2);
     put(json, "variance", s.variance);
-    json["noise_centroid"] = noise ? number(noise->centroid) : Json(nullptr);
-    json["noise_low_ratio"] = noise ? number(noise->low_ratio) : Json(nullptr);
-    json["flip"] = flip == Flip::measured && nonfinite == 0 ? number(mean_flip(subject)) : Json(nullptr);
+    json["noise_centroid"] = noise ? number_to_json<Json>(noise->centroid) : Json(nullptr);
+    json["noise_low_ratio"] = noise ? number_to_json<Json>(noise->low_ratio) : Json(nullptr);
+    json["flip"] = flip == Flip::measured && nonfinite == 0 ? number_to_json<Json>(mean_flip(subject)) : Json(nullptr);
     json["nonfinite"] = nonfinite;
     json["mean"] = channel_means(subject.tests);
     json["reference_mean"] = channel_means({subject.reference.mean});
@@ -120,27 +114,21 @@ Image judged_total(const LayeredImage& file, const Reference& reference, const J
 
 void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {
     if (!image.same_size(r))
-        throw InputError(fmt::format("{} has {} x {} pixels, but {} has {} x {}", path, image.width, image.height,
-                                     options.reference, r.width, r.height));
+        reject({}, "{} has {} x {} pixels, but {} has {} x {}", path, image.width, image.height, options.reference,
+               r.width, r.height);
 }
 
 void require_finite(const std::string& path, const std::string& layer, const ReferenceLayer& reference) {
-    std::size_t bad = nonfinite_values(reference.mean);
-    if (reference.standard_error) bad += nonfinite_values(*reference.standard_error);
+    std::size_t bad = reference.mean.non_finite_values();
+    if (reference.standard_error) bad += reference.standard_error->non_finite_values();
     for (const Image& group : reference.groups)
-        bad += nonfinite_values(group);
-    if (bad > 0)
-        throw InputError({path, 0, 0},
-                         fmt::format("cannot be a reference: {} values of {} are not finite", bad, layer));
+        bad += group.non_finite_values();
+    if (bad > 0) reject({path, 0, 0}, "cannot be a reference: {} values of {} are not finite", bad, layer);
 }
 
 void require_consistent(const CompareOptions& options) {
     require_epsilon(options.epsilon);
-    if (options.tests.empty()) throw InputError("compare needs at least one image and a reference");
-    const bool has_variance = !options.variance.empty(), has_spp = options.test_spp > 0;
-    if (has_variance != has_spp) throw InputError("--variance and --spp go together");
-    if (has_variance && !options.z_test) throw InputError("--variance and --spp belong to --z-test");
-    if (has_variance && options.tests.size() > 1)
+    if (!options.variance.empty() && options.tests.size() > 1)
         throw InputError("with --variance the z-test takes one image, not several");
 }
 
@@ -155,8 +143,7 @@ void require_different_seeds(const std::vector<LayeredImage>& files, const std::
         for (std::size_t j = 0; j < i; ++j)
             if (same(files[i], files[j], "seed") && same(files[i], files[j], "method") &&
                 same(files[i], files[j], "scene_hash"))
-                throw InputError(
-                    fmt::format("{} and {} have the same seed: they are no replicates", paths[j], paths[i]));
+                reject({}, "{} and {} have the same seed: they are no replicates", paths[j], paths[i]);
 }
 
 /// Several images of a layer are its replicates; a single image may have a standard error of its own.

@@ -1,9 +1,10 @@
 #include "experiments/program/compare_z_test.h"
 
-#include "common/core/error.h"
+#include "common/core/reject.h"
 #include "common/images/image_file.h"
 #include "experiments/metrics/mitsuba_z_test.h"
 #include "experiments/metrics/z_statistic.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 
@@ -20,20 +21,13 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, scale_count> scale_keys = {"z_blocks", "z_regions", "z_image"};
 constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"}, xyz_names = {"X", "Y", "Z"};
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::size_t nonfinite_values(const Image& image) {
-    return static_cast<std::size_t>(
-        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v); }));
-}
-
 std::size_t nonfinite_values(const ReferenceLayer& layer) {
     std::size_t count = 0;
     for (const Image& group : layer.groups)
-        count += nonfinite_values(group);
+        count += group.non_finite_values();
     // The mean and the standard error are computed from the groups, so they are not counted again.
     if (count > 0) return count;
-    return nonfinite_values(layer.mean) + (layer.standard_error ? nonfinite_values(*layer.standard_error) : 0);
+    return layer.mean.non_finite_values() + (layer.standard_error ? layer.standard_error->non_finite_values() : 0);
 }
 
 std::string line(const std::string& name, const std::string& text) { return fmt::format("  {:<18} {}\n", name, text); }
@@ -66,7 +60,7 @@ void put_scale(Json& json, const std::string& key, const ZTestVerdict::Scale& sc
     const BlockTest& test = scale.largest;
     json[key + "_tests"] = scale.hypotheses;
     json[key + "_rejected"] = scale.rejected;
-    json[key + "_t"] = number(test.t);
+    json[key + "_t"] = number_to_json<Json>(test.t);
     json[key + "_p"] = test.p;
     json[key + "_p_corrected"] = scale.adjusted_p;
     json[key + "_layer"] = scale.layer;
@@ -88,9 +82,9 @@ Json layer_json(const LayerZTest& layer) {
     for (const char* key : {"z_deviation", "z_deviation_lo", "z_deviation_hi", "z_reference_share"})
         json[key] = Json::array();
     for (const MeanDeviation& mean : layer.means) {
-        json["z_deviation"].push_back(number(mean.value));
-        json["z_deviation_lo"].push_back(mean.interval ? number(mean.interval->lo) : Json(nullptr));
-        json["z_deviation_hi"].push_back(mean.interval ? number(mean.interval->hi) : Json(nullptr));
+        json["z_deviation"].push_back(number_to_json<Json>(mean.value));
+        json["z_deviation_lo"].push_back(mean.interval ? number_to_json<Json>(mean.interval->lo) : Json(nullptr));
+        json["z_deviation_hi"].push_back(mean.interval ? number_to_json<Json>(mean.interval->hi) : Json(nullptr));
         json["z_reference_share"].push_back(mean.reference_share);
     }
     return json;
@@ -139,8 +133,7 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
 void require_variances(const Image& image, const std::string& path) {
     const auto wrong =
         std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v) || v < 0; });
-    if (wrong > 0)
-        throw InputError({path, 0, 0}, fmt::format("cannot be a variance: {} values are not finite or below 0", wrong));
+    if (wrong > 0) reject({path, 0, 0}, "cannot be a variance: {} values are not finite or below 0", wrong);
 }
 
 }  // namespace
@@ -207,9 +200,8 @@ ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::
     const Image* variance = file.find("");
     if (!variance) throw InputError({variance_path, 0, 0}, "the image has no channels R,G,B outside its named layers");
     if (!variance->same_size(reference))
-        throw InputError({variance_path, 0, 0},
-                         fmt::format("{} x {} pixels, but the reference has {} x {}", variance->width, variance->height,
-                                     reference.width, reference.height));
+        reject({variance_path, 0, 0}, "{} x {} pixels, but the reference has {} x {}", variance->width,
+               variance->height, reference.width, reference.height);
     require_variances(*variance, variance_path);
     const MitsubaZTest test = mitsuba_z_test(x, reference, *variance, spp);
     const std::string reason =

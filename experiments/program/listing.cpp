@@ -18,16 +18,6 @@ namespace gib {
 
 namespace {
 
-std::string range_of(const Parameter& p) {
-    if (p.kind == Parameter::Kind::text) return "text";
-    if (p.kind == Parameter::Kind::choice) return fmt::format("{}", fmt::join(p.choices, "|"));
-    std::string range =
-        std::isinf(p.upper) ? fmt::format("at least {:g}", p.lower) : fmt::format("{:g} to {:g}", p.lower, p.upper);
-    if (p.kind == Parameter::Kind::integer) range = "whole, " + range;
-    if (!p.choices.empty()) range += fmt::format(", or {}", fmt::join(p.choices, ", "));
-    return range;
-}
-
 std::string parameter_lines(const std::vector<Parameter>& parameters) {
     std::string text;
     for (const auto& p : parameters) {

@@ -10,8 +10,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 namespace gib {
@@ -55,13 +53,9 @@ json stored_record(const std::string& path, const Image& total, const Image& r_t
     }
 }
 
-bool all_finite(const Image& image) {
-    return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
-}
-
 /// Measures FLIP and writes its map. Empty, and nothing is written, if an image is not finite.
 std::optional<double> measure_flip(const Image& total, const Image& r_total, const std::string& map_file) {
-    if (!all_finite(total) || !all_finite(r_total)) return std::nullopt;
+    if (total.non_finite_values() + r_total.non_finite_values() > 0) return std::nullopt;
     const FlipMap map = hdr_flip(total, r_total);
     const auto png = encode_png(flip_image(map), 1.f);
     write_file(map_file, {reinterpret_cast<const char*>(png.data()), png.size()});

@@ -36,6 +36,13 @@ const ReferenceLayer* Judgement::component(Component c) const {
     return layer && is_resolved(c) ? &*layer : nullptr;
 }
 
+std::vector<std::pair<std::string, const ReferenceLayer*>> Judgement::layers() const {
+    std::vector<std::pair<std::string, const ReferenceLayer*>> layers = {{total_name, &total()}};
+    for (Component c : all_components)
+        if (const auto* layer = component(c)) layers.emplace_back(name_of(c), layer);
+    return layers;
+}
+
 Image Judgement::total_of(const ComponentImages& image) const {
     ComponentImages judged = image;
     for (Component c : reference_.unresolved)
@@ -45,10 +52,11 @@ Image Judgement::total_of(const ComponentImages& image) const {
 
 std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, double epsilon) const {
     std::map<std::string, ImageError> errors;
-    errors[total_name] = image_error(total_of(image), total(), total().mean, epsilon);
-    for (Component c : all_components)
-        if (const auto* layer = component(c); layer && image[c])
-            errors[std::string(name_of(c))] = image_error(*image[c], *layer, total().mean, epsilon);
+    for (const auto& [name, layer] : layers()) {
+        const auto c = component_named(name);
+        if (!c || image[*c])
+            errors[name] = image_error(c ? *image[*c] : total_of(image), *layer, total().mean, epsilon);
+    }
     return errors;
 }
 

@@ -7,6 +7,8 @@
 
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gib {
 
@@ -20,6 +22,8 @@ public:
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
     /// Null if the reference has no such component or does not resolve it.
     const ReferenceLayer* component(Component c) const;
+    /// The total and every judged component, by name.
+    std::vector<std::pair<std::string, const ReferenceLayer*>> layers() const;
     /// The sum of the image's components without the unresolved ones.
     Image total_of(const ComponentImages& image) const;
 

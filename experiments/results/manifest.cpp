@@ -16,6 +16,16 @@
 
 namespace gib {
 
+static auto json_fields(RecordOf<ManifestCell> auto& c) {
+    return std::tuple(JsonField{"scene", c.scene}, JsonField{"method", c.method}, JsonField{"seed", c.seed},
+                      JsonField{"passes", c.passes}, JsonField{"image", c.image});
+}
+
+static auto json_fields(RecordOf<Manifest::Scene> auto& s) {
+    return std::tuple(JsonField{"name", s.name}, JsonField{"file", s.file}, JsonField{"content_hash", s.content_hash},
+                      JsonField{"reference", s.reference}, JsonField{"reference_method", s.reference_method});
+}
+
 namespace {
 
 std::string utc_date() {
@@ -59,11 +69,8 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     for (const auto& [name, version] : build.libraries)
         j["libraries"][name] = version;
     for (const auto& scene : index.scenes)
-        j["scenes"].push_back({{"name", scene.name},
-                               {"file", scene.path},
-                               {"content_hash", scene.content_hash},
-                               {"reference", scene.reference},
-                               {"reference_method", scene.reference_method}});
+        j["scenes"].push_back(
+            Manifest::Scene{scene.name, scene.path, scene.content_hash, scene.reference, scene.reference_method});
     j["methods"] = index.methods;
     j["seeds"] = index.seeds;
     j["epsilon"] = index.epsilon;
@@ -72,16 +79,10 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     j["working_folder"] = std::filesystem::current_path().string();
     j["experiment_file"] = run.experiment_file;
     j["experiment"] = index.experiment_text;
-    j["resolution"] = nullptr;  // the scenes' own
-    if (run.resolution) j["resolution"] = {run.resolution->first, run.resolution->second};
-    j["cells"] = nlohmann::ordered_json::array();
-    for (const auto& cell : run.cells)
-        j["cells"].push_back({{"scene", cell.scene},
-                              {"method", cell.method},
-                              {"seed", cell.seed},
-                              {"passes", cell.passes},
-                              {"image", cell.image}});
-    return j.dump(2) + "\n";
+    j["resolution"] = run.resolution;  // null: the scenes' own
+    j["cells"] = run.cells;
+    // Command lines and folders may hold bytes that are not UTF-8.
+    return j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 Manifest read_manifest(const std::string& path) {
@@ -89,26 +90,18 @@ Manifest read_manifest(const std::string& path) {
     try {
         const json j = read_json(path);
         if (!j.is_object() || !j.contains("experiment")) throw InputError({path}, "not a manifest of results");
-        if (!j.contains("cells"))
-            throw InputError({path}, "written by an earlier gibench, which did not say how many passes each cell made");
         Manifest m;
-        m.experiment_file = j.at("experiment_file");
-        m.working_folder = j.at("working_folder");
-        m.experiment_text = j.at("experiment");
-        m.threads = count_from_json(j, "threads", path, 0, most_threads);
-        m.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
-        for (const auto& s : j.at("scenes"))
-            m.scenes.push_back({.name = s.at("name"),
-                                .file = s.at("file"),
-                                .content_hash = s.at("content_hash"),
-                                .reference = s.at("reference")});
-        for (const auto& c : j.at("cells"))
-            m.cells.push_back(
-                {.scene = c.at("scene"),
-                 .method = c.at("method"),
-                 .seed = static_cast<std::uint64_t>(count_from_json(c, "seed", path, 1, most_seeds)),
-                 .passes = static_cast<std::uint32_t>(large_count_from_json(c, "passes", path, 1, most_passes)),
-                 .image = c.at("image")});
+        j.at("experiment_file").get_to(m.experiment_file);
+        j.at("working_folder").get_to(m.working_folder);
+        j.at("experiment").get_to(m.experiment_text);
+        m.threads = static_cast<int>(count_from_json(j, "threads", path, 0, most_threads));
+        m.seeds = static_cast<int>(count_from_json(j, "seeds", path, 1, most_seeds));
+        for (const auto& cell : j.at("cells")) {
+            count_from_json(cell, "seed", path, 1, most_seeds);
+            count_from_json(cell, "passes", path, 1, most_passes);
+        }
+        j.at("scenes").get_to(m.scenes);
+        j.at("cells").get_to(m.cells);
         const auto text = [&](const char* key) { return j.at(key).get<std::string>(); };
         m.machine = {{"program", text("program")},       {"commit", commit_text(text("commit"), j.at("modified"))},
                      {"compiler", text("compiler")},     {"flags", text("flags")},

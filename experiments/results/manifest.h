@@ -34,7 +34,7 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run);
 /// The content of a manifest that was read back.
 struct Manifest {
     struct Scene {
-        std::string name, file, content_hash, reference;
+        std::string name, file, content_hash, reference, reference_method;
     };
     std::string experiment_file, working_folder, experiment_text;
     int threads = 0, seeds = 1;

@@ -1,6 +1,7 @@
 #include "experiments/results/result_folder.h"
 
 #include "common/core/files.h"
+#include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/plan/run_limits.h"
 #include "experiments/text/json_file.h"
@@ -19,91 +20,34 @@ namespace gib {
 
 using nlohmann::json;
 
-namespace {
-
-json to_json(const ImageError& e) {
-    return {{"mse", number_to_json(e.mse)},
-            {"rmse", number_to_json(e.rmse)},
-            {"rel_mse", number_to_json(e.rel_mse)},
-            {"mse_corrected", number_to_json(e.mse_corrected)},
-            {"rel_mse_corrected", number_to_json(e.rel_mse_corrected)}};
+static auto json_fields(RecordOf<ImageError> auto& e) {
+    return std::tuple(JsonField{"mse", e.mse}, JsonField{"rmse", e.rmse}, JsonField{"rel_mse", e.rel_mse},
+                      JsonField{"mse_corrected", e.mse_corrected}, JsonField{"rel_mse_corrected", e.rel_mse_corrected});
 }
 
-ImageError error_from(const json& j) {
-    return {.mse = number_from_json(j.at("mse")),
-            .rmse = number_from_json(j.at("rmse")),
-            .rel_mse = number_from_json(j.at("rel_mse")),
-            .mse_corrected = number_from_json(j.at("mse_corrected")),
-            .rel_mse_corrected = number_from_json(j.at("rel_mse_corrected"))};
+static auto json_fields(RecordOf<CellCheckpoint> auto& c) {
+    return std::tuple_cat(json_fields(c.checkpoint), std::tuple(JsonField{"errors", c.errors}));
 }
 
-json to_json(const Cell& cell) {
-    json checkpoints = json::array();
-    for (const auto& c : cell.checkpoints) {
-        json entry = checkpoint_to_json(c.checkpoint);
-        for (const auto& [name, error] : c.errors)
-            entry["errors"][name] = to_json(error);
-        checkpoints.push_back(entry);
-    }
-    return {{"complete", true},
-            {"scene", cell.scene},
-            {"method", cell.method},
-            {"seed", cell.seed},
-            {"key", cell.key},
-            {"build", cell.build},
-            {"image", cell.image},
-            {"image_file", cell.image_file},
-            {"load_seconds", cell.load_seconds},
-            {"prepare_seconds", cell.prepare_seconds},
-            {"converged", cell.converged},
-            {"checkpoints", checkpoints},
-            {"stages", stages_to_json(cell.stages)}};
+static auto json_fields(RecordOf<Cell> auto& c) {
+    return std::tuple(JsonField{"scene", c.scene}, JsonField{"method", c.method}, JsonField{"seed", c.seed},
+                      JsonField{"key", c.key}, JsonField{"build", c.build}, JsonField{"image", c.image},
+                      JsonField{"image_file", c.image_file}, JsonField{"load_seconds", c.load_seconds},
+                      JsonField{"prepare_seconds", c.prepare_seconds}, JsonField{"converged", c.converged},
+                      JsonField{"checkpoints", c.checkpoints}, JsonField{"stages", c.stages});
 }
 
-Cell cell_from(const json& j) {
-    Cell cell;
-    cell.scene = j.at("scene");
-    cell.method = j.at("method");
-    cell.seed = j.at("seed");
-    cell.key = j.at("key");
-    cell.build = j.at("build");
-    cell.image = j.value("image", "");
-    cell.image_file = j.value("image_file", "");
-    cell.load_seconds = j.at("load_seconds");
-    cell.prepare_seconds = j.at("prepare_seconds");
-    cell.converged = j.at("converged");
-    for (const auto& entry : j.at("checkpoints")) {
-        cell.checkpoints.push_back({checkpoint_from_json(entry), {}});
-        for (const auto& [name, error] : entry.at("errors").items())
-            cell.checkpoints.back().errors[name] = error_from(error);
-    }
-    cell.stages = stages_from_json(j.at("stages"));
-    return cell;
+static auto json_fields(RecordOf<IndexScene> auto& s) {
+    return std::tuple(JsonField{"name", s.name}, JsonField{"path", s.path}, JsonField{"content_hash", s.content_hash},
+                      JsonField{"reference", s.reference}, JsonField{"reference_method", s.reference_method},
+                      JsonField{"target", s.target}, JsonField{"notes", s.notes});
 }
 
-json to_json(const IndexScene& s) {
-    return {{"name", s.name},
-            {"path", s.path},
-            {"content_hash", s.content_hash},
-            {"reference", s.reference},
-            {"reference_method", s.reference_method},
-            {"target", s.target ? json(*s.target) : json(nullptr)},
-            {"notes", s.notes}};
+static auto json_fields(RecordOf<ResultIndex> auto& i) {
+    return std::tuple(JsonField{"title", i.title}, JsonField{"experiment", i.experiment_text},
+                      JsonField{"epsilon", i.epsilon}, JsonField{"seeds", i.seeds}, JsonField{"threads", i.threads},
+                      JsonField{"scenes", i.scenes}, JsonField{"methods", i.methods}, JsonField{"cells", i.cell_keys});
 }
-
-IndexScene scene_from(const json& j) {
-    IndexScene s{.name = j.at("name"),
-                 .path = j.at("path"),
-                 .content_hash = j.at("content_hash"),
-                 .reference = j.at("reference"),
-                 .reference_method = j.at("reference_method"),
-                 .target = {},
-                 .notes = j.at("notes")};
-    if (!j.at("target").is_null()) s.target = j.at("target").get<double>();
-    return s;
-}
-
-}  // namespace
 
 std::string CellIdentity::key() const {
     ContentHash hash;
@@ -130,17 +74,16 @@ void ResultFolder::make(const std::string& path) {
     if (error == std::errc::no_space_on_device)
         throw RunError(fmt::format("cannot make the folder '{}': {}", path, error.message()));
     if (error || !std::filesystem::is_directory(path))
-        throw InputError(
-            fmt::format("cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way"));
+        reject({}, "cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way");
 }
 
 std::string result_folder_of(const std::string& experiment) {
     for (const char* taken : {"references", ".", ".."})
         if (experiment == taken)
-            throw InputError(
-                fmt::format("an experiment cannot be named '{}': its results would go to results/{}; give "
-                            "the file another name, or --out",
-                            experiment, experiment));
+            reject({},
+                   "an experiment cannot be named '{}': its results would go to results/{}; give "
+                   "the file another name, or --out",
+                   experiment, experiment);
     return "results/" + experiment;
 }
 
@@ -189,12 +132,8 @@ std::string ResultFolder::method_file(const std::string& scene, const std::strin
 }
 
 void ResultFolder::write_index(const ResultIndex& index) const {
-    json j = {{"format", "gibench results 1"}, {"title", index.title},    {"experiment", index.experiment_text},
-              {"epsilon", index.epsilon},      {"seeds", index.seeds},    {"threads", index.threads},
-              {"methods", index.methods},      {"cells", index.cell_keys}};
-    j["scenes"] = json::array();
-    for (const auto& scene : index.scenes)
-        j["scenes"].push_back(to_json(scene));
+    json j = index;
+    j["format"] = "gibench results 1";
     j["effects_missing"] = json::array();
     for (const auto& [cell, effects] : index.effects_missing)
         j["effects_missing"].push_back({{"scene", cell.first}, {"method", cell.second}, {"effects", effects}});
@@ -203,31 +142,23 @@ void ResultFolder::write_index(const ResultIndex& index) const {
 
 ResultIndex ResultFolder::read_index() const {
     const std::string path = file("index.json");
-    if (!std::filesystem::exists(path))
-        throw InputError(fmt::format("'{}' holds no results: there is no {}", path_, path));
+    if (!std::filesystem::exists(path)) reject({}, "'{}' holds no results: there is no {}", path_, path);
     try {
         const json j = read_json(path);
-        ResultIndex index;
-        index.title = j.at("title");
-        index.experiment_text = j.at("experiment");
-        index.epsilon = j.at("epsilon");
+        count_from_json(j, "seeds", path, 1, most_seeds);
+        count_from_json(j, "threads", path, 0, most_threads);
+        auto index = j.get<ResultIndex>();
         require_epsilon(index.epsilon, {path});
-        index.seeds = count_from_json(j, "seeds", path, 1, most_seeds);
-        index.threads = count_from_json(j, "threads", path, 0, most_threads);
-        index.methods = j.at("methods").get<std::vector<std::string>>();
-        index.cell_keys = j.at("cells").get<std::map<std::string, std::string>>();
-        for (const auto& scene : j.at("scenes"))
-            index.scenes.push_back(scene_from(scene));
         for (const auto& m : j.at("effects_missing"))
             index.effects_missing[{m.at("scene"), m.at("method")}] = m.at("effects");
         return index;
     } catch (const json::exception& error) {
-        throw InputError({path}, fmt::format("not an index of results: {}", error.what()));
+        reject({path}, "not an index of results: {}", error.what());
     }
 }
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
-    json record = to_json(cell);
+    json record = cell;
     record["digest"] = json_digest(record);
     write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
@@ -242,17 +173,15 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
     };
     try {
         json j = read_json(path);
-        const std::string digest = j.value("digest", "");
+        const std::string digest = j.at("digest");
         j.erase("digest");
-        // A record may lack a digest, which older files do not have; it is then accepted unchecked.
-        if (!digest.empty() && digest != json_digest(j))
-            return damaged(path, "its content is not what its digest says");
-        if (j.at("key") != key || j.at("complete") != true) return std::nullopt;
-        Cell cell = cell_from(j);
+        if (digest != json_digest(j)) return damaged(path, "its content is not what its digest says");
+        if (j.at("key") != key) return std::nullopt;
+        auto cell = j.get<Cell>();
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");
         const std::string image = cell_image(folder_name);
         if (!std::filesystem::exists(image)) return damaged(image, "the file is missing");
-        if (!cell.image_file.empty() && cell.image_file != file_hash(image))
+        if (cell.image_file != file_hash(image))
             return damaged(image, "its content is not that of the image that was rendered");
         return cell;
     } catch (const json::exception&) {

@@ -47,7 +47,7 @@ struct Cell {
     std::string key;
     std::string build;        ///< digest of the program that measured it
     std::string image;        ///< digest of the final image's pixels (image_digest.h)
-    std::string image_file;   ///< SHA-1 of the image's file; empty in records without it
+    std::string image_file;   ///< SHA-1 of the image's file
     double load_seconds = 0;  ///< of reading the scene and building its tree; not charged
     double prepare_seconds = 0;
     bool converged = false;

@@ -2,6 +2,7 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
+#include "common/core/reject.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
 #include "experiments/measuring/cell_process.h"
@@ -133,21 +134,21 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
       build_(executable_hash()) {
     for (const auto& entry : experiment_.scenes) {
         const auto start = std::chrono::steady_clock::now();
+        const LoadedScene loaded = load(entry);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        if (options.repeat) options.repeat->check_scene(entry, loaded.content_hash);
+        progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+        plan_methods(loaded);
         scenes_.push_back({.entry = entry,
-                           .loaded = load_scene(entry.path, {{}, experiment_.resolution}),
+                           .content_hash = loaded.content_hash,
+                           .sample_count = loaded.sample_count,
                            .reference = "",
                            .notes = {}});
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        if (options.repeat) options.repeat->check_scene(entry, scenes_.back().loaded.content_hash);
-        progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
     }
-    plan_methods();
     bool any = false;
     for (const auto& scene : scenes_)
         any = any || selected(scene);
-    if (!any)
-        throw InputError(
-            fmt::format("--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only));
+    if (!any) reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only);
     folder_.prepare();
     lock_.emplace(lock_result_folder(folder_.path()));
     const std::string references = fs::path(cached_reference_path("")).parent_path().string();
@@ -169,14 +170,15 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
     }
 }
 
-void ExperimentRun::plan_methods() {
-    for (const auto& scene : scenes_)
-        for (const auto& label : experiment_.methods) {
-            const auto& description = find_method(label.name);
-            const ParameterValues values(all_parameters(description), label);
-            const auto method = description.create(values, {scene.loaded.max_edges});
-            effects_missing_[{scene.entry.name, label.text()}] = method->plan(*scene.loaded.scene).missing.names();
-        }
+LoadedScene ExperimentRun::load(const ExperimentScene& entry) const {
+    return load_scene(entry.path, {{}, experiment_.resolution});
+}
+
+void ExperimentRun::plan_methods(const LoadedScene& scene) {
+    for (const auto& label : experiment_.methods) {
+        const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
+        effects_missing_[{scene.name, label.text()}] = plan.missing.names();
+    }
 }
 
 bool ExperimentRun::selected(const SceneState& scene, const MethodLabel& label) const {
@@ -224,9 +226,11 @@ void ExperimentRun::make_references() {
 
 void ExperimentRun::make_reference_of(SceneState& scene) {
     if (take_reference_of(scene)) return;
+    const LoadedScene loaded = load(scene.entry);
+    if (loaded.content_hash != scene.content_hash) throw RunError("the scene was changed while the experiment ran");
     const MethodLabel& label = experiment_.reference_method;
-    const std::string path = cached_reference_path(reference_key(scene.loaded.content_hash, label));
-    const ReferenceWork work{.scene = scene.loaded,
+    const std::string path = cached_reference_path(reference_key(scene.content_hash, label));
+    const ReferenceWork work{.scene = loaded,
                              .method = find_method(label.name),
                              .label = label,
                              .goal = scene.entry.goal,
@@ -266,13 +270,12 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
     for (int seed = 1; seed <= experiment_.seeds; ++seed)
         for (auto& scene : scenes_)
             for (const auto& label : experiment_.methods) {
-                const ParameterValues values(all_parameters(find_method(label.name)), label);
                 CellIdentity identity;
                 identity.scene = scene.entry.name;
                 identity.method = label.text();
                 identity.seed = static_cast<std::uint64_t>(seed);
-                identity.scene_hash = scene.loaded.content_hash;
-                identity.spp = last_pass(values, scene.loaded.sample_count);
+                identity.scene_hash = scene.content_hash;
+                identity.spp = last_pass(ConfiguredMethod(label).values, scene.sample_count);
                 identity.budget = experiment_.budget;
                 identity.epsilon = experiment_.epsilon;
                 identity.threads = threads_;
@@ -417,7 +420,7 @@ ResultIndex ExperimentRun::index() {
     for (const auto& scene : scenes_)
         index.scenes.push_back({.name = scene.entry.name,
                                 .path = scene.entry.path,
-                                .content_hash = scene.loaded.content_hash,
+                                .content_hash = scene.content_hash,
                                 .reference = scene.reference,
                                 .reference_method = experiment_.reference_method.text(),
                                 .target = scene.entry.goal.target,

@@ -37,8 +37,9 @@ public:
 private:
     struct SceneState {
         ExperimentScene entry;
-        LoadedScene loaded;
-        std::string reference;  ///< identity; empty: there is none
+        std::string content_hash;
+        std::optional<int> sample_count;  ///< of the file's sampler
+        std::string reference;            ///< identity; empty: there is none
         std::vector<std::string> notes;
         bool failed = false;  ///< its reference could not be made
     };
@@ -67,7 +68,10 @@ private:
     void run_cell(const PlannedCell& cell, const class Judgement& judgement, const PassObserver& observer);
     void fail(const std::string& what);
     ResultIndex index();
-    void plan_methods();
+    /// Loads a scene. Only one is in memory at a time, while its methods are planned and its reference is made; cells
+    /// load it in their own processes.
+    LoadedScene load(const ExperimentScene& entry) const;
+    void plan_methods(const LoadedScene& scene);
     void link_images(const ResultIndex& index);
 
     RunOptions options_;

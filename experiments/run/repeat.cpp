@@ -4,7 +4,6 @@
 #include "experiments/results/manifest.h"
 #include "experiments/run/cell_queue.h"
 #include "experiments/run/repeat_plan.h"
-#include "experiments/run/run_experiment.h"
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
@@ -30,17 +29,6 @@ std::string named_folder(const std::string& folder) {
     if (!path.has_filename()) path = path.parent_path();
     if (path == "." || path.filename() == "..") path = fs::weakly_canonical(path);
     return path.string();
-}
-
-/// Whether a path, which need not exist, is that of a folder or of something in it.
-bool lies_in(const std::string& path, const std::string& folder) {
-    std::error_code ignored;  // a path that does not exist is not the folder
-    fs::path place = fs::weakly_canonical(fs::absolute(path), ignored);
-    while (!fs::equivalent(place, folder, ignored)) {
-        if (place == place.parent_path()) return false;
-        place = place.parent_path();
-    }
-    return true;
 }
 
 /// The path of the experiment file. It is relative to the current folder if all scenes are found from there, else to
@@ -145,7 +133,6 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
 }  // namespace
 
 int repeat_run(const RepeatOptions& options, std::ostream& out) {
-    require_utf8_names(options.command_line);
     const InterruptGuard guard;
     const std::string folder = named_folder(options.folder);
     const Manifest manifest = read_manifest(folder + "/manifest.json");
@@ -153,8 +140,8 @@ int repeat_run(const RepeatOptions& options, std::ostream& out) {
     const RepeatPlan plan = plan_of(manifest, folder);
     RunOptions run_options;
     run_options.out = options.out.value_or(folder + "-repeat");
-    if (lies_in(*run_options.out, folder))
-        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated, or lies in it");
+    if (std::error_code ignored; fs::equivalent(*run_options.out, folder, ignored))
+        throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
     run_options.threads = manifest.threads;
     run_options.fresh = true;  // the cells of an earlier repetition would prove nothing
     run_options.program = options.program;

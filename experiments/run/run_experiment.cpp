@@ -6,7 +6,6 @@
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <iostream>
@@ -17,23 +16,9 @@ namespace {
 
 constexpr int exit_interrupted = 130;
 
-void require_utf8(const std::string& text, const char* what) {
-    try {
-        static_cast<void>(nlohmann::json(text).dump());
-    } catch (const nlohmann::json::exception&) {
-        throw InputError(fmt::format("{} is not UTF-8, as the records of a run have to be", what));
-    }
-}
-
 }  // namespace
 
-void require_utf8_names(const std::string& command_line) {
-    require_utf8(command_line, "the command line");
-    require_utf8(std::filesystem::current_path().string(), "the current folder's name");
-}
-
 int run_experiment(const RunOptions& options, std::ostream& out) {
-    require_utf8_names(options.command_line);
     const InterruptGuard guard;
     ExperimentRun run(options);
     const bool complete = run.measure();

@@ -1,7 +1,7 @@
 #include "experiments/system/file_lock.h"
 
-#include "common/core/error.h"
 #include "common/core/files.h"
+#include "common/core/reject.h"
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
@@ -33,12 +33,12 @@ std::optional<FileLock> FileLock::if_free(const std::string& path) {
     for (;;) {
         // The file is closed on exec, because the lock belongs to the run alone; a cell's process dies with its run.
         const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (fd < 0) throw InputError({path}, fmt::format("cannot write here: {}", std::strerror(errno)));
+        if (fd < 0) reject({path}, "cannot write here: {}", std::strerror(errno));
         FileLock lock("", fd);  // closes the file; removes nothing while the path is empty
         if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK) return std::nullopt;
             if (errno == EINTR) continue;
-            throw InputError({path}, fmt::format("cannot lock this file: {}", std::strerror(errno)));
+            reject({path}, "cannot lock this file: {}", std::strerror(errno));
         }
         if (!is_named(fd, path)) continue;
         lock.path_ = path;
@@ -72,9 +72,8 @@ std::string lock_owner(const std::string& path) {
 FileLock lock_result_folder(const std::string& folder) {
     const std::string path = folder + "/.lock";
     if (auto lock = FileLock::if_free(path)) return std::move(*lock);
-    throw InputError(
-        fmt::format("{} is working in '{}': wait until it has ended; a run can have another folder by --out",
-                    lock_owner(path), folder));
+    reject({}, "{} is working in '{}': wait until it has ended; a run can have another folder by --out",
+           lock_owner(path), folder);
 }
 
 FileLock lock_reference(const std::string& path, const std::function<void(const std::string& owner)>& waiting) {

@@ -7,8 +7,7 @@
 
 namespace gib {
 
-/// The file's content. Throws nlohmann::json::parse_error if it is not JSON, InputError if it cannot be read or is
-/// nested deeper than any file of gibench: comparing, copying and writing such a value would overflow the stack.
+/// The file's content. Throws nlohmann::json::parse_error if it is not JSON, InputError if it cannot be read.
 nlohmann::json read_json(const std::string& path);
 
 /// SHA-1 of a record's text. The text is the same for a record that was written and read again, because numbers are

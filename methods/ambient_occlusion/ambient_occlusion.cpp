@@ -3,7 +3,7 @@
 //     A(p) = (1 / pi) integral over the hemisphere of V(p, w) cos(theta) dw
 // where V is 0 if a surface lies in direction w within `distance`, and 1 otherwise (Zhukov et al. 1998). A direction
 // with density cos(theta) / pi makes V itself the estimate.
-// Parameters: distance [fraction of the scene's diagonal]; spp as for all methods (max_depth means nothing here).
+// Parameters: distance [fraction of the scene's diagonal]; spp as for all methods (max_depth is refused).
 // Bias: none. A pass: one sample of every pixel. Fails: never; where no surface is seen the image is black.
 #include "common/sampling/warp.h"
 #include "methods/method.h"
@@ -47,11 +47,12 @@ private:
 MethodDescription describe_ambient_occlusion() {
     return {.name = "ambient_occlusion",
             .sentence = "how open each visible point is to its surroundings: no image of the scene's radiance",
-            .parameters = {fraction_parameter("distance", "0.1", "scene diagonals", 10, "how far it looks")},
+            .parameters = {number_parameter("distance", "0.1", "scene diagonals", 0, 10, "how far it looks")},
             .simulates = Effects::all(),
             .components = {},
             .unbiased = true,
             .create = [](const ParameterValues& values, const MethodDefaults&) -> std::unique_ptr<Method> {
+                values.refuse({"max_depth"}, "this method, which follows no paths");
                 return std::make_unique<AmbientOcclusion>(values.number("distance"));
             },
             .estimates_radiance = false};

@@ -139,15 +139,9 @@ MethodDescription describe_path() {
     return {
         .name = "path",
         .sentence = "path tracing that combines light and bsdf sampling: unbiased, high-frequency noise",
-        .parameters = {{.name = "sampler",
-                        .kind = Parameter::Kind::choice,
-                        .default_value = "sobol",
-                        .unit = "",
-                        .lower = 0,
-                        .upper = 0,
-                        .choices = {"sobol", "independent"},
-                        .sentence =
-                            "random numbers of a pixel's samples: Owen-scrambled Sobol' points, or independent ones"}},
+        .parameters = {choice_parameter(
+            "sampler", {"sobol", "independent"},
+            "random numbers of a pixel's samples: Owen-scrambled Sobol' points, or independent ones")},
         .simulates = Effects::all(),
         .components = {Component::emission, Component::direct, Component::caustic, Component::indirect,
                        Component::volume},

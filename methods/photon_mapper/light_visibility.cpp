@@ -145,11 +145,6 @@ LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& f
     return region;
 }
 
-std::size_t LightVisibility::memory() const {
-    return nodes_.size() * sizeof(Node) + regions_.size() * sizeof(Region) + entries_.size() * sizeof(Entry) +
-           dark_.size() * sizeof(std::uint64_t);
-}
-
 /// The region at `hit` on the side of wo; no_region if no photon lies on that surface.
 std::uint32_t LightVisibility::region_at(const SurfaceHit& hit, const Vec3& wo) const {
     const SurfaceSide surface(hit, wo);

@@ -48,10 +48,6 @@ public:
     /// `photons` must come from trace_shadow_photons(), sorted by light. The scene must outlive this.
     LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons, const ShadowPhotonSettings& settings);
 
-    std::size_t regions() const { return regions_.size(); }
-    /// Size of the map [bytes].
-    std::size_t memory() const;
-
     /// The verdict about a light on the side of `hit` that faces wo.
     LightVerdict verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
     /// The probability with which choose() returns the light.

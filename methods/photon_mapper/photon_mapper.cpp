@@ -50,10 +50,10 @@ public:
               const auto [accumulated, black] = shown_components(scene, effects, description());
               return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
           }()) {
-        Aims aims;
-        const Plan plan = [&] {
+        const Plan plan = photon_mapper_plan(scene, effects, settings);
+        const Aims aims = [&] {
             const auto timer = stages.time("projection map");
-            return photon_mapper_plan(scene, effects, settings, aims);
+            return build_aims(plan, scene, settings);
         }();
         traces_ = plan.runs(pass_eye_paths);
         walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
@@ -191,10 +191,7 @@ class PhotonMapper final : public Method {
 public:
     explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
 
-    Plan plan(const Scene& scene) const override {
-        Aims aims;
-        return photon_mapper_plan(scene, effects_of(scene), settings_, aims);
-    }
+    Plan plan(const Scene& scene) const override { return photon_mapper_plan(scene, effects_of(scene), settings_); }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
@@ -204,13 +201,29 @@ private:
     PhotonMapperSettings settings_;
 };
 
+/// Refuses parameters that the others leave without effect. The length of paths and the scene may do so too; these are
+/// no mistakes, and the plan tells.
+void refuse_without_effect(const ParameterValues& values, const PhotonMapperSettings& s) {
+    if (s.photons == 0) values.refuse({"radius"}, "photons=0");
+    if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
+    if (s.volume_photons == 0) values.refuse({"volume_radius"}, "volume_photons=0");
+    if (s.photons == 0 && s.caustic_photons == 0) {
+        values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
+        if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
+    }
+    if (s.compensation && s.k == all_photons) values.refuse({"compensation"}, "k=all, which keeps the radius");
+    if (s.gather == 0) values.refuse({"source", "cache"}, "gather=0");
+    if (s.photons == 0 && s.source != GatherSource::paths) values.refuse({"gather"}, "photons=0, unless source=paths");
+    if (!s.cache) values.refuse(names_of(cache_parameters()), "cache=off");
+    if (s.shadows.photons == 0) values.refuse({"shadows", "shadow_k"}, "shadow_photons=0");
+}
+
 std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
+    const auto count = [&](const char* name) { return static_cast<std::uint64_t>(values.integer(name)); };
     PhotonMapperSettings s{};
-    s.photons = static_cast<std::uint64_t>(values.integer("photons"));
-    s.caustic_photons =
-        values.given("caustic_photons") ? static_cast<std::uint64_t>(values.integer("caustic_photons")) : s.photons;
-    s.volume_photons =
-        values.given("volume_photons") ? static_cast<std::uint64_t>(values.integer("volume_photons")) : s.photons;
+    s.photons = count("photons");
+    s.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.photons;
+    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.photons;
     const auto k = values.number_unless_word("k");
     const bool all = values.choice("k") == "all";
     s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
@@ -222,24 +235,15 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.compensation = values.choice("compensation") == "on";
-    if (s.compensation && all)
-        throw InputError("compensation=on chooses among at most k photons; k=all keeps the radius");
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
     s.cache = values.choice("cache") == "on";
-    if (s.cache && s.gather == 0) throw InputError("cache=on keeps what is gathered; gather=0 gathers nothing");
     s.records = cache_settings_of(values);
-    if (s.gather == 0 && values.given("source"))
-        throw InputError("source says what gather rays see; gather=0 has none");
-    if (!s.cache)
-        for (const Parameter& parameter : cache_parameters())
-            if (values.given(parameter.name))
-                throw InputError(parameter.name + " is one of the irradiance cache's; cache=off has none");
-    s.shadows = {static_cast<std::uint64_t>(values.integer("shadow_photons")),
-                 chosen<Shadows>(shadows_names, values.choice("shadows")),
+    s.shadows = {count("shadow_photons"), chosen<Shadows>(shadows_names, values.choice("shadows")),
                  static_cast<std::uint32_t>(values.integer("shadow_k"))};
+    refuse_without_effect(values, s);
     return std::make_unique<PhotonMapper>(s);
 }
 
@@ -263,19 +267,14 @@ std::vector<Parameter> photon_mapper_parameters() {
         count_parameter("photons", "1000000", "photons", "emitted for the global map"),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
         count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
-        {.name = "k",
-         .kind = Parameter::Kind::integer,
-         .default_value = "50",
-         .unit = "photons",
-         .lower = 2,
-         .upper = 1e6,
-         .choices = {"auto", "all"},
-         .sentence =
-             "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all within the radius"},
-        fraction_parameter("radius", "0.1", diagonals, 1, "largest radius of a look-up in the global map"),
-        fraction_parameter("caustic_radius", "0.025", diagonals, 1,
-                           "largest radius of a look-up in the caustic map, whose light has sharp edges"),
-        fraction_parameter("volume_radius", "0.05", diagonals, 1, "largest radius of a look-up in the volume map"),
+        integer_parameter(
+            "k", "50", "photons", 2, 1e6,
+            "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all within the radius",
+            {"auto", "all"}),
+        number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
+        number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
+                         "largest radius of a look-up in the caustic map, whose light has sharp edges"),
+        number_parameter("volume_radius", "0.05", diagonals, 0, 1, "largest radius of a look-up in the volume map"),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         choice_parameter(
             "area", strings(disc_area_names),
@@ -286,15 +285,9 @@ std::vector<Parameter> photon_mapper_parameters() {
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         choice_parameter("projection", {"on", "off"},
                          "lights emit photons only where these can reach surfaces that matter"),
-        {.name = "gather",
-         .kind = Parameter::Kind::integer,
-         .default_value = "0",
-         .unit = "rays",
-         .lower = 0,
-         .upper = 1e6,
-         .choices = {},
-         .sentence = "final gather rays for each diffuse surface that the eye sees, or for each record of the cache; "
-                     "0: indirect light comes from the global map"},
+        integer_parameter("gather", "0", "rays", 0, 1e6,
+                          "final gather rays for each diffuse surface that the eye sees, or for each record of the "
+                          "cache; 0: indirect light comes from the global map"),
         choice_parameter(
             "source", strings(gather_source_names),
             "light that gather rays find: irradiance precomputed at photons, photon density, or path tracing"),

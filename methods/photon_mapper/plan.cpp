@@ -22,29 +22,24 @@ void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t p
     plan.add(std::string(pass), reason.empty(), reason);
 }
 
-/// Adds the step of the projection map that aims the photons of `map`. The projection map is built here, because only
-/// then is it known whether it saves anything. In a medium without an end a photon may be scattered although its ray
-/// meets no surface, so the photons of the global map are not aimed there. Caustic photons end where a medium
-/// scatters them, so those are aimed.
-void add_aim(Plan& plan, const Scene& scene, std::string_view pass, std::string_view map, TargetSurfaces surfaces,
-             std::uint64_t photons, const PhotonMapperSettings& settings, std::unique_ptr<ProjectionMap>& aim) {
+/// Adds the step of the projection map that aims the photons of `map`. In a medium without an end a photon may be
+/// scattered although its ray meets no surface, so the photons of the global map are not aimed there. Caustic photons
+/// end where a medium scatters them, so those are aimed.
+void add_aim(Plan& plan, std::string_view pass, std::string_view map, bool is_bounded, bool projection) {
     std::string reason;
-    if (!plan.runs(map)) {
-        reason = "its map is not run";
-    } else if (!settings.projection) {
-        reason = "projection=off";
-    } else if (surfaces == TargetSurfaces::all && scene.has_unbounded_medium()) {
-        reason = "light may be scattered in a medium without an end";
-    } else {
-        const std::uint64_t bins = std::clamp(photons / photons_per_bin, fewest_bins, most_bins);
-        aim = std::make_unique<ProjectionMap>(scene, surfaces, bins);
-        if (!aim->aims()) {
-            aim.reset();
-            reason = surfaces == TargetSurfaces::all ? "(nearly) all light reaches geometry"
-                                                     : "(nearly) all light reaches specular geometry";
-        }
-    }
+    if (!plan.runs(map)) reason = "its map is not run";
+    else if (!projection) reason = "projection=off";
+    else if (!is_bounded) reason = "light may be scattered in a medium without an end";
     plan.add(std::string(pass), reason.empty(), reason);
+}
+
+/// The projection map; null if the plan does not run it, or if it drops no emission.
+std::unique_ptr<ProjectionMap> build_aim(const Plan& plan, std::string_view pass, const Scene& scene,
+                                         TargetSurfaces surfaces, std::uint64_t photons) {
+    if (!plan.runs(pass)) return nullptr;
+    const std::uint64_t bins = std::clamp(photons / photons_per_bin, fewest_bins, most_bins);
+    auto aim = std::make_unique<ProjectionMap>(scene, surfaces, bins);
+    return aim->aims() ? std::move(aim) : nullptr;
 }
 
 /// Adds the steps of final gathering, precomputed irradiance and the irradiance cache.
@@ -71,7 +66,7 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
 
 }  // namespace
 
-Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims) {
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
     Plan plan = described_plan(scene, find_method("photon_mapper"));
     plan.called_for = effects;
     add_eye_paths(plan, scene, settings.max_edges);
@@ -87,11 +82,15 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
             needs_photons ? "no light passes between diffuse surfaces" : "gather rays are followed by path tracing");
     add_map(plan, pass_volume, scene.has_light() && scene.has_scattering_media(), settings.volume_photons,
             settings.max_edges, scene.has_light() ? "no medium scatters light" : "nothing emits light");
-    add_aim(plan, scene, pass_caustic_aim, pass_caustic, TargetSurfaces::specular, settings.caustic_photons, settings,
-            aims.caustic);
-    add_aim(plan, scene, pass_global_aim, pass_global, TargetSurfaces::all, settings.photons, settings, aims.global);
+    add_aim(plan, pass_caustic_aim, pass_caustic, true, settings.projection);
+    add_aim(plan, pass_global_aim, pass_global, !scene.has_unbounded_medium(), settings.projection);
     add_shadow_map(plan, scene, settings.shadows);
     return plan;
+}
+
+Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
+    return {build_aim(plan, pass_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
+            build_aim(plan, pass_global_aim, scene, TargetSurfaces::all, settings.photons)};
 }
 
 }  // namespace gib

@@ -20,13 +20,15 @@ inline constexpr std::string_view pass_gather = "final gathering";
 inline constexpr std::string_view pass_irradiance = "precomputed irradiance";
 inline constexpr std::string_view pass_cache = "irradiance cache";
 
+/// The plan for `effects`. A projection map that it runs is built at the start of the run. Only then is it known whether
+/// the map drops any emission; otherwise photons leave the lights in all directions.
+Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings);
+
 /// The projection maps that aim the photons of each map; null where photons leave the lights in all directions.
 struct Aims {
     std::unique_ptr<ProjectionMap> caustic, global;
 };
-
-/// Returns the plan for `effects`. It builds the projection maps, because only they show what aiming saves, and
-/// leaves those that pay in `aims`.
-Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings, Aims& aims);
+/// Builds the projection maps that the plan runs and keeps those that drop emission.
+Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapperSettings& settings);
 
 }  // namespace gib

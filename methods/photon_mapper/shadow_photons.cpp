@@ -58,22 +58,15 @@ std::vector<Parameter> shadow_photon_parameters() {
         count_parameter("shadow_photons", "0", "photons", "emitted to learn which lights each surface sees; 0: none"),
         choice_parameter("shadows", strings(shadows_names),
                          "use of shadow photons: choose lights without bias (guide), leave out shadow rays where they "
-                         "agree (skip), do both (both), or ignore them (rays)"),
-        {.name = "shadow_k",
-         .kind = Parameter::Kind::integer,
-         .default_value = "32",
-         .unit = "photons",
-         .lower = 1,
-         .upper = 1e6,
-         .choices = {},
-         .sentence = "number of a light's shadow photons that must agree before they are believed"},
+                         "agree (skip), or do both (both)"),
+        integer_parameter("shadow_k", "32", "photons", 1, 1e6,
+                          "number of a light's shadow photons that must agree before they are believed"),
     };
 }
 
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings) {
     std::string reason;
     if (settings.photons == 0) reason = "no photons are asked for";
-    else if (settings.use == Shadows::rays) reason = "shadows=rays";
     else if (!plan.runs(pass_light_sampling)) reason = "lights are not sampled";
     else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
     plan.add(std::string(pass_shadow_map), reason.empty(), reason);

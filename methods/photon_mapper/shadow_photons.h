@@ -29,18 +29,17 @@ struct Plan;
 enum class Shadows {
     guide,  ///< lights are chosen by the light they add near by; a shadow ray tests every choice
     skip,   ///< lights are chosen by power; no shadow ray is traced where all photons near by agree
-    both,   ///< lights are chosen as by `guide`; shadow rays are left out as by `skip`
-    rays    ///< shadow photons are not used; every shadow ray is traced
+    both    ///< lights are chosen as by `guide`; shadow rays are left out as by `skip`
 };
-inline constexpr std::array<std::string_view, 4> shadows_names = {"guide", "skip", "both", "rays"};
+inline constexpr std::array<std::string_view, 3> shadows_names = {"guide", "skip", "both"};
 
 struct ShadowPhotonSettings {
     std::uint64_t photons = 0;  ///< emitted
     Shadows use = Shadows::guide;
     std::uint32_t agreeing = 32;  ///< number of a light's photons that must agree before they are believed
 
-    bool skips() const { return use == Shadows::skip || use == Shadows::both; }
-    bool guides() const { return use == Shadows::guide || use == Shadows::both; }
+    bool skips() const { return use != Shadows::guide; }
+    bool guides() const { return use != Shadows::skip; }
 };
 
 /// The parameters shadow_photons, shadows and shadow_k.

@@ -242,6 +242,9 @@ std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const 
                                : map == "caustic" ? PhotonMapKind::caustic
                                                   : PhotonMapKind::volume;
     const bool records = map == "records";
+    if (records) values.refuse({"photons"}, "map=records");
+    if (!records) values.refuse({"gather"}, "map=" + map);
+    if (!records) values.refuse(names_of(cache_parameters()), "map=" + map);
     return std::make_unique<PhotonView>(
         PhotonViewSettings{.kind = records ? PhotonMapKind::global : kind,
                            .photons = static_cast<std::uint64_t>(values.integer("photons")),
@@ -259,22 +262,9 @@ MethodDescription describe_photon_view() {
         choice_parameter("map", {"global", "caustic", "volume", "records"},
                          "the photons that are shown, or the records of an irradiance cache"),
         count_parameter("photons", "1e4", "photons", "emitted for the map"),
-        {.name = "size",
-         .kind = Parameter::Kind::number,
-         .default_value = "0.003",
-         .unit = "scene diagonals",
-         .lower = 1e-6,
-         .upper = 1,
-         .choices = {},
-         .sentence = "radius of the point of light that shows a photon or a record"},
-        {.name = "gather",
-         .kind = Parameter::Kind::integer,
-         .default_value = "256",
-         .unit = "rays",
-         .lower = 1,
-         .upper = 1e6,
-         .choices = {},
-         .sentence = "gathered for each record"},
+        number_parameter("size", "0.003", "scene diagonals", 1e-6, 1,
+                         "radius of the point of light that shows a photon or a record"),
+        integer_parameter("gather", "256", "rays", 1, 1e6, "gathered for each record"),
     };
     for (Parameter& parameter : cache_parameters())
         parameters.push_back(std::move(parameter));

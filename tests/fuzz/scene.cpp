@@ -102,23 +102,13 @@ void render(const Scene& scene, int max_edges) {
         require(std::isfinite(value), "pixels are finite");
 }
 
-/// Switches projection maps off: that of a caustic map takes 0.3 s in a release build, and in a fuzzing build more
-/// time than an input may take.
-ParameterValues quick_to_plan(const MethodDescription& method) {
-    const auto parameters = all_parameters(method);
-    MethodLabel label{method.name, {}};
-    for (const auto& parameter : parameters)
-        if (parameter.name == "projection") label.values.emplace_back(parameter.name, "off");
-    return {parameters, label};
-}
-
 void check_scene(const LoadedScene& loaded) {
     const Scene& scene = *loaded.scene;
     for (const Shape& shape : scene.shapes())
         check_shape(shape);
     require(std::isfinite(scene.diagonal()), "the scene's size is finite");
     for (const auto& description : method_registry())
-        description.create(quick_to_plan(description), {loaded.max_edges})->plan(scene);
+        ConfiguredMethod(MethodLabel{description.name, {}}).create({loaded.max_edges})->plan(scene);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ void run_input(std::string_view input) {
     unless_refused([&] {
         const GridVolume::Data data = load_volume(folder / "input.vol");
         for (const auto filter : {VolumeFilter::nearest, VolumeFilter::trilinear})
-            for (const auto wrap : {VolumeWrap::clamp, VolumeWrap::repeat, VolumeWrap::mirror})
+            for (const auto wrap : {Wrap::clamp, Wrap::repeat, Wrap::mirror})
                 check_volume(GridVolume(data, Eigen::Affine3d::Identity(), filter, wrap));
     });
 }

@@ -155,33 +155,6 @@ TEST_F(DamagedCellTest, EpsilonHasBounds) {
     EXPECT_THAT(report.err, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0"));
 }
 
-// Values nested this deeply overflow the stack when they are compared, copied or, as for a digest, written.
-TEST_F(DamagedCellTest, FilesNestedWithoutEndAreNoRecords) {
-    ASSERT_EQ(run().code, 0);
-    const auto good = content_of(results(""));
-    const std::string brackets = std::string(1000000, '[') + std::string(1000000, ']');
-    damage(file_of_cell("cell.json"), "{\"digest\": \"0\", \"key\": " + brackets + "}");
-    damage(file_of_cell("flip.json"), "{\"flip\": 0, \"deep\": " + brackets + "}");
-    const ProgramResult again = run();
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.err, HasSubstr("cell.json: it cannot be read; the cell is done again"));
-    EXPECT_TRUE(content_of(results("")) == good);
-    for (const char* name : {"index.json", "manifest.json"}) {
-        const std::string file = results(name), content = read_file(file);
-        damage(file, brackets);
-        const bool index = std::string(name) == "index.json";
-        const ProgramResult refused = run_gibench(index ? "report results/e" : "run --repeat results/e", path());
-        EXPECT_EQ(refused.code, 2) << name;
-        EXPECT_THAT(refused.err, HasSubstr(std::string(name) + ":1:1: nested more than 64 levels deep")) << name;
-        damage(file, content);
-    }
-    // Brackets in a string are no level, and 64 levels are not too many.
-    damage(results("index.json"), R"(["\"[[", )" + std::string(63, '[') + std::string(63, ']') + "]");
-    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("not an index of results"));
-    damage(results("index.json"), "[" + std::string(64, '[') + std::string(64, ']') + "]");
-    EXPECT_THAT(run_gibench("report results/e", path()).err, HasSubstr("nested more than 64"));
-}
-
 TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
     write("other.xml", tiny_scene_xml(6));
     write("e.toml",

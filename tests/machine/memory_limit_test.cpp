@@ -52,14 +52,6 @@ TEST_F(MemoryLimitTest, IsTheLeastOfWhatTheSystemAndTheGroupsLeave) {
     EXPECT_EQ(available(), 0);
 }
 
-TEST_F(MemoryLimitTest, KnowsTheOlderControlGroups) {
-    write("proc/self/cgroup", "5:cpu,cpuacct:/other\n3:memory:/box\n");
-    write("groups/memory/box/memory.limit_in_bytes", "10000\n");
-    write("groups/memory/box/memory.usage_in_bytes", "7000\n");
-    write("groups/memory/box/memory.stat", "inactive_file 5\ntotal_inactive_file 500\n");
-    EXPECT_EQ(available(), 3500);
-}
-
 TEST_F(MemoryLimitTest, RefusalsHaveBothNumbers) {
     EXPECT_NO_THROW(require_memory(100e6, "a little"));
     try {
@@ -138,7 +130,6 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     GTEST_SKIP() << "the sanitizer's address space has no limit";
 #endif
     const AddressSpace limit(rlim_t{4} << 30);
-    // The file is so long that it is not taken for damaged before memory is asked for.
     write("large.pfm", "PF\n50000 50000\n-1.0\n" + std::string(1 << 20, '\0'));
     const ProgramResult result = run_gibench("compare large.pfm large.pfm", path());
     EXPECT_EQ(result.code, 2);

@@ -164,15 +164,14 @@ TEST_F(ReferenceCacheTest, FilesThatAreNoReferenceAreMadeAgain) {
     }
 }
 
-TEST_F(ReferenceCacheTest, OneWithoutADigestIsTakenWithAWarning) {
-    const FinishedReference first = make(0.05);
+TEST_F(ReferenceCacheTest, OneWithoutADigestIsMadeAgain) {
+    make(0.05);
     LayeredImage file = writable_image(path_);
     file.metadata.erase("digest");
     write_exr(path_, file);
     const FinishedReference again = make(0.05);
-    EXPECT_EQ(again.rounds_added, 0u);
-    EXPECT_EQ(again.identity, first.identity);
-    EXPECT_THAT(again.warnings, ::testing::Contains(::testing::HasSubstr("before references had digests")));
+    EXPECT_GT(again.rounds_added, 0u);
+    EXPECT_THAT(again.warnings, ::testing::Contains(::testing::HasSubstr("it has no digest")));
 }
 
 TEST_F(ReferenceCacheTest, TimeThatIsUpIsSaidOnceAndForAll) {

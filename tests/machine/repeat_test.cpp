@@ -196,15 +196,10 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     write("results/e/manifest.json", "{}");
     refused("--repeat results/e", "not a manifest");
     write("results/e/manifest.json", "{\"experiment\": \"\"}");
-    refused("--repeat results/e", "earlier gibench");
+    refused("--repeat results/e", "not a manifest that can be repeated");
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
-    for (const char* out : {"results/../results/e", "results/e/", "results/e/cells", "results/e/not/there/yet/"})
+    for (const char* out : {"results/../results/e", "results/e/"})
         refused("--repeat results/e --out " + std::string(out), "a folder of its own");
-    fs::create_directory_symlink("e", path("results/link"));
-    refused("--repeat results/e --out results/link/inside", "a folder of its own");
-    EXPECT_FALSE(fs::exists(path("results/e/inside")));
-    refused("--repeat results/e --out 'o\xff'", "the command line is not UTF-8");
-    EXPECT_FALSE(fs::exists(path("o\xff")));
 }
 
 }  // namespace

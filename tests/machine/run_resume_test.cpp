@@ -48,21 +48,6 @@ TEST_F(RunResumeTest, WritesEveryFileOfAResultFolder) {
         EXPECT_NE(entry.path().filename(), "work") << "work folders are removed";
 }
 
-// Records are JSON, which is UTF-8. Without this check a run would get as far as its first record.
-TEST_F(RunResumeTest, NamesThatRecordsCannotHoldAreRefusedBeforehand) {
-    for (const std::string& options : {std::string("--out 'o\xff'"), std::string("--only '\xff'")}) {
-        const ProgramResult result = run(options);
-        EXPECT_EQ(result.code, 2) << result.err;
-        EXPECT_THAT(result.err, ::testing::StartsWith("the command line is not UTF-8"));
-    }
-    fs::create_directory(path("here\xff"));
-    const ProgramResult result = run_gibench("run ../e.toml", path("here\xff"));
-    EXPECT_EQ(result.code, 2) << result.err;
-    EXPECT_THAT(result.err, ::testing::StartsWith("the current folder's name is not UTF-8"));
-    EXPECT_FALSE(fs::exists(path("results"))) << "nothing is half-written";
-    EXPECT_EQ(run("--out '\xc3\xbc'").code, 0);
-}
-
 TEST_F(RunResumeTest, NamesThatAreNoFolderOfTheirOwnNeedAnother) {
     const std::string experiment = read_file(path("e.toml"));
     for (const std::string name : {"references", ".", ".."}) {

@@ -30,19 +30,13 @@ Ray middle_ray(const Sensor& sensor, int dx) {
 
 std::vector<Parameter> cache_parameters() {
     return {
-        {.name = "accuracy",
-         .kind = Parameter::Kind::number,
-         .default_value = "0.15",
-         .unit = "",
-         .lower = 0.001,
-         .upper = 1,
-         .choices = {},
-         .sentence = "irradiance cache: the largest estimated relative error with which a record is used"},
+        number_parameter("accuracy", "0.15", "", 0.001, 1,
+                         "irradiance cache: the largest estimated relative error with which a record is used"),
         choice_parameter("spacing", strings(spacing_unit_names), "the unit of min_spacing and max_spacing"),
-        fraction_parameter("min_spacing", "", "", 1e6,
-                           "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
-        fraction_parameter("max_spacing", "", "", 1e6,
-                           "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
+        number_parameter("min_spacing", "", "", 0, 1e6,
+                         "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
+        number_parameter("max_spacing", "", "", 0, 1e6,
+                         "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
     };
 }
 

@@ -55,7 +55,6 @@ public:
                             float max_distance) const;
 
     std::size_t size() const { return places_.size(); }
-    std::size_t memory() const { return places_.memory(); }
 
 private:
     KdTree<IrradiancePlace> places_;

@@ -50,7 +50,7 @@ GridVolume layers(const std::vector<float>& values, int channels, double at, dou
                   VolumeFilter filter = VolumeFilter::trilinear) {
     GridVolume::Data data{{static_cast<int>(values.size()) / channels, 1, 1}, channels, values, {}};
     const Eigen::Affine3d from_grid = Eigen::Translation3d(at, -1, -1) * Eigen::Scaling(length, 2.0, 2.0);
-    return {std::move(data), from_grid.inverse(), filter, VolumeWrap::clamp};
+    return {std::move(data), from_grid.inverse(), filter, Wrap::clamp};
 }
 
 TEST(GridVolume, InterpolatesBetweenTheCentresOfVoxels) {
@@ -70,16 +70,16 @@ TEST(GridVolume, InterpolatesBetweenTheCentresOfVoxels) {
 }
 
 TEST(GridVolume, RepeatsAndMirrors) {
-    const auto wrapped = [](VolumeWrap wrap, float x) {
+    const auto wrapped = [](Wrap wrap, float x) {
         const GridVolume::Data data{{3, 1, 1}, 1, {1, 3, 2}, {}};
         return GridVolume(data, Eigen::Affine3d::Identity(), VolumeFilter::nearest, wrap).at(Vec3(x, 0, 0))[0];
     };
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::repeat, 1.1f), 1);
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::repeat, -0.1f), 2);
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, 1.1f), 2);
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, 1.5f), 3);
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::mirror, -0.1f), 1);
-    EXPECT_FLOAT_EQ(wrapped(VolumeWrap::clamp, 1.1f), 2);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::repeat, 1.1f), 1);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::repeat, -0.1f), 2);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::mirror, 1.1f), 2);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::mirror, 1.5f), 3);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::mirror, -0.1f), 1);
+    EXPECT_FLOAT_EQ(wrapped(Wrap::clamp, 1.1f), 2);
 }
 
 /// A medium on a stretch along x in closed form: the optical depth up to x, and the extinction and the albedo at x.

@@ -89,19 +89,6 @@ TEST(ObjFile, SplitsAVertexWithManyNormals) {
     }
 }
 
-// If the reader kept the normals of a vertex in a list and searched it for each corner, 1e5 normals at one vertex
-// would take a hundred times as long as with a vertex each, and 1e6 would take hours. The limit of 20 is far from
-// both 100 and 1.
-TEST(ObjFile, ManyNormalsAtOneVertexTakeNoLongerThanElsewhere) {
-    const auto clocks_of = [](const std::string& text) {
-        const std::clock_t begin = std::clock();
-        EXPECT_EQ(parse_obj(text, "m.obj").triangles.size(), 100000u);
-        return static_cast<double>(std::clock() - begin);
-    };
-    const std::string crowded = many_normals(100000, true), spread = many_normals(100000, false);
-    EXPECT_LT(clocks_of(crowded), 20 * clocks_of(spread));
-}
-
 TEST(ObjFile, ReadsCarriageReturnsAndNoLastLineEnd) {
     EXPECT_EQ(parse_obj("v 0 0 0\r\nv +1 0 0\r\nv 0 1e0 0\r\nf 1 2 3", "m.obj").triangles.size(), 1u);
 }
@@ -196,11 +183,6 @@ TEST(PlyFile, ErrorsNameThePlace) {
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
                              "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    std::string elements;
-    for (int i = 0; i <= 1000; ++i)
-        elements += "element e" + std::to_string(i) + " 0\n";
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\n" + elements + "end_header\n"),
-                StartsWith("m.ply:1003:15: the PLY header has more than 1000 elements"));
     EXPECT_THAT(ply_error("play\n"), StartsWith("m.ply:1:1: not a PLY file"));
     EXPECT_THAT(ply_error("ply\nformat text 1.0\n"), StartsWith("m.ply:2:8: unknown PLY format 'text'"));
     EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex x\n"), StartsWith("m.ply:3:16: bad number 'x'"));

@@ -227,7 +227,6 @@ TEST(SerializedMesh, ErrorsSayWhatIsWrong) {
     EXPECT_THAT(with([](Square& s) { s.triangles = 1ull << 60; }), HasSubstr("less data than its header says"));
     EXPECT_THAT(with([](Square& s) { s.triangles = ~0ull; }), HasSubstr("less data than its header says"));
     EXPECT_THAT(with([](Square& s) { s.vertices = 0xffffffffull; }), HasSubstr("less data than its header says"));
-    EXPECT_THAT(with([](Square& s) { s.vertices = 1ull << 32; }), HasSubstr("more than 2^32 - 1"));
     std::string file = file_of({Square(), Square()});
     file[4] = 'y';
     EXPECT_THAT(error_of(file), HasSubstr("bad compressed data"));

@@ -137,7 +137,7 @@ TEST(BsdfErrors, Reflectances) {
                  {type, word(name, "0.5"), "4:1", "'" + name + "' cannot be a <string>" + kinds},
                  {type, "<vector name=\"" + name + "\" value=\"1\"/>", "4:1", "cannot be a <vector>" + kinds},
                  {type, "<bsdf name=\"" + name + "\" type=\"null\"/>", "4:1", "cannot be a <bsdf>" + kinds},
-                 {type, "<texture name=\"" + name + "\" type=\"bitmap\"/>", "4:1", "'bitmap' needs a 'filename'"},
+                 {type, "<texture name=\"" + name + "\" type=\"bitmap\"/>", "4:1", "'bitmap' needs 'filename'"},
                  {type, bitmap(name, "no.png"), path, "there is no file 'no.png'; searched: "}});
         }
     }
@@ -338,7 +338,7 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
          {"bumpmap", grey + "\n" + squares("any"), "5:1", "must be a bitmap: it needs a slope"},
          {"bumpmap", height + squares("other"), "6:1", "can hold only one <texture>"},
          {"bumpmap", bitmap("any", "no.png") + grey, "5:1", "there is no file 'no.png'"},
-         {"bumpmap", "<texture type=\"bitmap\"/>" + grey, "4:1", "'bitmap' needs a 'filename'"},
+         {"bumpmap", "<texture type=\"bitmap\"/>" + grey, "4:1", "'bitmap' needs 'filename'"},
          {"bumpmap", height + number("any_float", "1"), "6:1", "does not take a parameter 'any_float'"},
          {"bumpmap", height + number("scale", "nan"), "6:21", "bad number 'nan'"},
          {"bumpmap", height + number("scale", "1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},

@@ -114,12 +114,12 @@ TEST(EmitterErrors, Places) {
 
 TEST(EmitterErrors, SpotAngles) {
     expect_errors(
-        {{emitter("spot", number("cutoff_angle", "0")), "4:28", "'cutoff_angle' must be above 0"},
-         {emitter("spot", number("cutoff_angle", "1e-5")), "4:28", "'cutoff_angle' must be at least 0.001 degrees"},
-         {emitter("spot", number("cutoff_angle", "181")), "4:28", "must be at most 180 degrees, not 181"},
+        {{emitter("spot", number("cutoff_angle", "0")), "4:28", "'cutoff_angle' must be between 0.001 and 180, not 0"},
+         {emitter("spot", number("cutoff_angle", "1e-5")), "4:28", "'cutoff_angle' must be between 0.001 and 180"},
+         {emitter("spot", number("cutoff_angle", "181")), "4:28", "must be between 0.001 and 180, not 181"},
          {emitter("spot", number("cutoff_angle", "nan")), "4:28", "bad number 'nan'"},
          {emitter("spot", number("beam_width", "-1")), "4:26", "'beam_width' must be between 0 and"},
-         {emitter("spot", number("beam_width", "20.5")), "4:26", "the cutoff_angle 20, not 20.5"},
+         {emitter("spot", number("beam_width", "20.5")), "4:26", "must be between 0 and 20, not 20.5"},
          {emitter("spot", squares + "\n" + number("cutoff_angle", "90")), "5:28", "below 90, not 90"},
          {emitter("spot", "<rgb name=\"texture\" value=\"1\"/>"), "4:21", "must vary: a <texture>"}});
 }
@@ -141,7 +141,7 @@ TEST(EmitterErrors, Envmaps) {
     const auto error = [&](const std::string& parameters) {
         return error_of(emitter("envmap", parameters), folder / "t.xml");
     };
-    EXPECT_THAT(error(""), StartsWith((folder / "t.xml") + ":3:1: 'envmap' needs a 'filename'"));
+    EXPECT_THAT(error(""), StartsWith((folder / "t.xml") + ":3:1: 'envmap' needs 'filename'"));
     EXPECT_THAT(error(name), StartsWith((folder / "t.xml") + ":4:1: there is no file 'map.exr'; searched: "));
     folder.write("map.exr", "no image");
     EXPECT_THAT(error(name), StartsWith((folder / "map.exr") + ":1:1: "));

@@ -42,10 +42,6 @@ TEST(SceneErrors, MalformedXml) {
     EXPECT_THAT(error_of("<scene version=\"3.0.0\">\n text</scene>"), HasSubstr("unexpected text in <scene>"));
     EXPECT_THAT(error_of("<scene\n version=\"3.0.0\" version=\"3\"/>"),
                 StartsWith("t.xml:2:18: attribute 'version' is given twice"));
-    std::string many = "<scene version=\"3.0.0\"";
-    for (int i = 0; i < 64; ++i)
-        many += " a" + std::to_string(i) + "=\"\"";
-    EXPECT_THAT(error_of(many + "/>"), HasSubstr("<scene> has more than 64 attributes"));
 }
 
 TEST(SceneErrors, RootAndVersion) {
@@ -174,7 +170,7 @@ TEST(SceneErrors, Colours) {
          {diffuse("<rgb name=\"reflectance\" value=\"-0.1\"/>"), "4:25", "must be between 0 and 1"},
          {diffuse("<rgb name=\"reflectance\" value=\"0.1 0.2\"/>"), "4:25", "takes one or three numbers, found 2"},
          {diffuse("<rgb name=\"reflectance\" value=\"#ff0000\"/>"), "4:25", "bad number '#ff0000'"},
-         {diffuse("<texture name=\"reflectance\" type=\"bitmap\"/>"), "4:1", "'bitmap' needs a 'filename'"},
+         {diffuse("<texture name=\"reflectance\" type=\"bitmap\"/>"), "4:1", "'bitmap' needs 'filename'"},
          {"<shape type=\"sphere\"><emitter type=\"area\">\n<rgb name=\"radiance\" value=\"1 -1 1\"/></emitter></shape>",
           "3:22", "'radiance' must not be negative"},
          {ball + "\n<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"butter\"/></bsdf>", "3:48",
@@ -292,7 +288,7 @@ TEST(SceneErrors, FilesThatAreMissing) {
                 StartsWith((folder / "main.xml") + ":2:34: an include of a <scene> cannot have a name"));
     EXPECT_THAT(error("<include filename=\"beside.xml\" id=\"a\"/>"),
                 StartsWith((folder / "main.xml") + ":2:32: unknown attribute 'id' of <include>"));
-    EXPECT_THAT(error("<shape type=\"ply\"/>"), HasSubstr("'ply' needs a 'filename'"));
+    EXPECT_THAT(error("<shape type=\"ply\"/>"), HasSubstr("'ply' needs 'filename'"));
     EXPECT_THROW(load_scene(folder / "no.xml"), InputError);
 }
 
@@ -303,7 +299,7 @@ TEST(SceneErrors, MeshFiles) {
     const std::string name = "<string name=\"filename\" value=\"no.mesh\"/>\n";
     for (const std::string type : {"obj", "ply", "serialized", "ms3d"})
         expect_errors(
-            {{shape(type, ""), "2:1", "'" + type + "' needs a 'filename'"},
+            {{shape(type, ""), "2:1", "'" + type + "' needs 'filename'"},
              {shape(type, name), "3:1", "there is no file 'no.mesh'; searched: "},
              {shape(type, "<float name=\"filename\" value=\"1\"/>"), "3:1", "'filename' cannot be a <float>"},
              {shape(type, name + "<string name=\"face_normals\" value=\"true\"/>"), "4:1",
@@ -341,7 +337,7 @@ TEST(SceneErrors, StandInTheFileThatCausedThem) {
                 StartsWith((folder / "bad.obj") + ":2:7: "));
     EXPECT_THAT(
         error("<shape type=\"obj\"><string name=\"filename\" value=\"flat.obj\"/>\n<emitter type=\"area\"/></shape>"),
-        StartsWith((folder / "main.xml") + ":3:1: an area emitter on a shape without area"));
+        StartsWith((folder / "main.xml") + ":3:1: an area emitter on a shape of area 0"));
     EXPECT_THAT(error("<shape type=\"sphere\"><float name=\"radius\" value=\"1e30\"/></shape>"),
                 HasSubstr("coordinates above 1.8e+18"));
 }

@@ -66,7 +66,7 @@ TEST(MediumErrors, Parameters) {
         {"heterogeneous", "<float name='sigma_s' value='1'/>", "3:1", "does not take a parameter 'sigma_s'"},
         {"heterogeneous", "<volume name='sigma_t' type='vdb'/>", "3:24",
          "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
-        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs a 'filename'"},
+        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs 'filename'"},
         {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
          "3:42", "no.vol"},
         {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",

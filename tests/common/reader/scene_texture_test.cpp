@@ -185,7 +185,7 @@ TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
             parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],
             0.2f);
         EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"srgb\"", "")),
-                    StartsWith(main_ + ":3:1: the spectrum 'srgb' needs 'color'"));
+                    StartsWith(main_ + ":3:1: 'srgb' needs 'color'"));
         EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"marble\"", "")),
                     StartsWith(main_ + ":3:" + (tag == "texture" ? "29" : "30") + ": the " + tag +
                                " 'marble' is not supported"));
@@ -223,7 +223,7 @@ TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
         {"<texture name=\"reflectance\" type=\"marble\"/>", "3:29",
          "the texture 'marble' is not supported; supported are: bitmap, checkerboard"},
         {"<texture name=\"reflectance\"/>", "3:1", "needs the attribute 'type'"},
-        {"<texture name=\"reflectance\" type=\"bitmap\"/>", "3:1", "'bitmap' needs a 'filename'"},
+        {"<texture name=\"reflectance\" type=\"bitmap\"/>", "3:1", "'bitmap' needs 'filename'"},
         {bitmap("no.png"), "3:43", "there is no file 'no.png'; searched: "},
         {bitmap("two.png", "\n<string name=\"wrap_mode\" value=\"wide\"/>"), "4:26",
          "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},

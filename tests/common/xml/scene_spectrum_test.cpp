@@ -256,15 +256,15 @@ TEST(SpectrumErrors, Plugins) {
     EXPECT_THAT(emitter("sodium", ""),
                 StartsWith("t.xml:3:27: the spectrum 'sodium' is not supported; supported are: uniform, regular, "
                            "irregular, srgb, d65, blackbody"));
-    EXPECT_THAT(emitter("uniform", ""), StartsWith("t.xml:3:1: the spectrum 'uniform' needs 'value'"));
+    EXPECT_THAT(emitter("uniform", ""), StartsWith("t.xml:3:1: 'uniform' needs 'value'"));
     EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"-1\"/>"),
                 StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
     EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"1\"/><float name=\"b\" value=\"1\"/>"),
                 HasSubstr("spectrum 'uniform' does not take a parameter 'b'"));
-    EXPECT_THAT(emitter("blackbody", ""), HasSubstr("the spectrum 'blackbody' needs 'temperature'"));
+    EXPECT_THAT(emitter("blackbody", ""), HasSubstr("'blackbody' needs 'temperature'"));
     EXPECT_THAT(emitter("blackbody", "<float name=\"temperature\" value=\"0\"/>"),
                 StartsWith("t.xml:4:27: 'temperature' must be above 0"));
-    EXPECT_THAT(emitter("srgb", ""), HasSubstr("the spectrum 'srgb' needs 'color'"));
+    EXPECT_THAT(emitter("srgb", ""), HasSubstr("'srgb' needs 'color'"));
     EXPECT_THAT(emitter("srgb", "<spectrum name=\"color\" value=\"1\"/>"),
                 StartsWith("t.xml:4:1: 'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"));
     EXPECT_THAT(emitter("srgb\" id=\"a", "<ref name=\"color\" id=\"a\"/>"),

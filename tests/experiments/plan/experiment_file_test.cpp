@@ -89,16 +89,6 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),
                 AllOf(StartsWith("e.toml:2:11: "), HasSubstr("from 1e-60 to 1e+60, not 1e-310")));
-    // toml++ would overflow the stack, because it makes a table for each part of a key.
-    std::string deep = "a";
-    for (int i = 0; i < 300000; ++i)
-        deep += ". \"b\"";
-    for (const std::string& line : {deep + " = 1\n", "[" + deep + "]\n", "x = { " + deep + " = 1 }\n"})
-        EXPECT_THAT(error_of(start + path + line), AllOf(StartsWith("e.toml:4:"), HasSubstr("more than 32 dots")));
-    const std::string dots(40, '.');
-    EXPECT_EQ(labels("# " + dots + "\n[[method]]\nname = 'path' # " + dots + "\nspp = [1, 2, 3]\n").size(), 3u);
-    EXPECT_THAT(error_of("title = \"" + dots + "\\\"" + dots + "\"\nscenes = ['no.xml']\n" + path),
-                HasSubstr("no.xml"));
     EXPECT_THAT(error_of("scenes = ['no.xml']\n" + path), AllOf(StartsWith("e.toml:1:11: "), HasSubstr("no.xml")));
     EXPECT_THAT(error_of(start + "[[method]]\nname = 'pth'\n"),
                 AllOf(StartsWith("e.toml:3:8: "), HasSubstr("photon_mapper")));
@@ -118,30 +108,6 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     EXPECT_THAT(error_of("scenes = [\n"), StartsWith("e.toml:"));
     EXPECT_THAT(error_of(start), HasSubstr("[[method]]"));
     EXPECT_THAT(error_of(path), HasSubstr("scenes"));
-}
-
-TEST_F(ExperimentFileTest, DotsCountInKeysAloneWhateverStringsStandBeside) {
-    const auto error_in = [&](std::string text) {
-        std::replace(text.begin(), text.end(), '|', '\n');
-        return error_of(text + "\nscenes = ['no.xml']\n[[method]]\nname = 'path'\n");
-    };
-    std::string deep = "a";
-    for (int i = 0; i < 300000; ++i)
-        deep += ".a";
-    for (const std::string string :
-         {R"("""|' """)", R"("""|\""" ' """)", R"("""|' \\""")", R"("""|' """"")", R"("""\|' """)", R"('''|" ''')",
-          R"('''|" \''')", R"('''|" ''''')", R"(|"")", R"(|'')", R"(|'\')", R"(|"\\")", R"(|"\"'")"})
-        EXPECT_THAT(error_in("x = [ " + string + ", { " + deep + " = 1 } ]"),
-                    AllOf(StartsWith("e.toml:2:"), HasSubstr("more than 32 dots")))
-            << string;
-    const std::string dots(40, '.');
-    for (const std::string& string :
-         {R"("""|)" + dots + "|" + dots + R"(""")", R"(""" \""" )" + dots + R"(""")",
-          R"(""""")" + dots + R"("" )" + dots + R"(""""")", "'''" + dots + "|'" + dots + "'''"})
-        EXPECT_THAT(error_in("title = " + string), HasSubstr("no.xml")) << string;
-    // Columns count characters.
-    EXPECT_THAT(error_in("'\xc3\xbc\xc3\xbc'" + dots), StartsWith("e.toml:1:37: a key has"));
-    EXPECT_THAT(error_in("title = '''\xc3\xbc|\xc3\xbc'''|" + dots), StartsWith("e.toml:3:33: a key has"));
 }
 
 TEST_F(ExperimentFileTest, AByteOrderMarkIsNoPartOfTheFirstLine) {

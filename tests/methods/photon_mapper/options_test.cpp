@@ -40,7 +40,7 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 /// and of the options that affect it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
-        // Shadow photons have tests of their own. Without them, the option `shadows` makes no difference.
+        // Shadow photons have tests of their own. Without them, the option `shadows` is refused.
         return !is_one_of(name, gathering) && name != "shadows";
     });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
@@ -70,6 +70,33 @@ TEST(PhotonOptions, CoverWhatTheTableOffers) {
     for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
         EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [&](const auto& label) { return has(label, option); }))
             << option;
+}
+
+TEST(PhotonOptions, WithoutEffectAreRefused) {
+    const std::pair<const char*, const char*> refused[] = {
+        {"shadows=guide", "'shadows' has no effect with shadow_photons=0"},
+        {"shadow_k=8", "'shadow_k' has no effect with shadow_photons=0"},
+        {"source=paths", "'source' has no effect with gather=0"},
+        {"cache=on", "'cache' has no effect with gather=0"},
+        {"gather=8 accuracy=0.2", "'accuracy' has no effect with cache=off"},
+        {"photons=0 gather=8", "'gather' has no effect with photons=0, unless source=paths"},
+        {"photons=0 caustic_photons=9 radius=0.1", "'radius' has no effect with photons=0"},
+        {"caustic_photons=0 caustic_radius=0.1", "'caustic_radius' has no effect with caustic_photons=0"},
+        {"volume_photons=0 volume_radius=0.1", "'volume_radius' has no effect with volume_photons=0"},
+        {"photons=0 volume_photons=9 area=plain", "'area' has no effect with no photons on surfaces"},
+        {"photons=0 kernel=cone", "'kernel' has no effect with no photons"},
+        {"k=all compensation=on", "'compensation' has no effect with k=all"},
+    };
+    for (const auto& [parameters, message] : refused)
+        try {
+            ConfiguredMethod(MethodLabel::parse(std::string("photon_mapper ") + parameters)).create({});
+            ADD_FAILURE() << parameters;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+        }
+    for (const char* kept : {"shadow_photons=9 shadows=skip shadow_k=8", "photons=0 gather=8 source=paths cache=on",
+                             "photons=0 caustic_photons=9 caustic_radius=0.1 k=8 kernel=cone area=plain"})
+        EXPECT_NO_THROW(ConfiguredMethod(MethodLabel::parse(std::string("photon_mapper ") + kept)).create({})) << kept;
 }
 
 // The radiance is 1 everywhere, and indirect light is rho^2 = 1/4 of it; 1e5 photons give it within 0.3 %. Whole

@@ -1,0 +1,48 @@
+#pragma once
+// The continuation of images and grids beyond their edges.
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+enum class Wrap { repeat, mirror, clamp };
+
+/// A coordinate reduced to its first period, [0, 1] or, if mirrored, [0, 2], so that no later step leaves the range
+/// of int. A coordinate that is not finite becomes 0.
+inline float reduced(float s, Wrap wrap) {
+    if (!std::isfinite(s)) return 0;
+    if (wrap == Wrap::repeat) return s - std::floor(s);
+    if (wrap == Wrap::mirror) return s - 2 * std::floor(s / 2);
+    return std::clamp(s, 0.f, 1.f);
+}
+
+/// The cell that index `i` stands for in a row of `size` cells; i is at most one cell outside the first period.
+inline int wrapped(int i, int size, Wrap wrap) {
+    if (wrap == Wrap::clamp) return std::clamp(i, 0, size - 1);
+    if (wrap == Wrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
+    if (i < 0) return -1 - i;
+    if (i >= 2 * size) return i - 2 * size;
+    return i < size ? i : 2 * size - 1 - i;
+}
+
+/// Two neighbouring cells along one axis; `weight` is the position between the centres of the first (0) and the
+/// second (1).
+struct Neighbours {
+    int first, second;
+    float weight;
+};
+
+/// The neighbours of a coordinate, which is 1 for each period.
+inline Neighbours neighbours(float s, int size, Wrap wrap) {
+    const float x = reduced(s, wrap) * static_cast<float>(size) - 0.5f;
+    const int i = static_cast<int>(std::floor(x));
+    return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap), x - static_cast<float>(i)};
+}
+
+/// The cell that holds a coordinate, which is 1 for each period.
+inline int nearest_cell(float s, int size, Wrap wrap) {
+    return wrapped(static_cast<int>(std::floor(reduced(s, wrap) * static_cast<float>(size))), size, wrap);
+}
+
+}  // namespace gib
