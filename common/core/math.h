@@ -4,9 +4,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 namespace gib {
 
@@ -17,6 +19,100 @@ using Vec3d = Eigen::Vector3d;
 using Mat4d = Eigen::Matrix4d;
 using Color = Eigen::Array3f;  ///< linear RGB with sRGB's primaries; its unit is that of the quantity it holds
 using Colord = Eigen::Array3d;
+
+// Sums and products of vectors and colours that return vectors and colours. Eigen's own operators return an expression
+// of a new type for each formula, and the compiler instantiates the formulas of all headers in each file: a file that
+// only includes the scene took 2.9 s instead of 2.1 s. The coordinates are computed by the same operations in the same
+// order.
+template <typename T>
+using Vector2 = Eigen::Matrix<T, 2, 1>;
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <typename T>
+using Array3 = Eigen::Array<T, 3, 1>;
+template <typename S, typename T>
+concept FactorOf = std::is_same_v<S, T> || std::is_integral_v<S>;
+
+template <typename T>
+[[gnu::always_inline]] inline Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
+    return {a.coeff(0) + b.coeff(0), a.coeff(1) + b.coeff(1), a.coeff(2) + b.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
+    return {a.coeff(0) - b.coeff(0), a.coeff(1) - b.coeff(1), a.coeff(2) - b.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Vector3<T> operator-(const Vector3<T>& a) {
+    return {-a.coeff(0), -a.coeff(1), -a.coeff(2)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector3<T> operator*(S s, const Vector3<T>& a) {
+    return {T(s) * a.coeff(0), T(s) * a.coeff(1), T(s) * a.coeff(2)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector3<T> operator*(const Vector3<T>& a, S s) {
+    return {a.coeff(0) * T(s), a.coeff(1) * T(s), a.coeff(2) * T(s)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector3<T> operator/(const Vector3<T>& a, S s) {
+    return {a.coeff(0) / T(s), a.coeff(1) / T(s), a.coeff(2) / T(s)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Vector2<T> operator+(const Vector2<T>& a, const Vector2<T>& b) {
+    return {a.coeff(0) + b.coeff(0), a.coeff(1) + b.coeff(1)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Vector2<T> operator-(const Vector2<T>& a, const Vector2<T>& b) {
+    return {a.coeff(0) - b.coeff(0), a.coeff(1) - b.coeff(1)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Vector2<T> operator-(const Vector2<T>& a) {
+    return {-a.coeff(0), -a.coeff(1)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector2<T> operator*(S s, const Vector2<T>& a) {
+    return {T(s) * a.coeff(0), T(s) * a.coeff(1)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector2<T> operator*(const Vector2<T>& a, S s) {
+    return {a.coeff(0) * T(s), a.coeff(1) * T(s)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Vector2<T> operator/(const Vector2<T>& a, S s) {
+    return {a.coeff(0) / T(s), a.coeff(1) / T(s)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Array3<T> operator+(const Array3<T>& a, const Array3<T>& b) {
+    return {a.coeff(0) + b.coeff(0), a.coeff(1) + b.coeff(1), a.coeff(2) + b.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Array3<T> operator-(const Array3<T>& a, const Array3<T>& b) {
+    return {a.coeff(0) - b.coeff(0), a.coeff(1) - b.coeff(1), a.coeff(2) - b.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Array3<T> operator-(const Array3<T>& a) {
+    return {-a.coeff(0), -a.coeff(1), -a.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Array3<T> operator*(const Array3<T>& a, const Array3<T>& b) {
+    return {a.coeff(0) * b.coeff(0), a.coeff(1) * b.coeff(1), a.coeff(2) * b.coeff(2)};
+}
+template <typename T>
+[[gnu::always_inline]] inline Array3<T> operator/(const Array3<T>& a, const Array3<T>& b) {
+    return {a.coeff(0) / b.coeff(0), a.coeff(1) / b.coeff(1), a.coeff(2) / b.coeff(2)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Array3<T> operator*(S s, const Array3<T>& a) {
+    return {T(s) * a.coeff(0), T(s) * a.coeff(1), T(s) * a.coeff(2)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Array3<T> operator*(const Array3<T>& a, S s) {
+    return {a.coeff(0) * T(s), a.coeff(1) * T(s), a.coeff(2) * T(s)};
+}
+template <typename T, FactorOf<T> S>
+[[gnu::always_inline]] inline Array3<T> operator/(const Array3<T>& a, S s) {
+    return {a.coeff(0) / T(s), a.coeff(1) / T(s), a.coeff(2) / T(s)};
+}
 
 inline constexpr float pi = std::numbers::pi_v<float>;
 inline constexpr float inv_pi = std::numbers::inv_pi_v<float>;
@@ -58,12 +154,16 @@ struct Bounds {
     Vec3 upper = Vec3::Constant(-infinity);
 
     void add(const Vec3& p) {
-        lower = lower.cwiseMin(p);
-        upper = upper.cwiseMax(p);
+        for (int i = 0; i < 3; ++i) {
+            lower[i] = std::min(lower[i], p[i]);
+            upper[i] = std::max(upper[i], p[i]);
+        }
     }
     void add(const Bounds& b) {
-        lower = lower.cwiseMin(b.lower);
-        upper = upper.cwiseMax(b.upper);
+        for (int i = 0; i < 3; ++i) {
+            lower[i] = std::min(lower[i], b.lower[i]);
+            upper[i] = std::max(upper[i], b.upper[i]);
+        }
     }
     bool empty() const { return lower.x() > upper.x(); }
     Vec3 center() const { return 0.5f * (lower + upper); }

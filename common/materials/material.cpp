@@ -177,6 +177,8 @@ LobeTraits possible_traits(const TexturedScattering& node) {
 
 }  // namespace
 
+Material::Material(Scattering model) : Material(Node(TexturedScattering{std::move(model), {}})) {}
+
 Material::Material(Node node) : node_(std::move(node)) {
     bool constant = true;
     const auto nest = [&](const NestedMaterial& nested) {

@@ -73,7 +73,7 @@ public:
 
     /// Throws std::invalid_argument if there are more than Bsdf::max_layers models.
     explicit Material(Node node);
-    explicit Material(Scattering model) : Material(Node(TexturedScattering{std::move(model), {}})) {}
+    explicit Material(Scattering model);
 
     const Node& node() const { return node_; }
     /// The Bsdf of a material that is the same everywhere; null if it varies.

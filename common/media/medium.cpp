@@ -29,6 +29,10 @@ Medium::Medium(GridVolume extinction, float scale, GridVolume albedo, const Phas
       majorant_(scale_ * extinction_.highest().maxCoeff()),
       scatters_(majorant_ > 0.f && albedo_.highest().maxCoeff() > 0.f) {}
 
+Color Medium::scattering_at(const Vec3& p) const { return albedo_.at(p) * extinction_at(p); }
+
+Color Medium::extinction_at(const Vec3& p) const { return (scale_ * extinction_.at(p)).min(majorant_); }
+
 std::optional<float> Medium::sample_flight(const Vec3& from, const Vec3& w, float length, NumberStream& u,
                                            Color& throughput) const {
     if (!scatters_) {

@@ -42,7 +42,7 @@ public:
 
     bool scatters() const { return scatters_; }
     /// sigma_s [1/scene unit] at a point.
-    Color scattering_at(const Vec3& p) const { return albedo_.at(p) * extinction_at(p); }
+    Color scattering_at(const Vec3& p) const;
     const PhaseFunction& phase() const { return phase_; }
 
 private:
@@ -51,7 +51,7 @@ private:
     std::optional<float> track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                           Color& throughput) const;
     /// The extinction, limited because interpolation may round to above the highest value of the grid.
-    Color extinction_at(const Vec3& p) const { return (scale_ * extinction_.at(p)).min(majorant_); }
+    Color extinction_at(const Vec3& p) const;
 
     GridVolume extinction_, albedo_;
     float scale_;

@@ -7,7 +7,7 @@ namespace gib {
 
 /// All unit vectors within `half_angle` [rad] of the unit vector `axis`; all directions if half_angle >= pi.
 struct DirectionCone {
-    Vec3d axis = Vec3d::UnitZ();
+    Vec3d axis = Vec3d(0, 0, 1);
     double half_angle = std::numbers::pi;
 };
 

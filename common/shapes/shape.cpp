@@ -165,16 +165,15 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
     const auto least = [&](const Vec3& edge) {
         return most > 0 ? static_cast<float>(std::min(most, off_edges / length * length_of(edge))) : 0.f;
     };
-    Facet facet;
-    facet.v0 << t.v0, of_point + of_query;
-    facet.e1 << t.e1, least(t.e2);
-    facet.e2 << t.e2, least(t.e1);
-    facet.ng << (flip_normals ? Vec3(-ng) : ng), least(e3);
-    return facet;
+    const auto four = [](const Vec3& v, float last) { return Facet::Four{v.x(), v.y(), v.z(), last}; };
+    return {.v0 = four(t.v0, of_point + of_query),
+            .e1 = four(t.e1, least(t.e2)),
+            .e2 = four(t.e2, least(t.e1)),
+            .ng = four(flip_normals ? Vec3(-ng) : ng, least(e3))};
 }
 
 void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
-    const float least1 = facet.e1.w(), least2 = facet.e2.w(), room = 1.f - least1 - least2 - facet.ng.w();
+    const float least1 = facet.e1[3], least2 = facet.e2[3], room = 1.f - least1 - least2 - facet.ng[3];
     float more1 = std::max(0.f, b1 - least1), more2 = std::max(0.f, b2 - least2);
     const float more = more1 + more2;
     if (more > room) {
