@@ -10,12 +10,11 @@
 // lobes about ns would take. Which of the two normals counts depends on wo alone: is_about_interpolated(hit, wo).
 //
 // Let K(wo, wi) = f |cos(wi, n)| be that kernel for radiance, with the normal n that wo chooses. A photon that arrives
-// from wi carries the flux L |wi.ng| dA dwi through the surface, so the power that it sends into dwo is, of its own,
+// from wi carries the flux L |wi.ng| dA dwi through the surface, so the share of its power that goes into dwo is
 //     K*(wi, wo) dwo = K(wo, wi) |wo.ng| / |wi.ng| dwo.
-// Against a sample of f(wi, wo) |cos(wo, n)| this is a factor |wo.ng| |wi.n| / (|wo.n| |wi.ng|) (Veach 1997, equation
-// 5.19). And the normal is that of the direction in which the photon LEAVES: wherever both normals have such a
-// direction, one of them is chosen with probability 1/2, and a photon that leaves in a direction that chooses the
-// other normal ends.
+// Against a sample of f(wi, wo) |cos(wo, n)| this is a factor |wo.ng| |wi.n| / (|wo.n| |wi.ng|) (Veach 1997, section
+// 5.3). The normal is chosen by the direction in which the photon LEAVES: wherever both normals have such a direction,
+// one of them is taken with probability 1/2, and a photon that leaves in a direction that chooses the other one ends.
 
 #include "common/scene/scene.h"
 
