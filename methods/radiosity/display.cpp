@@ -21,13 +21,19 @@ constexpr double corner_inset = 0.02;
 /// The radius down to which patches are halved for display, as a share of the parameter `patch`.
 constexpr double least_shown = 0.125;
 /// Weight of the standard deviation of radiosity over a node against the error that a link may make.
-constexpr double shown_stray_weight = 64;
+constexpr double shown_stray_weight = 200;
 
 }  // namespace
 
 RadiosityDisplay::RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
-                                   const DisplaySettings& settings)
-    : mesh_(mesh), system_(system), light_(light), settings_(settings), known_(mesh.sides().size()) {
+                                   const std::vector<PatchLink>& seen, const DisplaySettings& settings)
+    : mesh_(mesh),
+      system_(system),
+      light_(light),
+      links_(seen, mesh.nodes().size()),
+      settings_(settings),
+      areas_shown_(system.sent(links_, PatchColors(mesh.nodes().size(), Colord::Ones()))),
+      known_(mesh.sides().size()) {
     add_rows();
 }
 
@@ -37,25 +43,57 @@ std::uint32_t RadiosityDisplay::solved_patch(std::uint32_t leaf) const {
     return leaf;
 }
 
-void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
-                                 std::vector<Term>& row) const {
+double RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
+                                   std::vector<Term>& row) const {
     const PatchNode& patch = mesh_.nodes()[node];
-    double factor = point_form_factor(from.p, from.n, patch.polygon);
-    if (!(factor > 0)) return;
-    factor *= visible >= 0 ? visible
-                           : visibility_from(rays, mesh_, from.hit, patch, rays_to_patch, combine_keys(from.key, node));
-    if (!(factor > 0)) return;
+    const double factor = point_form_factor(from.p, from.n, patch.polygon);
+    if (!(factor > 0)) return 0;
     const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
     const double stray = shown_stray_weight * factor * nearness * light_.spread[node];
-    if (patch.child < system_.node_count() && stray > settings_.links * light_.mean_irradiance) {
-        for (const std::uint32_t half : {patch.child, patch.child + 1})
-            add_terms(rays, from, half, visible, row);
-    } else {
-        row.push_back({node, static_cast<float>(factor)});
-    }
+    if (patch.child < system_.node_count() && stray > settings_.links * light_.mean_irradiance)
+        return add_terms(rays, from, patch.child, visible, row) + add_terms(rays, from, patch.child + 1, visible, row);
+    if (visible < 0) return add_rays(rays, from, node, factor, row);
+    // Seen from a place that is moved by as much as the middle of the light lies off the centre, the patch has the
+    // factor with which its light arrives, up to terms of second order in its size.
+    const Vec3d lean = light_.middle[node] - patch.center;
+    const double leant = lean.isZero(0) ? factor : point_form_factor(from.p - lean, from.n, patch.polygon);
+    row.push_back({node, static_cast<float>(visible * leant)});
+    return visible * factor;
 }
 
-void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
+/// The light of a node that is partly hidden is that of the leaves which rays meet: the parts that are seen may be
+/// brighter than its mean.
+double RadiosityDisplay::add_rays(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double factor,
+                                  std::vector<Term>& row) const {
+    const std::uint64_t key = combine_keys(from.key, node);
+    const std::size_t first = row.size();
+    double total = 0, passed = 0;
+    for (std::uint32_t i = 0; i < rays_to_patch; ++i) {
+        Vec2d s = Sampler(PointSet::sobol, key, 0, i).get_2d(0).cast<double>();
+        std::uint32_t leaf = node;
+        // The number that chooses a half by its area is used again in that half.
+        while (mesh_.nodes()[leaf].child < system_.node_count()) {
+            const std::uint32_t child = mesh_.nodes()[leaf].child;
+            const double share = mesh_.nodes()[child].area / mesh_.nodes()[leaf].area;
+            const bool low = s.x() < share;
+            s.x() = low ? s.x() / share : std::min((s.x() - share) / (1 - share), 1.0);
+            leaf = low ? child : child + 1;
+        }
+        const SurfaceHit to = mesh_.point_on(mesh_.nodes()[leaf], s);
+        const double weight = light_between(from.hit, to, mesh_.nodes()[node].area);
+        if (!(weight > 0)) continue;
+        total += weight;
+        const double arriving = weight * passing(rays, from.hit, to);
+        passed += arriving;
+        if (arriving > 0) row.push_back({leaf, static_cast<float>(arriving)});
+    }
+    if (!(total > 0)) return 0;
+    for (std::size_t i = first; i < row.size(); ++i)
+        row[i].factor *= static_cast<float>(factor / total);
+    return factor * passed / total;
+}
+
+double RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
     const auto& nodes = mesh_.nodes();
     const PatchSide& side = mesh_.sides()[nodes[vertex.leaf].side];
     const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
@@ -64,20 +102,25 @@ void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& verte
                          .n = point.ns.cast<double>(),
                          .key = combine_keys(combine_keys(settings_.seed, nodes[vertex.leaf].side), key_of(vertex.at))};
     row.clear();
+    double sum = 0;
     for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = nodes[node].parent)
-        for (const LinkTable::Entry& link : system_.links().of(node)) {
+        for (const LinkTable::Entry& link : links_.of(node)) {
             const auto visible = static_cast<double>(link.visible);
             const PatchNode& other = nodes[link.other];
             if (!other.is_cluster()) {
-                add_terms(rays, from, link.other, link.visible == 1.f || nodes[node].is_cluster() ? visible : -1, row);
+                const bool known = link.visible == 1.f || nodes[node].is_cluster();
+                sum += add_terms(rays, from, link.other, known ? visible : -1, row);
                 continue;
             }
             const Vec3d way = other.center - from.p;
             const double cosine = from.n.dot(way.normalized());
-            if (cosine > 0)
-                row.push_back({static_cast<std::uint32_t>(system_.node_count() + system_.links().number_of(link)),
-                               static_cast<float>(visible * cosine / (std::numbers::pi * way.squaredNorm()))});
+            if (!(cosine > 0)) continue;
+            const double factor = visible * cosine / (std::numbers::pi * way.squaredNorm());
+            row.push_back({static_cast<std::uint32_t>(system_.node_count() + links_.number_of(link)),
+                           static_cast<float>(factor)});
+            sum += factor * areas_shown_[links_.number_of(link)][0];
         }
+    return sum;
 }
 
 /// Finds the corners that nothing separates from their leaf's middle. A corner behind a wall that stands on the
@@ -127,8 +170,10 @@ void RadiosityDisplay::add_rows() {
         RayQueries rays(mesh_.charts().scene());
         std::vector<Term> row;
         for (std::size_t i = begin; i < end; ++i) {
-            irradiance_row(rays, vertices[unknown[i]], row);
-            rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size())};
+            const double sum = irradiance_row(rays, vertices[unknown[i]], row);
+            // In a closed scene, all of the hemisphere is seen.
+            const double scale = system_.is_closed() && sum > 0 ? 1 / sum : 1;
+            rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size()), static_cast<float>(scale)};
             blocks[b].insert(blocks[b].end(), row.begin(), row.end());
         }
         traced += rays.count();
@@ -146,30 +191,18 @@ void RadiosityDisplay::add_rows() {
     }
 }
 
-/// The values that terms refer to, for the radiosity X of the leaves.
-PatchColors RadiosityDisplay::values_of(PatchColors X) const {
-    for (const std::uint32_t leaf : system_.leaves())
-        X[leaf] *= system_.scale(leaf);
-    system_.pull(X);
-    const PatchColors sent = system_.sent(X);
-    X.insert(X.end(), sent.begin(), sent.end());
-    return X;
-}
-
 void RadiosityDisplay::show(const PatchColors& X) {
     irradiance_.resize(rows_.size());
-    const PatchColors values = values_of(X);
-    const PatchColors ones = values_of(PatchColors(system_.node_count(), Colord::Ones()));
+    PatchColors values = X;
+    const PatchColors sent = system_.sent(links_, X);
+    values.insert(values.end(), sent.begin(), sent.end());
     parallel_blocks(rows_.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {
-            Colord sum = Colord::Zero(), whole = Colord::Zero();
-            for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t) {
+            Colord sum = Colord::Zero();
+            for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t)
                 sum += static_cast<double>(terms_[t].factor) * values[terms_[t].value];
-                whole += static_cast<double>(terms_[t].factor) * ones[terms_[t].value];
-            }
-            if (system_.is_closed() && whole[0] > 0) sum /= whole;
             // All factors are positive; X is below 0 only by the solver's remaining error.
-            irradiance_[i] = sum.max(0.0).cast<float>();
+            irradiance_[i] = rows_[i].scale * sum.max(0.0).cast<float>();
         }
     });
     for (const PatchVertices::Bound& bound : vertices_->bound())

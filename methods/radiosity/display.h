@@ -17,9 +17,9 @@ struct DisplaySettings {
 
 class RadiosityDisplay {
 public:
-    /// All arguments must outlive this; `mesh` is halved further.
+    /// `seen` are PatchLinks::seen. The other arguments must outlive this; `mesh` is halved further.
     RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
-                     const DisplaySettings& settings);
+                     const std::vector<PatchLink>& seen, const DisplaySettings& settings);
 
     /// Computes the irradiance of all corners from X [W/m^2], the radiosity of all nodes of the solution.
     void show(const PatchColors& X);
@@ -53,21 +53,26 @@ private:
     struct Row {
         std::size_t begin;
         std::uint32_t count;
+        float scale;
     };
     void add_rows();
     void look_at_corners();
     /// Adds a term for a node of patches, or terms for its halves if radiosity varies too much over the node. `visible`
-    /// is the share of light that nothing blocks; if negative, rays find it.
-    void add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
-                   std::vector<Term>& row) const;
-    void irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
-    PatchColors values_of(PatchColors X) const;
+    /// is the share of light that nothing blocks; if negative, rays find it. Returns the share of the hemisphere.
+    double add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
+                     std::vector<Term>& row) const;
+    double add_rays(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double factor,
+                    std::vector<Term>& row) const;
+    /// Returns the share of the hemisphere that the row sees.
+    double irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
     bool changes_over(std::uint32_t leaf, double allowed) const;
 
     PatchMesh& mesh_;
     const RadiositySystem& system_;
     const PatchLight& light_;
+    LinkTable links_;
     DisplaySettings settings_;
+    PatchColors areas_shown_;  ///< by entry of links_: the area that a cluster shows, as RadiositySystem::sent()
     std::optional<PatchVertices> vertices_;
     std::vector<Row> rows_;  ///< by vertex
     std::vector<Term> terms_;

@@ -45,7 +45,7 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
-/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, and its spread.
+/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, its spread, and its middle.
 void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     for (std::size_t i = nodes.size(); i-- > 0;) {
@@ -53,6 +53,8 @@ void pull_expected(const PatchMesh& mesh, PatchLight& light) {
         const std::uint32_t a = nodes[i].child, b = a + 1;
         const double share = nodes[a].area / (nodes[a].area + nodes[b].area);
         light.expected[i] = share * light.expected[a] + (1 - share) * light.expected[b];
+        const double bright = light.expected[i] > 0 ? share * light.expected[a] / light.expected[i] : share;
+        light.middle[i] = bright * light.middle[a] + (1 - bright) * light.middle[b];
         light.spread[i] = std::sqrt(share * sqr(light.spread[a]) + (1 - share) * sqr(light.spread[b]) +
                                     share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
     }
@@ -94,6 +96,8 @@ PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64
     light.reflectance.assign(nodes.size(), Colord::Zero());
     light.expected.assign(nodes.size(), 0.0);
     light.spread.assign(nodes.size(), 0.0);
+    for (const PatchNode& node : nodes)
+        light.middle.push_back(node.center);
     std::atomic<std::uint64_t> traced = 0;
     std::optional<StageProgress> progress;
     if (stages) progress.emplace(*stages, "direct light", nodes.size());

@@ -23,6 +23,7 @@ struct PatchLight {
     /// Radiosity of all nodes, with an estimate of the light from other patches; mean of the channels [W/m^2].
     std::vector<double> expected;
     std::vector<double> spread;  ///< standard deviation of `expected` over the leaves of a node [W/m^2]
+    std::vector<Vec3d> middle;   ///< mean position over the leaves of a node, weighted by `expected` [scene units]
     double mean_irradiance = 0;  ///< over all patches, including that estimate [W/m^2]
 };
 
@@ -40,6 +41,8 @@ struct LinkSettings {
 
 struct PatchLinks {
     std::vector<PatchLink> links;
+    /// The pairs, above the links, between which visibility was found: exchange is 0.
+    std::vector<PatchLink> seen;
     std::uint64_t rays = 0;
 };
 
@@ -70,8 +73,11 @@ private:
 /// their random numbers.
 double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
                           std::uint32_t n, std::uint64_t key);
-/// The share of the light between a point and a node that nothing blocks, estimated by n rays.
-double visibility_from(RayQueries& rays, const PatchMesh& mesh, const SurfaceHit& point, const PatchNode& q,
-                       std::uint32_t n, std::uint64_t key);
+/// The share of light that passes between two points.
+double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to);
+/// The light between two points in proportion to other points: the kernel of form factors, with a bound without which
+/// one pair of many could decide. `area` is that of the smaller patch [scene units^2]. Where patches touch, most light
+/// takes the shortest ways.
+double light_between(const SurfaceHit& from, const SurfaceHit& to, double area);
 
 }  // namespace gib

@@ -69,22 +69,24 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
         light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);
         closed_ = is_closed();
     }
+    std::vector<PatchLink> seen;
     {
         const auto timer = stages.time("links");
-        const PatchLinks links = link_patches(mesh_, light_,
-                                              {.error = settings.links,
-                                               .refine_all = settings.solver != RadiositySolver::hierarchical,
-                                               .seed = combine_keys(seed, link_key)},
-                                              &stages);
+        PatchLinks links = link_patches(mesh_, light_,
+                                        {.error = settings.links,
+                                         .refine_all = settings.solver != RadiositySolver::hierarchical,
+                                         .seed = combine_keys(seed, link_key)},
+                                        &stages);
         rays_ += links.rays;
         link_count_ = links.links.size();
+        seen = std::move(links.seen);
         system_ = std::make_unique<RadiositySystem>(mesh_, light_, links.links, closed_);
     }
     solution_ = has_limit(settings) ? start_series(*system_, most_reflections(settings))
                                     : start_solution(*system_, settings.solver);
     const auto timer = stages.time("vertices");
     display_ = std::make_unique<RadiosityDisplay>(
-        mesh_, *system_, light_,
+        mesh_, *system_, light_, seen,
         DisplaySettings{.adapt = settings.adapt, .links = settings.links, .seed = combine_keys(seed, display_key)});
 }
 

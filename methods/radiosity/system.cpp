@@ -66,16 +66,16 @@ void RadiositySystem::pull(PatchColors& X) const {
     }
 }
 
-PatchColors RadiositySystem::sent(const PatchColors& X) const {
+PatchColors RadiositySystem::sent(const LinkTable& links, const PatchColors& X) const {
     const auto& nodes = mesh_.nodes();
-    PatchColors sent(table_.size(), Colord::Zero());
+    PatchColors sent(links.size(), Colord::Zero());
     parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i)
-            for (const LinkTable::Entry& link : table_.of(static_cast<std::uint32_t>(i))) {
+            for (const LinkTable::Entry& link : links.of(static_cast<std::uint32_t>(i))) {
                 const PatchNode& other = nodes[link.other];
                 if (!other.is_cluster() && !nodes[i].is_cluster()) continue;
                 const Vec3d w = (nodes[i].center - other.center).normalized();
-                Colord& sum = sent[table_.number_of(link)];
+                Colord& sum = sent[links.number_of(link)];
                 if (!other.is_cluster()) sum = other.area_towards(w) * X[link.other];
                 else
                     for (std::uint32_t side = other.side; side < other.side_end; ++side) {
@@ -95,7 +95,7 @@ PatchColors RadiositySystem::irradiance(PatchColors X) const {
         for (const std::uint32_t leaf : leaves_)
             X[leaf] *= scales_[leaf];
     pull(X);
-    const PatchColors sent = this->sent(X);
+    const PatchColors sent = this->sent(table_, X);
     PatchColors E(node_count(), Colord::Zero());
     parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {

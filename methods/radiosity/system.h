@@ -49,9 +49,9 @@ public:
     PatchColors irradiance(PatchColors X) const;
     /// Fills the values of groups with the means of their halves.
     void pull(PatchColors& X) const;
-    /// By entry of links(): what the other end sends to an entry's node if one of the two is a cluster, the sum of
+    /// By entry of `links`: what the other end sends to an entry's node if one of the two is a cluster, the sum of
     /// radiosity times area shown [W]; else 0. X has values of groups.
-    PatchColors sent(const PatchColors& X) const;
+    PatchColors sent(const LinkTable& links, const PatchColors& X) const;
     /// Power [W] of |values| over the leaves, by channel.
     Colord power(const PatchColors& values) const;
 

@@ -119,21 +119,36 @@ constexpr std::array<Node, 4> gauss_nodes = {{{0.01985507175123188, 0.0506142681
                                               {0.23723379504183550, 0.15685332293894364},
                                               {0.40828267875217510, 0.18134189168918099}}};
 
+/// The integral of inner_contour along a section of the outer contour, with the share u = t^2 (3 - 2 t) of the way: the
+/// singular term u ln u du, which occurs where contours meet, becomes about t^3 ln t dt.
+double along_section(const Region& inner, const Vec3d& start, const Vec3d& way) {
+    double sum = 0;
+    for (const Node& node : gauss_nodes)
+        for (const double t : {node.x, 1 - node.x})
+            sum += node.weight * 6 * t * (1 - t) * inner_contour(inner, start + t * t * (3 - 2 * t) * way, way);
+    return sum;
+}
+
+/// The same, by halves until these agree with the whole within `allowed`. `whole` is along_section().
+double refined(const Region& inner, const Vec3d& start, const Vec3d& way, double whole, double allowed, int depth) {
+    const Vec3d half = way / 2, middle = start + half;
+    const double first = along_section(inner, start, half), second = along_section(inner, middle, half);
+    if (depth == 0 || std::abs(first + second - whole) <= allowed) return first + second;
+    return refined(inner, start, half, first, allowed, depth - 1) +
+           refined(inner, middle, half, second, allowed, depth - 1);
+}
+
 /// The integral of the kernel over two polygons, each wholly in front of the other or in its plane: area times form
 /// factor. Stokes' theorem, applied twice, turns it into 1 / (2 pi) times the integral of ln |x - y| dx . dy around
 /// both contours (Goral et al. 1984; Schroeder and Hanrahan 1993, "On the Form Factor between Two Polygons"). The
-/// inner integral has a closed form, which is finite where the contours touch. The outer one is taken over halves of
-/// edges, with the share u = t^2 (3 - 2 t) of the way: the singular term u ln u du, which occurs where contours meet,
-/// becomes about t^3 ln t dt.
-double contour_integral(const Region& outer, const Region& inner) {
+/// inner integral has a closed form, which is finite where the contours touch. `area` is that of the smaller polygon.
+double contour_integral(const Region& outer, const Region& inner, double area) {
+    constexpr double tolerance = 1e-4;
+    constexpr int most_halvings = 12;
     double sum = 0;
     for (std::size_t i = 0; i < outer.count; ++i) {
-        const Vec3d half = (outer.after(i) - outer[i]) / 2;
-        for (const Vec3d& start : {outer[i], Vec3d(outer[i] + half)})
-            for (const Node& node : gauss_nodes)
-                for (const double t : {node.x, 1 - node.x})
-                    sum +=
-                        node.weight * 6 * t * (1 - t) * inner_contour(inner, start + t * t * (3 - 2 * t) * half, half);
+        const Vec3d way = outer.after(i) - outer[i];
+        sum += refined(inner, outer[i], way, along_section(inner, outer[i], way), tolerance * area, most_halvings);
     }
     return sum / (2 * std::numbers::pi);
 }
@@ -182,7 +197,7 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to) {
     const double nearness = distance > 0 ? std::min(a_radius, b_radius) / distance : 1;
     const double integral = nearness < few_points ? area_integral(small, a_is_smaller ? from.normal : to.normal, large,
                                                                   nearness < one_point)
-                                                  : contour_integral(small, large);
+                                                  : contour_integral(small, large, a_is_smaller ? from.area : to.area);
     return std::clamp(integral / from.area, 0.0, 1.0);
 }
 

@@ -18,8 +18,8 @@ using test::RandomPolygons;
 using test::rectangle;
 
 constexpr double pi_d = std::numbers::pi;
-/// The default tolerance of polygon_form_factor, relative.
-constexpr double tolerance = 1e-4;
+/// The tolerance of polygon_form_factor, relative.
+constexpr double tolerance = 1e-3;
 
 const std::vector<double> distances = {1e-3, 1e-2, 0.1, 0.3, 1, 3, 10, 100, 1e3};
 
@@ -75,7 +75,7 @@ TEST(PointFormFactor, FarPolygonAtAnAngleIsThatOfItsCentre) {
     for (double d : {1e4, 1e5, 3e5, 1e6, 1e8}) {
         const PatchPolygon lamp = rectangle({0.6 * d - 0.5, -0.5, 0.8 * d}, {0, 1, 0}, {1, 0, 0});
         const double exact = 0.8 * 0.8 / (pi_d * d * d);
-        EXPECT_NEAR(point_form_factor({0, 0, 0}, {0, 0, 1}, lamp) / exact, 1, 4 / (d * d) + 3e-10) << d;
+        EXPECT_NEAR(point_form_factor({0, 0, 0}, {0, 0, 1}, lamp) / exact, 1, 4 / (d * d) + 1e-8) << d;
     }
 }
 
