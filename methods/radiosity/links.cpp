@@ -121,7 +121,8 @@ private:
         const double stray = std::max(carried(p, light_.spread[pair.p]), carried(q, light_.spread[pair.q]));
         return {.light = nearness * light,
                 .shape = nearness * std::max(light, stray_weight * stray),
-                .shadow = std::max(0.5 * light, shadow_weight * stray)};
+                // Clusters are small or far away: what is seen of them matters less.
+                .shadow = std::max(0.5 * light, (p.is_cluster() || q.is_cluster() ? 4 : shadow_weight) * stray)};
     }
 
     double unoccluded(const PatchNode& p, const PatchNode& q) const {

@@ -126,8 +126,9 @@ TEST(PolygonFormFactor, ParallelRectanglesHaveTheClosedForm) {
             const PatchPolygon ceiling = rectangle({o.u, o.v, z}, {0, o.depth, 0}, {o.width, 0, 0});
             const double exact = parallel_rectangles(1, 0.7L, o.u, o.u + o.width, o.v, o.v + o.depth, z);
             SCOPED_TRACE(testing::Message() << "z " << z << " at " << o.u << " " << o.v << " width " << o.width);
-            EXPECT_NEAR(polygon_form_factor(floor, ceiling) / (exact / floor.area), 1, tolerance);
-            EXPECT_NEAR(polygon_form_factor(ceiling, floor) / (exact / ceiling.area), 1, tolerance);
+            EXPECT_NEAR(polygon_form_factor(floor, ceiling), exact / floor.area, tolerance * exact / floor.area + 1e-5);
+            EXPECT_NEAR(polygon_form_factor(ceiling, floor), exact / ceiling.area,
+                        tolerance * exact / ceiling.area + 1e-5);
         }
 }
 
