@@ -2,8 +2,6 @@
 
 #include "common/core/parallel.h"
 
-#include <fmt/format.h>
-
 #include <atomic>
 
 namespace gib {
@@ -44,29 +42,22 @@ bool way_is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchSide& side
     return !rays.intersect({.o = origin, .d = end - origin, .t_max = 1.f});
 }
 
-void halve_at_contacts(PatchMesh& mesh, int halvings, std::size_t most_nodes, std::uint64_t& rays) {
-    std::size_t first = 0;
+void halve_at_contacts(PatchMesh& mesh, double least, std::uint64_t& rays) {
     std::atomic<std::uint64_t> traced = 0;
-    for (int round = 0; round < halvings; ++round) {
+    for (std::size_t first = 0; first < mesh.nodes().size();) {
         const std::size_t end = mesh.nodes().size();
         std::vector<std::uint8_t> touched(end - first, 0);
         parallel_blocks(end - first, leaves_per_block, [&](std::size_t from, std::size_t to, std::size_t) {
             RayQueries queries(mesh.charts().scene());
             for (std::size_t i = from; i < to; ++i) {
                 const PatchNode& node = mesh.nodes()[first + i];
-                if (node.is_leaf() && mesh.charts()[mesh.sides()[node.side].chart].is_flat())
+                if (node.is_leaf() && node.radius > least && !mesh.chart_of(node).curved)
                     touched[i] = is_clear(queries, mesh, node) ? 0 : 1;
             }
             traced += queries.count();
         });
         for (std::size_t i = 0; i < touched.size(); ++i)
             if (touched[i]) mesh.split(static_cast<std::uint32_t>(first + i));
-        if (mesh.nodes().size() > most_nodes)
-            throw InputError(
-                fmt::format("patches halved where surfaces stand on them take more than {} nodes; set a larger patch, "
-                            "or more memory",
-                            most_nodes));
-        if (mesh.nodes().size() == end) break;
         first = end;
     }
     rays += traced;

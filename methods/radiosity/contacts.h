@@ -13,8 +13,8 @@ namespace gib {
 bool way_is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchSide& side, const Vec2d& from, const Vec2d& to,
                   double reach);
 
-/// Halves the leaves that something stands on, each up to `halvings` times. Adds the rays traced to `rays`. Throws
-/// InputError if the mesh takes more than `most_nodes`.
-void halve_at_contacts(PatchMesh& mesh, int halvings, std::size_t most_nodes, std::uint64_t& rays);
+/// Halves the leaves that something stands on, as long as their radius is above `least` [scene units]. Adds the rays
+/// traced to `rays`.
+void halve_at_contacts(PatchMesh& mesh, double least, std::uint64_t& rays);
 
 }  // namespace gib

@@ -3,10 +3,9 @@
 #include "common/core/parallel.h"
 #include "methods/radiosity/contacts.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
+#include <numbers>
 
 namespace gib {
 
@@ -19,73 +18,109 @@ constexpr std::uint32_t rays_to_patch = 4;
 constexpr double allowed_change = 0.1;
 /// How far inside a leaf the rays to its corners end, as a share of the way to its middle.
 constexpr double corner_inset = 0.02;
-/// The largest number of such halvings.
-constexpr int extra_halvings = 4;
+/// The radius down to which patches are halved for display, as a share of the parameter `patch`.
+constexpr double least_shown = 0.125;
+/// Weight of the standard deviation of radiosity over a node against the error that a link may make.
+constexpr double shown_stray_weight = 200;
 
 }  // namespace
 
 RadiosityDisplay::RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
-                                   const DisplaySettings& settings)
+                                   const std::vector<PatchLink>& seen, const DisplaySettings& settings)
     : mesh_(mesh),
       system_(system),
       light_(light),
+      links_(seen, mesh.nodes().size()),
       settings_(settings),
-      solved_nodes_(mesh.nodes().size()),
+      areas_shown_(system.sent(links_, PatchColors(mesh.nodes().size(), Colord::Ones()))),
       known_(mesh.sides().size()) {
     add_rows();
 }
 
 std::uint32_t RadiosityDisplay::solved_patch(std::uint32_t leaf) const {
-    while (leaf >= solved_nodes_)
+    while (leaf >= system_.node_count())
         leaf = mesh_.nodes()[leaf].parent;
     return leaf;
 }
 
-double RadiosityDisplay::factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const {
+double RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
+                                   std::vector<Term>& row) const {
     const PatchNode& patch = mesh_.nodes()[node];
-    const double factor = point_form_factor(from.p, from.n, patch.polygon) * area_correction(patch);
-    if (!(factor > 0) || clear) return factor;
-    return factor * visibility_from(rays, mesh_, from.hit, patch, rays_to_patch, combine_keys(from.key, node));
-}
-
-void RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
-                                 std::vector<Term>& row) const {
-    const PatchNode& patch = mesh_.nodes()[node];
-    const double factor = factor_to(rays, from, node, clear);
-    if (!(factor > 0)) return;
+    const double factor = point_form_factor(from.p, from.n, patch.polygon);
+    if (!(factor > 0)) return 0;
     const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
     const double stray = shown_stray_weight * factor * nearness * light_.spread[node];
-    if (patch.child < solved_nodes_ && stray > settings_.links * light_.mean_irradiance) {
-        for (const std::uint32_t half : {patch.child, patch.child + 1})
-            add_terms(rays, from, half, clear, row);
-    } else {
-        row.push_back({node, static_cast<float>(factor)});
-    }
+    if (patch.child < system_.node_count() && stray > settings_.links * light_.mean_irradiance)
+        return add_terms(rays, from, patch.child, visible, row) + add_terms(rays, from, patch.child + 1, visible, row);
+    if (visible < 0) return add_rays(rays, from, node, factor, row);
+    // Seen from a place that is moved by as much as the middle of the light lies off the centre, the patch has the
+    // factor with which its light arrives, up to terms of second order in its size.
+    const Vec3d lean = light_.middle[node] - patch.center;
+    const double leant = lean.isZero(0) ? factor : point_form_factor(from.p - lean, from.n, patch.polygon);
+    row.push_back({node, static_cast<float>(visible * leant)});
+    return visible * factor;
 }
 
-void RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
-    const PatchSide& side = mesh_.sides()[mesh_.nodes()[vertex.leaf].side];
-    const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
-    const Viewpoint from{
-        .hit = point,
-        .p = mesh_.charts().position(mesh_.charts()[side.chart], vertex.uv),
-        .n = point.ns.cast<double>(),
-        .key = combine_keys(combine_keys(settings_.seed, mesh_.nodes()[vertex.leaf].side), key_of(vertex.at))};
-    row.clear();
-    for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = mesh_.nodes()[node].parent)
-        for (const LinkTable::Entry& link : system_.links().of(node)) {
-            if (link.other != node) add_terms(rays, from, link.other, link.clear, row);
-            else
-                row.push_back(
-                    {node, static_cast<float>(static_cast<double>(link.exchange) / mesh_.nodes()[node].area)});
+/// The light of a node that is partly hidden is that of the leaves which rays meet: the parts that are seen may be
+/// brighter than its mean.
+double RadiosityDisplay::add_rays(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double factor,
+                                  std::vector<Term>& row) const {
+    const std::uint64_t key = combine_keys(from.key, node);
+    const std::size_t first = row.size();
+    double total = 0, passed = 0;
+    for (std::uint32_t i = 0; i < rays_to_patch; ++i) {
+        Vec2d s = Sampler(PointSet::sobol, key, 0, i).get_2d(0).cast<double>();
+        std::uint32_t leaf = node;
+        // The number that chooses a half by its area is used again in that half.
+        while (mesh_.nodes()[leaf].child < system_.node_count()) {
+            const std::uint32_t child = mesh_.nodes()[leaf].child;
+            const double share = mesh_.nodes()[child].area / mesh_.nodes()[leaf].area;
+            const bool low = s.x() < share;
+            s.x() = low ? s.x() / share : std::min((s.x() - share) / (1 - share), 1.0);
+            leaf = low ? child : child + 1;
         }
-    if (!settings_.normalise) return;
+        const SurfaceHit to = mesh_.point_on(mesh_.nodes()[leaf], s);
+        const double weight = light_between(from.hit, to, mesh_.nodes()[node].area);
+        if (!(weight > 0)) continue;
+        total += weight;
+        const double arriving = weight * passing(rays, from.hit, to);
+        passed += arriving;
+        if (arriving > 0) row.push_back({leaf, static_cast<float>(arriving)});
+    }
+    if (!(total > 0)) return 0;
+    for (std::size_t i = first; i < row.size(); ++i)
+        row[i].factor *= static_cast<float>(factor / total);
+    return factor * passed / total;
+}
+
+double RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const {
+    const auto& nodes = mesh_.nodes();
+    const PatchSide& side = mesh_.sides()[nodes[vertex.leaf].side];
+    const SurfaceHit point = mesh_.point_of_side(side, vertex.uv);
+    const Viewpoint from{.hit = point,
+                         .p = mesh_.charts()[side.chart].position(vertex.uv),
+                         .n = point.ns.cast<double>(),
+                         .key = combine_keys(combine_keys(settings_.seed, nodes[vertex.leaf].side), key_of(vertex.at))};
+    row.clear();
     double sum = 0;
-    for (const Term& term : row)
-        sum += static_cast<double>(term.factor);
-    if (!(sum > 0)) return;
-    for (Term& term : row)
-        term.factor = static_cast<float>(static_cast<double>(term.factor) / sum);
+    for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = nodes[node].parent)
+        for (const LinkTable::Entry& link : links_.of(node)) {
+            const auto visible = static_cast<double>(link.visible);
+            const PatchNode& other = nodes[link.other];
+            if (!other.is_cluster()) {
+                const bool known = link.visible == 1.f || nodes[node].is_cluster();
+                sum += add_terms(rays, from, link.other, known ? visible : -1, row);
+                continue;
+            }
+            const Vec3d way = other.center - from.p;
+            const double cosine = from.n.dot(way.normalized());
+            if (!(cosine > 0)) continue;
+            const double factor = visible * cosine / (std::numbers::pi * way.squaredNorm());
+            row.push_back({static_cast<std::uint32_t>(system_.node_count() + links_.number_of(link)),
+                           static_cast<float>(factor)});
+            sum += factor * areas_shown_[links_.number_of(link)][0];
+        }
+    return sum;
 }
 
 /// Finds the corners that nothing separates from their leaf's middle. A corner behind a wall that stands on the
@@ -101,7 +136,7 @@ void RadiosityDisplay::look_at_corners() {
             if (!nodes[i].is_leaf()) continue;
             const PatchSide& side = mesh_.sides()[nodes[i].side];
             seen_corners_[i] = 15;
-            if (!mesh_.charts()[side.chart].is_flat()) continue;  // a curved leaf may block the ray itself
+            if (mesh_.charts()[side.chart].curved) continue;  // a curved leaf may block the ray itself
             seen_corners_[i] = 0;
             const Vec2d middle = mesh_.middle_of(nodes[i]);
             for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
@@ -131,26 +166,19 @@ void RadiosityDisplay::add_rows() {
     }
     std::vector<std::vector<Term>> blocks((unknown.size() + vertices_per_block - 1) / vertices_per_block);
     std::atomic<std::uint64_t> traced = 0;
-    std::atomic<std::size_t> made = 0;
     parallel_blocks(unknown.size(), vertices_per_block, [&](std::size_t begin, std::size_t end, std::size_t b) {
         RayQueries rays(mesh_.charts().scene());
         std::vector<Term> row;
         for (std::size_t i = begin; i < end; ++i) {
-            irradiance_row(rays, vertices[unknown[i]], row);
-            rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size())};
+            const double sum = irradiance_row(rays, vertices[unknown[i]], row);
+            // In a closed scene, all of the hemisphere is seen.
+            const double scale = system_.is_closed() && sum > 0 ? 1 / sum : 1;
+            rows_[unknown[i]] = {blocks[b].size(), static_cast<std::uint32_t>(row.size()), static_cast<float>(scale)};
             blocks[b].insert(blocks[b].end(), row.begin(), row.end());
         }
         traced += rays.count();
-        made += blocks[b].size();
     });
     rays_ += traced;
-    const double needed = 2 * static_cast<double>((terms_.size() + made) * sizeof(Term));
-    if (needed > settings_.most_bytes)
-        throw InputError(
-            fmt::format("the light at the corners of patches needs {:.0f} bytes, and memory leaves {:.0f}; set a "
-                        "larger patch, larger links, or more memory",
-                        needed, settings_.most_bytes));
-    terms_.reserve(terms_.size() + made);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
         const std::size_t begin = b * vertices_per_block, end = std::min(unknown.size(), begin + vertices_per_block);
         for (std::size_t i = begin; i < end; ++i) {
@@ -165,13 +193,16 @@ void RadiosityDisplay::add_rows() {
 
 void RadiosityDisplay::show(const PatchColors& X) {
     irradiance_.resize(rows_.size());
+    PatchColors values = X;
+    const PatchColors sent = system_.sent(links_, X);
+    values.insert(values.end(), sent.begin(), sent.end());
     parallel_blocks(rows_.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {
             Colord sum = Colord::Zero();
             for (std::size_t t = rows_[i].begin; t < rows_[i].begin + rows_[i].count; ++t)
-                sum += static_cast<double>(terms_[t].factor) * X[terms_[t].node];
+                sum += static_cast<double>(terms_[t].factor) * values[terms_[t].value];
             // All factors are positive; X is below 0 only by the solver's remaining error.
-            irradiance_[i] = sum.max(0.0).cast<float>();
+            irradiance_[i] = rows_[i].scale * sum.max(0.0).cast<float>();
         }
     });
     for (const PatchVertices::Bound& bound : vertices_->bound())
@@ -202,11 +233,12 @@ void RadiosityDisplay::refine(const PatchColors& X) {
         area += system_.area(leaf);
     }
     const double allowed = allowed_change * mean.mean() / area;
-    std::uint32_t first = 0;
-    for (int round = 0; round < extra_halvings; ++round) {
+    const double least = least_shown * mesh_.size();
+    for (std::uint32_t first = 0; first < mesh_.nodes().size();) {
         const auto end = static_cast<std::uint32_t>(mesh_.nodes().size());
         for (std::uint32_t i = first; i < end; ++i)
-            if (mesh_.nodes()[i].is_leaf() && changes_over(i, allowed)) mesh_.split(i);
+            if (mesh_.nodes()[i].is_leaf() && mesh_.nodes()[i].radius > least && changes_over(i, allowed))
+                mesh_.split(i);
         if (mesh_.nodes().size() == end) break;
         first = end;
         add_rows();

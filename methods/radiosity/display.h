@@ -10,18 +10,16 @@
 namespace gib {
 
 struct DisplaySettings {
-    bool adapt;      ///< halve patches further where irradiance changes over them
-    bool normalise;  ///< the scene is closed: rows sum up to 1
-    double links;    ///< allowed error of a link, as a share of the mean irradiance
+    bool adapt;    ///< halve patches further where irradiance changes over them
+    double links;  ///< allowed error of a link, as a share of the mean irradiance
     std::uint64_t seed;
-    double most_bytes;  ///< for the rows; more is an InputError
 };
 
 class RadiosityDisplay {
 public:
-    /// All arguments must outlive this; `mesh` is halved further.
+    /// `seen` are PatchLinks::seen. The other arguments must outlive this; `mesh` is halved further.
     RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
-                     const DisplaySettings& settings);
+                     const std::vector<PatchLink>& seen, const DisplaySettings& settings);
 
     /// Computes the irradiance of all corners from X [W/m^2], the radiosity of all nodes of the solution.
     void show(const PatchColors& X);
@@ -41,35 +39,40 @@ public:
     std::uint64_t rays() const { return rays_; }
 
 private:
-    /// The irradiance of a corner is the sum of factor X over the terms of its row.
+    /// The irradiance of a corner is the sum of factor times value over the terms of its row. Values are the radiosity
+    /// of the solution's nodes, then what clusters send over each entry of its links.
     struct Term {
-        std::uint32_t node;
+        std::uint32_t value;
         float factor;
     };
     struct Viewpoint {
-        const SurfaceHit& hit;
+        SurfaceHit hit;
         Vec3d p, n;
         std::uint64_t key;
     };
     struct Row {
         std::size_t begin;
         std::uint32_t count;
+        float scale;
     };
     void add_rows();
     void look_at_corners();
-    /// The form factor from a corner to a node, times the share of light that nothing blocks.
-    double factor_to(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear) const;
-    /// Adds a term for a node, or terms for its halves if radiosity varies too much over the node.
-    void add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, bool clear,
-                   std::vector<Term>& row) const;
-    void irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
+    /// Adds a term for a node of patches, or terms for its halves if radiosity varies too much over the node. `visible`
+    /// is the share of light that nothing blocks; if negative, rays find it. Returns the share of the hemisphere.
+    double add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
+                     std::vector<Term>& row) const;
+    double add_rays(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double factor,
+                    std::vector<Term>& row) const;
+    /// Returns the share of the hemisphere that the row sees.
+    double irradiance_row(RayQueries& rays, const PatchVertex& vertex, std::vector<Term>& row) const;
     bool changes_over(std::uint32_t leaf, double allowed) const;
 
     PatchMesh& mesh_;
     const RadiositySystem& system_;
     const PatchLight& light_;
+    LinkTable links_;
     DisplaySettings settings_;
-    std::size_t solved_nodes_;
+    PatchColors areas_shown_;  ///< by entry of links_: the area that a cluster shows, as RadiositySystem::sent()
     std::optional<PatchVertices> vertices_;
     std::vector<Row> rows_;  ///< by vertex
     std::vector<Term> terms_;

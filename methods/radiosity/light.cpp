@@ -47,16 +47,16 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
-/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, and its spread.
+/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, its spread, and its middle.
 void pull_expected(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     for (std::size_t i = nodes.size(); i-- > 0;) {
         if (nodes[i].is_leaf()) continue;
         const std::uint32_t a = nodes[i].child, b = a + 1;
-        const double area = nodes[a].area + nodes[b].area;
-        if (!(area > 0)) continue;
-        const double share = nodes[a].area / area;
+        const double share = nodes[a].area / (nodes[a].area + nodes[b].area);
         light.expected[i] = share * light.expected[a] + (1 - share) * light.expected[b];
+        const double bright = light.expected[i] > 0 ? share * light.expected[a] / light.expected[i] : share;
+        light.middle[i] = bright * light.middle[a] + (1 - bright) * light.middle[b];
         light.spread[i] = std::sqrt(share * sqr(light.spread[a]) + (1 - share) * sqr(light.spread[b]) +
                                     share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
     }
@@ -98,6 +98,8 @@ PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64
     light.reflectance.assign(nodes.size(), Colord::Zero());
     light.expected.assign(nodes.size(), 0.0);
     light.spread.assign(nodes.size(), 0.0);
+    for (const PatchNode& node : nodes)
+        light.middle.push_back(node.center);
     std::atomic<std::uint64_t> traced = 0;
     std::optional<StageProgress> progress;
     if (stages) progress.emplace(*stages, "direct light", nodes.size());
@@ -105,8 +107,7 @@ PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64
         RayQueries queries(mesh.charts().scene());
         for (std::size_t i = begin; i < end; ++i) {
             if (!nodes[i].is_leaf()) continue;
-            const Chart& chart = mesh.charts()[mesh.sides()[nodes[i].side].chart];
-            const bool textured = !queries.scene().material_of_shape(chart.shape).constant();
+            const bool textured = !queries.scene().material_of_shape(mesh.chart_of(nodes[i]).shape).constant();
             for (std::uint32_t k = 0; k < samples; ++k) {
                 const Sampler sampler(PointSet::sobol, seed, i, k);
                 const SurfaceHit hit = mesh.point_on(nodes[i], sampler.get_2d(on_patch).cast<double>());

@@ -1,11 +1,15 @@
 #pragma once
-// The links of hierarchical radiosity say which patches, or groups of them, exchange light, and how much. Source:
-// Hanrahan, Salzman and Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm"; the error of a link is weighted by
-// the light that the link carries (their BF refinement).
+// The links of hierarchical radiosity say which patches, groups of patches, or clusters of surfaces exchange light,
+// and how much. Source: Hanrahan, Salzman and Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm"; the error of
+// a link is weighted by the light that the link carries (their BF refinement).
 //
-// A link between p and q stands for all light between them, which is taken as evenly spread over both. Its exchange
-// is G = A_p F(p -> q) V = A_q F(q -> p) V [scene units^2], where V is the share of rays between them that pass. A
-// link is stored once for both directions, so reciprocity is exact.
+// A link between p and q stands for all light between them. If both are patches, or halves of one chart's side, the
+// light is taken as evenly spread over both, and the exchange is G = A_p F(p -> q) V = A_q F(q -> p) V [scene units^2],
+// where V is the share of rays between them that pass. If one is a cluster, its sides differ in direction. Then all of
+// them see the other end in one direction w at one distance r, and sides i and j of the two ends exchange
+// G_ij = V A_i (n_i . w) A_j (-n_j . w) / (pi r^2) where both cosines are positive (the light that arrives at a cluster
+// is pushed down with its sides' cosines: Smits, Arvo and Greenberg 1994, "A Clustering Algorithm for Radiosity in
+// Complex Environments", alpha links). A link is stored once for both directions, so reciprocity is exact.
 
 #include "methods/method.h"
 #include "methods/radiosity/mesh.h"
@@ -19,53 +23,46 @@ struct PatchLight {
     /// Radiosity of all nodes, with an estimate of the light from other patches; mean of the channels [W/m^2].
     std::vector<double> expected;
     std::vector<double> spread;  ///< standard deviation of `expected` over the leaves of a node [W/m^2]
+    std::vector<Vec3d> middle;   ///< mean position over the leaves of a node, weighted by `expected` [scene units]
     double mean_irradiance = 0;  ///< over all patches, including that estimate [W/m^2]
 };
 
 struct PatchLink {
-    std::uint32_t p, q;  ///< nodes; equal for the light that a hollow patch sends to itself
-    float exchange;      ///< [scene units^2]
-    bool clear;          ///< all rays between them pass
+    std::uint32_t p, q;  ///< nodes
+    float exchange;      ///< G [scene units^2]; with a cluster V / (pi r^2) [scene units^-2]
+    float visible;       ///< V
 };
 
 struct LinkSettings {
     double error;     ///< a link may be wrong by this share of the mean irradiance
     bool refine_all;  ///< link leaves only, which gives the full system
     std::uint64_t seed;
-    double most_bytes;  ///< for links and what is made of them; more is an InputError
 };
 
 struct PatchLinks {
     std::vector<PatchLink> links;
+    /// The pairs, above the links, between which visibility was found: exchange is 0.
+    std::vector<PatchLink> seen;
     std::uint64_t rays = 0;
 };
 
-/// Finds the links between all sides by refinement. Throws InputError if they take more than `settings.most_bytes`.
+/// Finds the links that replace those between all pairs of leaves, by refinement from the top of the mesh's tree.
 PatchLinks link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
                         const StageTimes* stages = nullptr);
-
-/// Weights of the standard deviation of radiosity over a group (its stray) against the error that a link may make:
-/// one for links, one for the display of irradiance, where accuracy costs less. Stray errs to one side, so less of it
-/// is allowed. Measured in cornell-box.xml with the defaults at 16 samples: the weight 16 makes 57 thousand links and
-/// leaves 1.38 % relative RMSE of indirect light, its mean 2.9 % too low; 64 makes 112 thousand links, takes 46 %
-/// longer in all and leaves 1.17 %, 2.0 % too low. For the display, 8 saves 9 % of the time and errs no more there,
-/// 512 takes 48 % longer and leaves 1.31 %.
-inline constexpr double stray_weight = 16, shown_stray_weight = 64;
 
 /// The links of each node.
 class LinkTable {
 public:
     struct Entry {
         std::uint32_t other;
-        float exchange;
-        bool clear;
+        float exchange, visible;
     };
     LinkTable(const std::vector<PatchLink>& links, std::size_t nodes);
     std::span<const Entry> of(std::uint32_t node) const {
         return {entries_.data() + begin_[node], begin_[node + 1] - begin_[node]};
     }
-    /// The memory that a link takes in this table and in the list of links [bytes].
-    static constexpr double bytes_per_link = sizeof(PatchLink) + 2 * sizeof(Entry);
+    std::size_t size() const { return entries_.size(); }
+    std::size_t number_of(const Entry& entry) const { return static_cast<std::size_t>(&entry - entries_.data()); }
 
 private:
     std::vector<std::size_t> begin_;
@@ -76,11 +73,11 @@ private:
 /// their random numbers.
 double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
                           std::uint32_t n, std::uint64_t key);
-/// The share of the light between a point and a node that nothing blocks, estimated by n rays.
-double visibility_from(RayQueries& rays, const PatchMesh& mesh, const SurfaceHit& point, const PatchNode& q,
-                       std::uint32_t n, std::uint64_t key);
-/// The area of a patch over that of its chord polygon if the patch is convex, so that light from outside meets all of
-/// it; else 1.
-double area_correction(const PatchNode& node);
+/// The share of light that passes between two points.
+double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to);
+/// The light between two points in proportion to other points: the kernel of form factors, with a bound without which
+/// one pair of many could decide. `area` is that of the smaller patch [scene units^2]. Where patches touch, most light
+/// takes the shortest ways.
+double light_between(const SurfaceHit& from, const SurfaceHit& to, double area);
 
 }  // namespace gib

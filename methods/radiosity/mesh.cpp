@@ -1,24 +1,28 @@
 #include "methods/radiosity/mesh.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <numbers>
 
 namespace gib {
 
 namespace {
 
-/// [rad], 29 degrees: chords of a sphere lose 2 % of its area; PatchNode::area is that of the surface itself.
-constexpr double max_spread = 0.5;
 constexpr std::uint8_t max_halvings = 20;
 
 ChartPoint middle(const ChartPoint& a, const ChartPoint& b) { return {(a.u + b.u) / 2, (a.v + b.v) / 2}; }
 
 double shrunk(double length, std::uint8_t halvings) { return std::ldexp(length, -halvings); }
 
+using Positions = std::array<Vec3d, 4>;
+
+Positions positions(const Chart& chart, const std::array<ChartPoint, 4>& corners) {
+    Positions p;
+    for (std::size_t i = 0; i < 4; ++i)
+        p[i] = chart.position(uv_of(corners[i]));
+    return p;
+}
+
 /// The number i of the edge i -> i + 1 at which a triangle is halved: the longest in space, the first of equal ones.
-std::size_t longest_edge(const std::array<Vec3d, 4>& p) {
+std::size_t longest_edge(const Positions& p) {
     std::size_t longest = 0;
     double length2 = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -31,26 +35,24 @@ std::size_t longest_edge(const std::array<Vec3d, 4>& p) {
     return longest;
 }
 
-std::array<Vec3d, 4> positions(const Charts& charts, const Chart& chart, const std::array<ChartPoint, 4>& corners) {
-    std::array<Vec3d, 4> p;
-    for (std::size_t i = 0; i < 4; ++i)
-        p[i] = charts.position(chart, uv_of(corners[i]));
-    return p;
-}
-
-PatchPolygon polygon_of(const Chart& chart, std::array<Vec3d, 4> p, bool turned) {
-    if (chart.kind == Chart::Kind::triangle)
-        return turned ? PatchPolygon::triangle(p[0], p[2], p[1]) : PatchPolygon::triangle(p[0], p[1], p[2]);
-    const Vec3d n = (p[2] - p[0]).cross(p[3] - p[1]).normalized(), center = (p[0] + p[1] + p[2] + p[3]) / 4;
-    if (!chart.is_flat())
-        for (Vec3d& corner : p)
-            corner -= n.dot(corner - center) * n;
-    return turned ? PatchPolygon::quad(p[0], p[3], p[2], p[1]) : PatchPolygon::quad(p[0], p[1], p[2], p[3]);
+PatchPolygon polygon_of(const Chart& chart, const Positions& p, bool turned) {
+    const PatchPolygon polygon =
+        chart.triangle ? PatchPolygon::triangle(p[0], p[1], p[2]) : PatchPolygon::quad(p[0], p[1], p[2], p[3]);
+    return turned ? polygon.flipped() : polygon;
 }
 
 /// Twice the area of the triangle a, b, c in chart coordinates; negative if it turns clockwise.
 double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+Vec3d middle_of_chart(const Chart& chart) { return chart.position(Vec2d::Constant(chart.triangle ? 1.0 / 3 : 0.5)); }
+
+double radius_of_chart(const Chart& chart) {
+    double radius = 0;
+    for (const Vec3d& corner : chart.corners)
+        radius = std::max(radius, (corner - middle_of_chart(chart)).norm());
+    return radius;
 }
 
 }  // namespace
@@ -63,44 +65,87 @@ bool PatchMesh::reflects(const Charts& charts, const Chart& chart, bool back) {
     return hit.bsdf->traits_at(back != flipped ? -1.f : 1.f).diffuse;
 }
 
-double PatchMesh::estimated_nodes(const Charts& charts, double size) {
-    double nodes = 0;
+double PatchMesh::estimated_patches(const Charts& charts, double size) {
+    double patches = 0;
     for (std::size_t i = 0; i < charts.size(); ++i) {
-        const auto halvings = [&](double length) { return std::max(0.0, std::ceil(std::log2(length / size))); };
-        const Chart& chart = charts[i];
-        const double depth = chart.kind == Chart::Kind::triangle
-                                 ? 2 * halvings(chart.lengths.maxCoeff())
-                                 : halvings(chart.lengths.x()) + halvings(chart.lengths.y());
-        const int sides = (reflects(charts, chart, false) ? 1 : 0) + (reflects(charts, chart, true) ? 1 : 0);
-        nodes += sides * (std::exp2(depth + 1) - 1);
+        const Vec2d pieces = (charts[i].lengths() / size).cwiseMax(1.0);
+        const int sides = (reflects(charts, charts[i], false) ? 1 : 0) + (reflects(charts, charts[i], true) ? 1 : 0);
+        patches += sides * pieces.prod();
     }
-    return nodes;
+    return patches;
 }
 
-PatchMesh::PatchMesh(const Charts& charts, double size, std::size_t most_nodes) : charts_(charts) {
-    sides_of_chart_.assign(charts.size(), {no_node, no_node});
+PatchMesh::PatchMesh(const Charts& charts, double size) : charts_(charts), size_(size) {
     for (std::uint32_t i = 0; i < charts.size(); ++i)
-        for (const bool back : {false, true}) {
-            if (!reflects(charts, charts[i], back)) continue;
-            sides_of_chart_[i][back ? 1 : 0] = static_cast<std::uint32_t>(sides_.size());
-            PatchNode root;
-            root.side = static_cast<std::uint32_t>(sides_.size());
-            sides_.push_back({i, back, static_cast<std::uint32_t>(nodes_.size())});
-            constexpr std::uint32_t one = chart_unit;
-            root.corners = charts[i].kind == Chart::Kind::triangle
-                               ? std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {0, one}, {0, one}}}
-                               : std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {one, one}, {0, one}}};
-            finish(root);
-            nodes_.push_back(root);
-        }
-    // Roots first, then level by level: a parent comes before its children.
+        for (const bool back : {false, true})
+            if (reflects(charts, charts[i], back)) sides_.push_back({i, back});
+    if (!sides_.empty()) nodes_.push_back(node_of(0, static_cast<std::uint32_t>(sides_.size())));
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-        if (is_fine_enough(nodes_[i], size)) continue;
-        split(i);
-        if (nodes_.size() > most_nodes)
-            throw InputError(fmt::format("patches of {} take more than {} nodes; set a larger patch, or more memory",
-                                         size, most_nodes));
+        if (nodes_[i].is_cluster()) split_cluster(i);
+        else if (!is_fine_enough(nodes_[i])) split(i);
     }
+    sides_of_chart_.assign(charts.size(), {no_node, no_node});
+    for (std::uint32_t i = 0; i < sides_.size(); ++i)
+        sides_of_chart_[sides_[i].chart][sides_[i].back ? 1 : 0] = i;
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+        if (!nodes_[i].is_cluster() && (i == 0 || nodes_[nodes_[i].parent].is_cluster()))
+            sides_[nodes_[i].side].root = i;
+}
+
+PatchNode PatchMesh::node_of(std::uint32_t first, std::uint32_t end) {
+    PatchNode node;
+    node.side = first;
+    node.side_end = end;
+    const Chart& chart = charts_[sides_[first].chart];
+    constexpr std::uint32_t one = chart_unit;
+    if (end - first == 1) {
+        node.corners = chart.triangle ? std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {0, one}, {0, one}}}
+                                      : std::array<ChartPoint, 4>{{{0, 0}, {one, 0}, {one, one}, {0, one}}};
+        finish(node);
+        return node;
+    }
+    for (std::uint32_t i = first; i < end; ++i) {
+        const Chart& c = charts_[sides_[i].chart];
+        node.center += middle_of_chart(c) / (end - first);
+        node.area +=
+            polygon_of(c, {c.corners[0], c.corners[1], c.triangle ? c.corners[3] : c.corners[2], c.corners[3]}, false)
+                .area;
+    }
+    for (std::uint32_t i = first; i < end; ++i)
+        for (const Vec3d& corner : charts_[sides_[i].chart].corners)
+            node.radius = std::max(node.radius, (corner - node.center).norm());
+    return node;
+}
+
+/// Large charts are set apart first, so that they do not widen the clusters of small ones; then halves are taken at
+/// the median of the centres along the longest extent.
+void PatchMesh::split_cluster(std::uint32_t index) {
+    const PatchNode node = nodes_[index];
+    const auto begin = sides_.begin() + node.side, end = sides_.begin() + node.side_end;
+    const auto chart_of_side = [&](const PatchSide& side) -> const Chart& { return charts_[side.chart]; };
+    constexpr double large = 0.5;
+    auto cut = std::stable_partition(
+        begin, end, [&](const PatchSide& side) { return radius_of_chart(chart_of_side(side)) > large * node.radius; });
+    if (cut == begin || cut == end) {
+        Vec3d lower = Vec3d::Constant(std::numeric_limits<double>::infinity()), upper = -lower;
+        for (auto side = begin; side != end; ++side) {
+            lower = lower.cwiseMin(middle_of_chart(chart_of_side(*side)));
+            upper = upper.cwiseMax(middle_of_chart(chart_of_side(*side)));
+        }
+        Eigen::Index axis = 0;
+        (upper - lower).maxCoeff(&axis);
+        cut = begin + (end - begin) / 2;
+        std::nth_element(begin, cut, end, [&](const PatchSide& a, const PatchSide& b) {
+            const double x = middle_of_chart(chart_of_side(a))[axis], y = middle_of_chart(chart_of_side(b))[axis];
+            return x != y ? x < y : std::pair(a.chart, a.back) < std::pair(b.chart, b.back);
+        });
+    }
+    const auto middle = static_cast<std::uint32_t>(cut - sides_.begin());
+    PatchNode first = node_of(node.side, middle), second = node_of(middle, node.side_end);
+    first.parent = second.parent = index;
+    nodes_[index].child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back(first);
+    nodes_.push_back(second);
 }
 
 std::size_t PatchMesh::leaf_count() const {
@@ -109,58 +154,47 @@ std::size_t PatchMesh::leaf_count() const {
 }
 
 void PatchMesh::finish(PatchNode& node) const {
-    const PatchSide& side = sides_[node.side];
-    const Chart& chart = charts_[side.chart];
-    const std::array<Vec3d, 4> p = positions(charts_, chart, node.corners);
-    node.polygon = polygon_of(chart, p, chart.reversed != side.back);
-    node.center = Vec3d::Zero();
+    const Chart& chart = chart_of(node);
+    node.polygon = polygon_of(chart, positions(chart, node.corners), chart.reversed != sides_[node.side].back);
+    node.area = node.polygon.area;
     for (const Vec3d& corner : node.polygon.corners())
         node.center += corner / node.polygon.count;
-    node.radius = 0;
     for (const Vec3d& corner : node.polygon.corners())
         node.radius = std::max(node.radius, (corner - node.center).norm());
-    node.area = node.polygon.area;
-    if (chart.kind == Chart::Kind::triangle || chart.kind == Chart::Kind::quad) return;
-    node.area = charts_.curved_area(chart, node.corners[0], node.corners[2]);
-    if (chart.is_flat()) return;
-    const Vec3d surface = charts_.position(chart, middle_of(node));
-    node.sagitta = node.polygon.normal.dot(surface - node.center);
-    const Vec3 n = charts_.surface_at(chart, middle_of(node)).ng;
-    for (const ChartPoint& corner : node.corners) {
-        const Vec3 m = charts_.surface_at(chart, uv_of(corner)).ng;
-        node.spread = std::max(node.spread, 2.0 * std::acos(std::clamp(static_cast<double>(n.dot(m)), -1.0, 1.0)));
-    }
 }
 
-bool PatchMesh::is_fine_enough(const PatchNode& node, double size) const {
-    const Chart& chart = charts_[sides_[node.side].chart];
+bool PatchMesh::is_fine_enough(const PatchNode& node) const {
+    const Chart& chart = chart_of(node);
     if (node.along + node.across >= 2 * max_halvings) return true;
-    if (chart.kind == Chart::Kind::triangle) {
-        const auto p = positions(charts_, chart, node.corners);
+    if (chart.triangle) {
+        const Positions p = positions(chart, node.corners);
         const std::size_t edge = longest_edge(p);
-        return (p[(edge + 1) % 3] - p[edge]).norm() <= size;
+        return (p[(edge + 1) % 3] - p[edge]).norm() <= size_;
     }
-    if (node.spread > max_spread) return false;
-    return shrunk(chart.lengths.x(), node.across) <= size && shrunk(chart.lengths.y(), node.along) <= size;
+    const Vec2d lengths = chart.lengths();
+    // A piece of a curved shape may be a little longer than the parts into which the shape was divided.
+    const double most = size_ * (chart.curved ? 1.5 : 1.0);
+    return shrunk(lengths.x(), node.across) <= most && shrunk(lengths.y(), node.along) <= most;
 }
 
 void PatchMesh::split(std::uint32_t index) {
-    const Chart& chart = charts_[sides_[nodes_[index].side].chart];
+    const Chart& chart = chart_of(nodes_[index]);
     PatchNode first, second;
     first.side = second.side = nodes_[index].side;
+    first.side_end = second.side_end = nodes_[index].side_end;
     first.parent = second.parent = index;
     const auto& c = nodes_[index].corners;
     first.across = second.across = nodes_[index].across;
     first.along = second.along = nodes_[index].along;
-    if (chart.kind == Chart::Kind::triangle) {
-        const std::size_t i = longest_edge(positions(charts_, chart, c));
+    const Vec2d lengths = chart.lengths();
+    if (chart.triangle) {
+        const std::size_t i = longest_edge(positions(chart, c));
         const ChartPoint a = c[i], b = c[(i + 1) % 3], apex = c[(i + 2) % 3], m = middle(a, b);
         first.corners = {apex, a, m, m};
         second.corners = {b, apex, m, m};
         ++first.across;
         ++second.across;
-    } else if ((chart.kind == Chart::Kind::cylinder && nodes_[index].spread > max_spread) ||
-               shrunk(chart.lengths.x(), first.across) >= shrunk(chart.lengths.y(), first.along)) {
+    } else if (shrunk(lengths.x(), first.across) >= shrunk(lengths.y(), first.along)) {
         const ChartPoint low = middle(c[0], c[1]), high = middle(c[3], c[2]);
         first.corners = {c[0], low, high, c[3]};
         second.corners = {low, c[1], c[2], high};
@@ -181,9 +215,8 @@ void PatchMesh::split(std::uint32_t index) {
 }
 
 Vec2d PatchMesh::middle_of(const PatchNode& node) const {
-    const bool triangle = charts_[sides_[node.side].chart].kind == Chart::Kind::triangle;
+    const auto count = static_cast<std::size_t>(node.corner_count());
     Vec2d sum = Vec2d::Zero();
-    const std::size_t count = triangle ? 3 : 4;
     for (std::size_t i = 0; i < count; ++i)
         sum += uv_of(node.corners[i]) / static_cast<double>(count);
     return sum;
@@ -200,9 +233,16 @@ SurfaceHit PatchMesh::point_of_side(const PatchSide& side, const Vec2d& uv) cons
 
 SurfaceHit PatchMesh::point_on(const PatchNode& node, const Vec2d& s) const {
     const PatchSide& side = sides_[node.side];
+    const Chart& chart = charts_[side.chart];
     const Vec2d a = uv_of(node.corners[0]);
-    if (charts_[side.chart].kind != Chart::Kind::triangle)
-        return point_of_side(side, a + s.cwiseProduct(uv_of(node.corners[2]) - a));
+    if (!chart.triangle) {
+        // Between the widths of a trapezoid, the density of v is linear.
+        const Vec2d extent = uv_of(node.corners[2]) - a;
+        const Positions p = positions(chart, node.corners);
+        const double low = (p[1] - p[0]).norm(), high = (p[2] - p[3]).norm();
+        const double v = s.y() * (low + high) / (low + std::sqrt(std::lerp(sqr(low), sqr(high), s.y())));
+        return point_of_side(side, a + extent.cwiseProduct(Vec2d(s.x(), std::min(v, 1.0))));
+    }
     const Vec2 b = square_to_triangle(s.cast<float>());
     return point_of_side(side, a + static_cast<double>(b.x()) * (uv_of(node.corners[1]) - a) +
                                    static_cast<double>(b.y()) * (uv_of(node.corners[2]) - a));
@@ -213,14 +253,13 @@ std::optional<PatchMesh::Place> PatchMesh::locate(const SurfaceHit& hit, const V
     if (!place) return std::nullopt;
     const std::uint32_t side = sides_of_chart_[place->chart][wo.dot(hit.ng) < 0.f ? 1 : 0];
     if (side == no_node) return std::nullopt;
-    const bool triangle = charts_[place->chart].kind == Chart::Kind::triangle;
     const Vec2d uv = place->uv;
     std::uint32_t node = sides_[side].root;
     while (!nodes_[node].is_leaf()) {
         const std::uint32_t child = nodes_[node].child;
         const auto& c = nodes_[child].corners;
         bool first;
-        if (triangle) {
+        if (charts_[place->chart].triangle) {
             // Both halves have the edge from the apex c[0] to m = c[2]; a = c[1] lies on the first half's side of it.
             const Vec2d apex = uv_of(c[0]), a = uv_of(c[1]), m = uv_of(c[2]);
             first = turn(apex, m, uv) * turn(apex, m, a) >= 0;
@@ -247,12 +286,11 @@ std::array<double, 4> PatchMesh::weights(const PatchNode& leaf, const Vec2d& uv)
 }
 
 PatchVertices::PatchVertices(const PatchMesh& mesh) {
-    constexpr std::uint32_t none = ~0u;
     /// How far inside its leaf a vertex on the border of a chart is evaluated, as a share of the way to the leaf's
     /// middle: where surfaces meet, irradiance jumps.
     constexpr double inset = 1e-3;
     const auto& nodes = mesh.nodes();
-    corners_.assign(nodes.size(), {none, none, none, none});
+    corners_.assign(nodes.size(), {no_node, no_node, no_node, no_node});
     std::vector<VertexIndex> of_side(mesh.sides().size());
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         const PatchNode& node = nodes[i];

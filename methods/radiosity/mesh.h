@@ -1,9 +1,10 @@
 #pragma once
 // Patches are made by repeated halving of the sides of charts that can reflect diffusely. The halves form a binary
 // tree whose leaves are the patches of a solution; below them a leaf may be halved further for display only. A
-// one-sided material reflects on its front, a two-sided one on both sides, each of which has its own patches.
+// one-sided material reflects on its front, a two-sided one on both sides, each of which has its own patches. Above
+// the sides the tree goes on: clusters of sides (Smits, Arvo and Greenberg 1994, "A Clustering Algorithm for Radiosity
+// in Complex Environments"), so that one node at the top holds the whole scene.
 
-#include "common/core/error.h"
 #include "methods/radiosity/chart.h"
 
 #include <unordered_map>
@@ -13,26 +14,28 @@ namespace gib {
 inline constexpr std::uint32_t no_node = ~0u;
 
 struct PatchNode {
-    std::uint32_t side;
+    std::uint32_t side;      ///< of a cluster: the first of its sides
+    std::uint32_t side_end;  ///< one past the last side
     std::uint32_t parent = no_node;
-    std::uint32_t child = no_node;      ///< the first of two; none: a leaf
-    std::array<ChartPoint, 4> corners;  ///< a triangle has three
-    PatchPolygon polygon;               ///< of its chords; its front is the side's
-    double area = 0;                    ///< of the surface itself [scene units^2]
-    Vec3d center = Vec3d::Zero();       ///< of the polygon
-    double radius = 0;                  ///< largest distance of the polygon's vertices from `center` [scene units]
-    double sagitta = 0;  ///< height of the surface's middle over the polygon [scene units], positive in front
-    double spread = 0;   ///< the largest angle between normals of the surface here [rad]
-    std::uint8_t across = 0, along = 0;  ///< halvings of u and v so far
+    std::uint32_t child = no_node;           ///< the first of two; none: a leaf
+    std::array<ChartPoint, 4> corners = {};  ///< a triangle has three
+    PatchPolygon polygon = {};               ///< its front is the side's; a cluster has no vertices
+    double area = 0;                         ///< of a cluster: the sum over its sides [scene units^2]
+    Vec3d center = Vec3d::Zero();            ///< of the polygon, or the mean of the sides' centres
+    double radius = 0;                       ///< largest distance of a vertex from `center` [scene units]
+    std::uint8_t across = 0, along = 0;      ///< halvings of u and v so far
 
     bool is_leaf() const { return child == no_node; }
+    bool is_cluster() const { return polygon.count == 0; }
     int corner_count() const { return polygon.count; }
+    /// The area that is seen from far away in the direction `w`; of a patch.
+    double area_towards(const Vec3d& w) const { return area * std::max(0.0, polygon.normal.dot(w)); }
 };
 
 struct PatchSide {
     std::uint32_t chart;
     bool back;
-    std::uint32_t root;
+    std::uint32_t root = no_node;
 };
 
 /// A place at which irradiance is evaluated.
@@ -44,17 +47,20 @@ struct PatchVertex {
 
 class PatchMesh {
 public:
-    /// Makes patches whose edges are at most `size` long [scene units] and over which normals differ by at most 0.5
-    /// rad. Throws InputError if they take more than `most_nodes` nodes.
-    PatchMesh(const Charts& charts, double size, std::size_t most_nodes);
+    /// Makes patches whose edges are at most `size` long [scene units].
+    PatchMesh(const Charts& charts, double size);
 
     const Charts& charts() const { return charts_; }
+    double size() const { return size_; }
+    /// The sides of charts; those of a cluster are neighbours.
     const std::vector<PatchSide>& sides() const { return sides_; }
+    /// A parent comes before its children; the first node holds all.
     const std::vector<PatchNode>& nodes() const { return nodes_; }
+    const Chart& chart_of(const PatchNode& node) const { return charts_[sides_[node.side].chart]; }
     std::size_t leaf_count() const;
 
     /// The point of the node's surface at s in the unit square, with normals on the node's side. Uniform s give
-    /// uniform points, up to the distortion of the chart.
+    /// uniform points.
     SurfaceHit point_on(const PatchNode& node, const Vec2d& s) const;
     /// The point at uv of the side's chart, with normals on that side.
     SurfaceHit point_of_side(const PatchSide& side, const Vec2d& uv) const;
@@ -72,16 +78,20 @@ public:
     /// The weights of a leaf's corners for linear interpolation at uv (bilinear if it has four corners).
     std::array<double, 4> weights(const PatchNode& leaf, const Vec2d& uv) const;
 
-    /// An estimate of the number of nodes of a mesh with edges of `size` [scene units], without making one.
-    static double estimated_nodes(const Charts& charts, double size);
+    /// An estimate of the number of patches of a mesh with edges of `size` [scene units], without making one.
+    static double estimated_patches(const Charts& charts, double size);
     /// Whether the back or the front of a chart can reflect diffusely.
     static bool reflects(const Charts& charts, const Chart& chart, bool back);
 
 private:
+    /// The node of a range of sides: a cluster, or the root of one side.
+    PatchNode node_of(std::uint32_t first, std::uint32_t end);
+    void split_cluster(std::uint32_t node);
     void finish(PatchNode& node) const;
-    bool is_fine_enough(const PatchNode& node, double size) const;
+    bool is_fine_enough(const PatchNode& node) const;
 
     const Charts& charts_;
+    double size_;
     std::vector<PatchSide> sides_;
     std::vector<std::array<std::uint32_t, 2>> sides_of_chart_;  ///< front and back, or no_node
     std::vector<PatchNode> nodes_;

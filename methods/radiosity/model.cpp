@@ -22,15 +22,11 @@ constexpr std::uint32_t direct_samples = 16;
 /// Number of rays that test whether the scene is closed.
 constexpr std::size_t closure_rays = 1 << 14;
 constexpr std::size_t rays_per_block = 1024;
-/// Largest number of halvings of a patch on which something stands: 4 make its edges a quarter as long. Measured with
-/// the defaults at 16 samples: cornell-box.xml gets 6 % more patches, and a relative RMSE of indirect light of 1.38 %
-/// instead of 1.61 %; smits-jensen-forms.xml, whose blocks are smaller than patches, gets 22 % more patches, and the
-/// mean of its indirect light is 8 % too low instead of 16 %.
-constexpr int contact_halvings = 4;
-
-/// Approximate memory of a node with its share of vertices, links and rows [bytes]: 150 links and terms of
-/// rows per patch.
-constexpr double bytes_per_node = sizeof(PatchNode) + 3 * sizeof(Colord) + 6 * sizeof(PatchColors::value_type) + 1500;
+/// The radius down to which patches are halved on which something stands, as a share of the parameter `patch`: their
+/// edges become a quarter as long.
+constexpr double least_at_contacts = 0.25;
+/// Approximate memory of a patch: two nodes with their share of vertices, links and rows [bytes].
+constexpr double bytes_per_patch = 5000;
 
 // Keys that give the parts different random numbers.
 constexpr std::uint64_t light_key = 0x4c49, link_key = 0x4c4b, display_key = 0x4449, closure_key = 0x434c;
@@ -41,67 +37,57 @@ bool has_limit(const RadiositySettings& settings) { return settings.max_edges < 
 /// to the surface seen, one edge for each reflection, and one to the light; a final gather ray is one edge more.
 int most_reflections(const RadiositySettings& settings) { return settings.max_edges - (settings.gather > 0 ? 3 : 2); }
 
-std::string refusal(double needed, const RadiositySettings& settings, const std::string& what) {
-    return fmt::format(
-        "radiosity needs {:.0f} bytes for {}, and memory={} GiB allows {:.0f}; set a larger patch "
-        "(now {}){} or more memory",
-        needed, what, settings.memory / 0x1p30, settings.memory, settings.patch,
-        settings.solver == RadiositySolver::hierarchical ? "" : ", solver=hierarchical");
-}
-
-std::size_t most_nodes(const Charts& charts, const RadiositySettings& settings) {
-    const double nodes =
-        PatchMesh::estimated_nodes(charts, settings.patch * static_cast<double>(charts.scene().diagonal()));
-    const double patches = std::ceil(nodes / 2);
-    double needed = nodes * bytes_per_node;
-    if (settings.solver != RadiositySolver::hierarchical)
-        needed += 0.5 * patches * (patches + 1) * LinkTable::bytes_per_link;
-    if (settings.solver == RadiositySolver::direct && !has_limit(settings)) needed += direct_solver_bytes(patches);
-    if (needed > settings.memory) throw InputError(refusal(needed, settings, fmt::format("{:.0f} patches", patches)));
-    require_memory(needed, fmt::format("radiosity of {:.0f} patches", patches));
-    // The estimate ignores the curvature of surfaces and the shape of triangles, so this limits the mesh itself.
-    return static_cast<std::size_t>(settings.memory / bytes_per_node);
+/// Throws InputError if patches with edges of `size` [scene units] take more memory than there is.
+void require_memory_for(const Charts& charts, double size, const RadiositySettings& settings) {
+    const double patches = PatchMesh::estimated_patches(charts, size);
+    const double links = settings.solver == RadiositySolver::hierarchical ? 0 : 0.5 * sqr(patches);
+    const double matrix = settings.solver == RadiositySolver::direct ? sqr(patches) * sizeof(double) : 0;
+    require_memory(patches * bytes_per_patch + links * (sizeof(PatchLink) + 2 * sizeof(LinkTable::Entry)) + matrix,
+                   fmt::format("radiosity of {:.0f} patches", patches));
 }
 
 }  // namespace
 
 RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed,
                                StageTimes& stages)
-    : settings_(settings), seed_(seed), stages_(stages), charts_(scene), mesh_([&] {
+    : settings_(settings),
+      seed_(seed),
+      stages_(stages),
+      charts_(scene, settings.patch * static_cast<double>(scene.diagonal())),
+      mesh_([&] {
           const auto timer = stages.time("patches");
-          return PatchMesh(charts_, settings.patch * static_cast<double>(scene.diagonal()),
-                           most_nodes(charts_, settings));
+          const double size = settings.patch * static_cast<double>(scene.diagonal());
+          require_memory_for(charts_, size, settings);
+          return PatchMesh(charts_, size);
       }()) {
     if (settings.adapt) {
         const auto timer = stages.time("patches");
-        halve_at_contacts(mesh_, contact_halvings, static_cast<std::size_t>(settings.memory / bytes_per_node), rays_);
+        halve_at_contacts(mesh_, least_at_contacts * mesh_.size(), rays_);
     }
     {
         const auto timer = stages.time("direct light");
         light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);
         closed_ = is_closed();
     }
+    std::vector<PatchLink> seen;
     {
         const auto timer = stages.time("links");
-        const PatchLinks links = link_patches(mesh_, light_,
-                                              {.error = settings.links,
-                                               .refine_all = settings.solver != RadiositySolver::hierarchical,
-                                               .seed = combine_keys(seed, link_key),
-                                               .most_bytes = settings.memory},
-                                              &stages);
+        PatchLinks links = link_patches(mesh_, light_,
+                                        {.error = settings.links,
+                                         .refine_all = settings.solver != RadiositySolver::hierarchical,
+                                         .seed = combine_keys(seed, link_key)},
+                                        &stages);
         rays_ += links.rays;
         link_count_ = links.links.size();
+        seen = std::move(links.seen);
         system_ = std::make_unique<RadiositySystem>(mesh_, light_, links.links, closed_);
     }
     solution_ = has_limit(settings) ? start_series(*system_, most_reflections(settings))
                                     : start_solution(*system_, settings.solver);
     const auto timer = stages.time("vertices");
-    display_ = std::make_unique<RadiosityDisplay>(mesh_, *system_, light_,
-                                                  DisplaySettings{.adapt = settings.adapt,
-                                                                  .normalise = closed_,
-                                                                  .links = settings.links,
-                                                                  .seed = combine_keys(seed, display_key),
-                                                                  .most_bytes = settings.memory});
+    display_ = std::make_unique<RadiosityDisplay>(
+        mesh_, *system_, light_, seen,
+        DisplaySettings{.adapt = settings.adapt, .links = settings.links, .seed = combine_keys(seed, display_key)});
 }
 
 /// Whether the scene is closed: all rays from the patches end on the fronts of patches, so all light that a patch

@@ -12,15 +12,13 @@ struct RadiositySettings {
     double links;     ///< allowed error of a link, as a share of the mean irradiance
     bool adapt;       ///< halve patches at contacts, and further for display
     int gather;       ///< final gather rays; 0: none
-    double memory;    ///< limit [bytes]
     std::string ply;  ///< file for the mesh; empty: none
     int max_edges;    ///< of the longest path
 };
 
 class RadiosityModel {
 public:
-    /// Makes patches and links. Throws InputError, which names the bytes needed, if `settings.memory`
-    /// does not suffice.
+    /// Makes patches and links. Throws InputError, which names the bytes needed, if they are not available.
     RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed, StageTimes& stages);
 
     /// One sweep of the solver, unless the solution has converged; true if the displayed solution has changed.

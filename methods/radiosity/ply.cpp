@@ -52,7 +52,7 @@ std::string radiosity_ply(const RadiosityModel& model) {
     for (std::size_t i = 0; i < count; ++i) {
         const PatchVertex& vertex = vertices.vertices()[i];
         const PatchSide& side = model.mesh().sides()[nodes[vertex.leaf].side];
-        const Vec3d p = model.mesh().charts().position(model.mesh().charts()[side.chart], uv_of(vertex.at));
+        const Vec3d p = model.mesh().charts()[side.chart].position(uv_of(vertex.at));
         const Vec3 n = model.mesh().point_of_side(side, vertex.uv).ns;
         const auto byte = [&](double b) { return largest > 0 ? static_cast<int>(255 * b / largest + 0.5) : 0; };
         fmt::format_to(out, "{:.9g} {:.9g} {:.9g} {:.6g} {:.6g} {:.6g} {:.9g} {:.9g} {:.9g} {} {} {}\n", p.x(), p.y(),

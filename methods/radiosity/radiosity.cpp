@@ -5,7 +5,7 @@
 // solver is asked for. Where max_depth limits paths, every solver is replaced by the sum of the reflections that the
 // limit allows. The unknown is the light that patches reflect; direct light on them is sampled, so lights of every
 // kind are allowed.
-// Parameters: patch, solver, links, adapt, gather, memory, ply; spp and max_depth as for all methods.
+// Parameters: patch, solver, links, adapt, gather, ply; spp and max_depth as for all methods.
 // Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
 // materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
 // varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
@@ -16,10 +16,10 @@
 // A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (with max_depth:
 // as many reflections again as in all passes before); then one sample of every pixel. A change of the solution starts
 // the samples of indirect light again. `facts` say how far the solver has come, and how closed the system is.
-// Cost: with S sides of charts S^2 / 2 pairs are tested first, so meshes of many triangles take long; after that the
-// cost grows with the number of patches.
-// Fails: with InputError that names the number of bytes if the system would take more memory than the parameter
-// allows; with InputError if paths have no limit and light is shut in among surfaces that absorb none of it.
+// Cost: links between clusters of surfaces let it grow with the number of patches; the other solvers than the
+// hierarchical one link all pairs of patches.
+// Fails: with InputError that names the number of bytes if there is not enough memory; with InputError if paths have
+// no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/radiosity/view.h"
 
 #include <algorithm>
@@ -111,7 +111,6 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
         throw InputError("links says how far solver=hierarchical refines; the other solvers link every two patches");
     s.adapt = values.choice("adapt") == "on";
     s.gather = static_cast<int>(values.integer("gather"));
-    s.memory = values.number("memory") * 0x1p30;
     s.ply = values.text("ply");
     s.max_edges = max_edges_of(values, defaults);
     return std::make_unique<Radiosity>(s);
@@ -159,14 +158,6 @@ MethodDescription describe_radiosity() {
                  .choices = {},
                  .sentence =
                      "final gather rays per sample; 0: indirect light is interpolated between the corners of patches"},
-                {.name = "memory",
-                 .kind = Parameter::Kind::number,
-                 .default_value = "4",
-                 .unit = "GiB",
-                 .lower = 1e-3,
-                 .upper = 1e6,
-                 .choices = {},
-                 .sentence = "largest size of the system; a larger one is refused"},
                 {.name = "ply",
                  .kind = Parameter::Kind::text,
                  .default_value = "",

@@ -241,8 +241,6 @@ private:
 
 }  // namespace
 
-double direct_solver_bytes(double patches) { return patches * patches * sizeof(double); }
-
 std::unique_ptr<RadiositySolution> start_solution(const RadiositySystem& system, RadiositySolver solver) {
     PatchColors first(system.node_count(), Colord::Zero());
     for (const std::uint32_t leaf : system.leaves())

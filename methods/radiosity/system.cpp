@@ -18,33 +18,26 @@ constexpr double scaled_enough = 1e-7;
 
 RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                                  bool normalise)
-    : light_(light), node_count_(mesh.nodes().size()), table_(links, mesh.nodes().size()) {
-    const auto& nodes = mesh.nodes();
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        areas_.push_back(nodes[i].area);
-        parents_.push_back(nodes[i].parent);
-        children_.push_back(nodes[i].child);
-        if (nodes[i].is_leaf()) leaves_.push_back(i);
+    : mesh_(mesh), light_(light), table_(links, mesh.nodes().size()) {
+    for (const PatchNode& node : mesh.nodes()) {
+        if (node.is_leaf()) leaves_.push_back(static_cast<std::uint32_t>(children_.size()));
+        children_.push_back(node.child);
     }
-    const auto measure = [&](const std::vector<double>& sums) {
-        Closure closure;
-        double area = 0;
-        for (const std::uint32_t leaf : leaves_) {
-            const double distance = std::abs(sums[leaf] - 1);
-            closure.mean += areas_[leaf] * distance;
-            closure.largest = std::max(closure.largest, distance);
-            area += areas_[leaf];
-        }
-        if (area > 0) closure.mean /= area;
-        return closure;
-    };
-    closure_ = measure(row_sums());
+    const std::vector<double> sums = row_sums();
+    double whole = 0;
+    for (const std::uint32_t leaf : leaves_) {
+        const double distance = std::abs(sums[leaf] - 1);
+        closure_.mean += area(leaf) * distance;
+        closure_.largest = std::max(closure_.largest, distance);
+        whole += area(leaf);
+    }
+    if (whole > 0) closure_.mean /= whole;
     if (normalise) normalise_rows();
 }
 
 std::vector<double> RadiositySystem::row_sums() const {
-    const PatchColors E = irradiance(PatchColors(node_count_, Colord::Ones()));
-    std::vector<double> sums(node_count_, 0.0);
+    const PatchColors E = irradiance(PatchColors(node_count(), Colord::Ones()));
+    std::vector<double> sums(node_count(), 0.0);
     for (const std::uint32_t leaf : leaves_)
         sums[leaf] = E[leaf][0];
     return sums;
@@ -52,7 +45,7 @@ std::vector<double> RadiositySystem::row_sums() const {
 
 /// Scales rows and columns alike by s, so that G stays symmetric, until all row sums of K are 1.
 void RadiositySystem::normalise_rows() {
-    scales_.assign(node_count_, 1.0);
+    scales_.assign(node_count(), 1.0);
     for (int round = 0; round < scaling_rounds; ++round) {
         const std::vector<double> sums = row_sums();
         double worst = 0;
@@ -67,33 +60,67 @@ void RadiositySystem::normalise_rows() {
 
 /// Hanrahan et al. 1991: values are pulled up from the leaves to the groups.
 void RadiositySystem::pull(PatchColors& X) const {
-    for (std::size_t i = node_count_; i-- > 0;) {
+    for (std::size_t i = node_count(); i-- > 0;) {
         const std::uint32_t a = children_[i];
-        if (a == no_node) continue;
-        const double area = areas_[a] + areas_[a + 1];
-        X[i] = area > 0 ? Colord((areas_[a] * X[a] + areas_[a + 1] * X[a + 1]) / area) : Colord(Colord::Zero());
+        if (a != no_node) X[i] = (area(a) * X[a] + area(a + 1) * X[a + 1]) / (area(a) + area(a + 1));
     }
 }
 
+PatchColors RadiositySystem::sent(const LinkTable& links, const PatchColors& X) const {
+    const auto& nodes = mesh_.nodes();
+    PatchColors sent(links.size(), Colord::Zero());
+    parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            for (const LinkTable::Entry& link : links.of(static_cast<std::uint32_t>(i))) {
+                const PatchNode& other = nodes[link.other];
+                if (!other.is_cluster() && !nodes[i].is_cluster()) continue;
+                const Vec3d w = (nodes[i].center - other.center).normalized();
+                Colord& sum = sent[links.number_of(link)];
+                if (!other.is_cluster()) sum = other.area_towards(w) * X[link.other];
+                else
+                    for (std::uint32_t side = other.side; side < other.side_end; ++side) {
+                        const std::uint32_t root = mesh_.sides()[side].root;
+                        sum += nodes[root].area_towards(w) * X[root];
+                    }
+            }
+    });
+    return sent;
+}
+
 /// Hanrahan et al. 1991: X is pulled up to the groups and multiplied over the links; the irradiance of groups is then
-/// pushed down to their leaves.
+/// pushed down to their leaves, that of clusters with the cosines of their sides.
 PatchColors RadiositySystem::irradiance(PatchColors X) const {
-    if (!scales_.empty())
+    const auto& nodes = mesh_.nodes();
+    if (is_closed())
         for (const std::uint32_t leaf : leaves_)
             X[leaf] *= scales_[leaf];
     pull(X);
-    PatchColors E(node_count_);
-    parallel_blocks(node_count_, nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+    const PatchColors sent = this->sent(table_, X);
+    PatchColors E(node_count(), Colord::Zero());
+    parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i) {
-            Colord sum = Colord::Zero();
-            for (const LinkTable::Entry& link : table_.of(static_cast<std::uint32_t>(i)))
-                sum += static_cast<double>(link.exchange) * X[link.other];
-            E[i] = areas_[i] > 0 ? Colord(sum / areas_[i]) : Colord(Colord::Zero());
+            const PatchNode& patch = nodes[i];
+            if (patch.is_cluster()) continue;
+            const auto add = [&](std::uint32_t node) {
+                for (const LinkTable::Entry& link : table_.of(node)) {
+                    const PatchNode& other = nodes[link.other];
+                    const auto exchange = static_cast<double>(link.exchange);
+                    if (nodes[node].is_cluster() || other.is_cluster())
+                        E[i] += exchange * patch.area_towards((other.center - nodes[node].center).normalized()) /
+                                patch.area * sent[table_.number_of(link)];
+                    else E[i] += exchange / patch.area * X[link.other];
+                }
+            };
+            add(static_cast<std::uint32_t>(i));
+            // The root of a side takes what arrives at all clusters around it.
+            for (std::uint32_t above = patch.parent; above != no_node && nodes[above].is_cluster();
+                 above = nodes[above].parent)
+                add(above);
         }
     });
-    for (std::size_t i = 0; i < node_count_; ++i)
-        if (parents_[i] != no_node) E[i] += E[parents_[i]];
-    if (!scales_.empty())
+    for (std::size_t i = 1; i < node_count(); ++i)
+        E[i] += E[nodes[i].parent];
+    if (is_closed())
         for (const std::uint32_t leaf : leaves_)
             E[leaf] *= scales_[leaf];
     return E;
@@ -102,15 +129,12 @@ PatchColors RadiositySystem::irradiance(PatchColors X) const {
 Colord RadiositySystem::power(const PatchColors& values) const {
     Colord sum = Colord::Zero();
     for (const std::uint32_t leaf : leaves_)
-        sum += areas_[leaf] * values[leaf].abs();
+        sum += area(leaf) * values[leaf].abs();
     return sum;
 }
 
 RadiositySolution::RadiositySolution(const RadiositySystem& system) : system_(system) {
-    std::uint32_t nodes = 0;
-    for (const std::uint32_t leaf : system.leaves())
-        nodes = std::max(nodes, leaf + 1);
-    first_.assign(nodes, Colord::Zero());
+    first_.assign(system.node_count(), Colord::Zero());
     for (const std::uint32_t leaf : system.leaves())
         first_[leaf] = system.first_reflection(leaf);
     first_power_ = system.power(first_);

@@ -3,7 +3,8 @@
 //
 // The unknown X is the radiosity that patches reflect [W/m^2]: X = B1 + rho K X with B1 = rho E_direct. The transport
 // operator K gives indirect irradiance E = K X: (K X)_i = 1 / A_i sum_j G_ij X_j over the links of leaf i and of all
-// groups that contain it. The X of a group is the mean over the group (push and pull of Hanrahan et al. 1991). G is
+// groups and clusters that contain it. The X of a group is the mean over the group (push and pull of Hanrahan et al.
+// 1991). A cluster sends the sum over its sides of their radiosity times the area that each shows (links.h). G is
 // symmetric, so the system times A / rho is symmetric and positive definite: (A / rho - G) X = A E_direct.
 //
 // Light of at most n reflections is a partial sum of the Neumann series, B1 + rho K B1 + ... + (rho K)^(n - 1) B1. It
@@ -28,16 +29,17 @@ using PatchColors = std::vector<Colord>;
 
 class RadiositySystem {
 public:
-    /// `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise` says that the
+    /// `mesh` and `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise` says that the
     /// scene is closed. A row of K then sums up to 1 except for errors of visibility and quadrature, which a
     /// symmetric scaling removes.
     RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                     bool normalise);
 
     std::size_t size() const { return leaves_.size(); }
-    std::size_t node_count() const { return node_count_; }
+    const PatchMesh& mesh() const { return mesh_; }
+    std::size_t node_count() const { return children_.size(); }
     const std::vector<std::uint32_t>& leaves() const { return leaves_; }
-    double area(std::uint32_t node) const { return areas_[node]; }
+    double area(std::uint32_t node) const { return mesh_.nodes()[node].area; }
     const Colord& reflectance(std::uint32_t leaf) const { return light_.reflectance[leaf]; }
     /// B1 [W/m^2].
     Colord first_reflection(std::uint32_t leaf) const { return light_.reflectance[leaf] * light_.irradiance[leaf]; }
@@ -47,6 +49,9 @@ public:
     PatchColors irradiance(PatchColors X) const;
     /// Fills the values of groups with the means of their halves.
     void pull(PatchColors& X) const;
+    /// By entry of `links`: what the other end sends to an entry's node if one of the two is a cluster, the sum of
+    /// radiosity times area shown [W]; else 0. X has values of groups.
+    PatchColors sent(const LinkTable& links, const PatchColors& X) const;
     /// Power [W] of |values| over the leaves, by channel.
     Colord power(const PatchColors& values) const;
 
@@ -62,11 +67,10 @@ private:
     void normalise_rows();
     std::vector<double> row_sums() const;
 
+    const PatchMesh& mesh_;
     const PatchLight& light_;
-    std::size_t node_count_;
-    std::vector<double> areas_;
     std::vector<std::uint32_t> leaves_;
-    std::vector<std::uint32_t> parents_, children_;
+    std::vector<std::uint32_t> children_;  ///< the first, as of the solution
     LinkTable table_;
     std::vector<double> scales_;  ///< s by leaf: s_i G_ij s_j takes the place of G_ij
     Closure closure_;
@@ -109,8 +113,5 @@ std::unique_ptr<RadiositySolution> start_series(const RadiositySystem& system, i
 /// The least share of light that has to be absorbed at a reflection. The row sums of K are known to 1e-7, so this
 /// share is uncertain by 1e-7, and the solution, which is in proportion to its reciprocal, by a tenth at this limit.
 inline constexpr double least_absorption = 1e-6;
-
-/// The memory of the direct solver's matrix [bytes].
-double direct_solver_bytes(double patches);
 
 }  // namespace gib

@@ -15,14 +15,15 @@ namespace gib {
 /// A convex planar polygon of 3 or 4 vertices, counter-clockwise seen from its front side.
 struct PatchPolygon {
     std::array<Vec3d, 4> vertices;  ///< the first `count` are set [scene units]
-    int count;
-    Vec3d normal;  ///< unit, on the front side
-    double area;   ///< [scene units^2]
+    int count = 0;
+    Vec3d normal;     ///< unit, on the front side
+    double area = 0;  ///< [scene units^2]
 
     /// Throws InputError without a positive, finite area.
     static PatchPolygon triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
-    /// The vertices must form a convex quadrilateral, in one plane up to rounding: `normal` and `area` are those of
-    /// its projection along the cross product of its diagonals. Throws InputError without a positive, finite area.
+    /// The vertices must form a convex quadrilateral, in one plane up to rounding; two neighbours may be in the same
+    /// place. `normal` and `area` are those of its projection along the cross product of its diagonals. Throws
+    /// InputError without a positive, finite area.
     static PatchPolygon quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
     std::span<const Vec3d> corners() const { return {vertices.data(), static_cast<std::size_t>(count)}; }
@@ -35,14 +36,11 @@ struct PatchPolygon {
 /// form: the polygon is clipped at the horizon of the point; then each edge adds the angle that it subtends times the
 /// normalised cross product of the rays to its ends, and the factor is the sum's component along the normal over 2 pi
 /// (Lambert 1760; Baum, Rushmeier and Winget 1989). The factor is 0 for points behind the polygon's front and in its
-/// plane, which includes its edges. Its relative error is about 1e-16 times the distance over the size, 1e-10 at
-/// most, divided by both cosines where they are small.
+/// plane, which includes its edges.
 double point_form_factor(const Vec3d& point, const Vec3d& normal, const PatchPolygon& polygon);
 
-/// F(from -> to): the mean of point_form_factor over `from`; 0 for polygons in one plane. The error is below
-/// `tolerance` times the factor. If the factor from the smaller polygon is below 1e-6, as for neighbours nearly in
-/// one plane, the error is below `tolerance` times 1e-6 instead. `tolerance` is in (0, 1); rounding does not allow
-/// for less than 1e-9.
-double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to, double tolerance = 1e-4);
+/// F(from -> to): the mean of point_form_factor over `from`; 0 for polygons in one plane. Distant polygons take a few
+/// points on the smaller one, near ones an integral around both contours. The error is below 1e-3 of the factor.
+double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to);
 
 }  // namespace gib

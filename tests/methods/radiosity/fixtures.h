@@ -44,10 +44,10 @@ struct PatchedScene {
     /// error, where 0 links all pairs of leaves.
     PatchedScene(const std::string& xml, double size, double error = 0, bool closed = true)
         : loaded(scene_of(scene_xml(inside_view + xml))),
-          charts(*loaded.scene),
-          mesh(charts, size, 1000000),
+          charts(*loaded.scene, size),
+          mesh(charts, size),
           light(patch_light(mesh, 16, 1, rays)),
-          links(link_patches(mesh, light, {error, error == 0, 1, 1e9})),
+          links(link_patches(mesh, light, {error, error == 0, 1})),
           system(mesh, light, links.links, closed) {}
 };
 

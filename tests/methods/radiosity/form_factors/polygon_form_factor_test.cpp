@@ -18,8 +18,8 @@ using test::RandomPolygons;
 using test::rectangle;
 
 constexpr double pi_d = std::numbers::pi;
-/// The default tolerance of polygon_form_factor, relative.
-constexpr double tolerance = 1e-4;
+/// The tolerance of polygon_form_factor, relative.
+constexpr double tolerance = 1e-3;
 
 const std::vector<double> distances = {1e-3, 1e-2, 0.1, 0.3, 1, 3, 10, 100, 1e3};
 
@@ -75,7 +75,7 @@ TEST(PointFormFactor, FarPolygonAtAnAngleIsThatOfItsCentre) {
     for (double d : {1e4, 1e5, 3e5, 1e6, 1e8}) {
         const PatchPolygon lamp = rectangle({0.6 * d - 0.5, -0.5, 0.8 * d}, {0, 1, 0}, {1, 0, 0});
         const double exact = 0.8 * 0.8 / (pi_d * d * d);
-        EXPECT_NEAR(point_form_factor({0, 0, 0}, {0, 0, 1}, lamp) / exact, 1, 4 / (d * d) + 3e-10) << d;
+        EXPECT_NEAR(point_form_factor({0, 0, 0}, {0, 0, 1}, lamp) / exact, 1, 4 / (d * d) + 1e-8) << d;
     }
 }
 
@@ -126,8 +126,9 @@ TEST(PolygonFormFactor, ParallelRectanglesHaveTheClosedForm) {
             const PatchPolygon ceiling = rectangle({o.u, o.v, z}, {0, o.depth, 0}, {o.width, 0, 0});
             const double exact = parallel_rectangles(1, 0.7L, o.u, o.u + o.width, o.v, o.v + o.depth, z);
             SCOPED_TRACE(testing::Message() << "z " << z << " at " << o.u << " " << o.v << " width " << o.width);
-            EXPECT_NEAR(polygon_form_factor(floor, ceiling) / (exact / floor.area), 1, tolerance);
-            EXPECT_NEAR(polygon_form_factor(ceiling, floor) / (exact / ceiling.area), 1, tolerance);
+            EXPECT_NEAR(polygon_form_factor(floor, ceiling), exact / floor.area, tolerance * exact / floor.area + 1e-5);
+            EXPECT_NEAR(polygon_form_factor(ceiling, floor), exact / ceiling.area,
+                        tolerance * exact / ceiling.area + 1e-5);
         }
 }
 
@@ -155,7 +156,7 @@ TEST(PolygonFormFactor, PerpendicularRectanglesHaveTheClosedForm) {
 // Strips of the width 1 share an edge. If they are endless, the method of crossed strings gives 1 - sin(angle / 2)
 // (Hottel 1954). At the ends of strips of the length L, less than the share 2 / L of the light leaves.
 TEST(PolygonFormFactor, FoldedStripsHaveThatOfCrossedStrings) {
-    constexpr double length = 1e4;
+    constexpr double length = 100;
     for (double angle : {0.1, 0.5, 1.0, 2.0, 3.0}) {
         const PatchPolygon floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, length, 0});
         const PatchPolygon wall = rectangle({0, 0, 0}, {0, length, 0}, {std::cos(angle), 0, std::sin(angle)});
