@@ -15,8 +15,8 @@ constexpr std::uint32_t few_rays = 4, more_rays = 16;
 /// Number of tries, times the number of rays, to find points that face each other.
 constexpr std::uint32_t most_tries = 16;
 /// Weights of the standard deviation of radiosity over a source against the error that a link may make: for the shape of
-/// the exchange, which costs no rays once visibility is known, and for shadows. Measured in cornell-box.xml with the
-/// defaults: with 16 and 0 the mean of indirect light is 2 % too low.
+/// the exchange, which costs no rays once visibility is known, and for shadows. Chosen in cornell-box.xml: with the
+/// defaults its mean indirect light is 1.0 % too low, and 2.2 % with weights of 64 and 0.
 constexpr double stray_weight = 400, shadow_weight = 400;
 /// The largest size of a cluster and what it is linked to, over their distance: all sides of the cluster must see the
 /// other end in nearly one direction.
@@ -121,7 +121,7 @@ private:
         const double stray = std::max(carried(p, light_.spread[pair.p]), carried(q, light_.spread[pair.q]));
         return {.light = nearness * light,
                 .shape = nearness * std::max(light, stray_weight * stray),
-                // Clusters are small or far away: what is seen of them matters less.
+                // Clusters take a smaller weight, because rays between them are most of the time in scenes with meshes.
                 .shadow = std::max(0.5 * light, (p.is_cluster() || q.is_cluster() ? 4 : shadow_weight) * stray)};
     }
 

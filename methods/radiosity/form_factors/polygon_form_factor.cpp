@@ -191,7 +191,7 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to) {
     const bool a_is_smaller = a_radius <= b_radius;
     const Region &small = a_is_smaller ? a : b, &large = a_is_smaller ? b : a;
     // The radius of the smaller one over the distance up to which points on it suffice, and up to which one for each
-    // triangle does: errors are below 1e-3 (measured between squares).
+    // triangle does.
     constexpr double few_points = 0.25, one_point = 0.05;
     const double distance = (b_mean - a_mean).norm() - std::max(a_radius, b_radius);
     const double nearness = distance > 0 ? std::min(a_radius, b_radius) / distance : 1;
