@@ -40,7 +40,7 @@ public:
         : work_(work),
           progress_(progress),
           key_(reference_key(work.scene.content_hash, work.label)),
-          method_(ConfiguredMethod(work.label).create({work.scene.max_edges})),
+          method_(work.method.create(ParameterValues(all_parameters(work.method), work.label), {work.scene.max_edges})),
           unresolved_(method_->plan(*work.scene.scene).unresolved) {}
 
     FinishedReference make() {

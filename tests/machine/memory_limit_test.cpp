@@ -13,7 +13,6 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -197,36 +196,6 @@ TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
     const std::string error = input_error_of([&] { const EnvironmentMap map(std::move(image), Frame(Vec3::UnitZ())); });
     EXPECT_THAT(error, refusal("an environment of 4096 x 1025 pixels"));
     EXPECT_THAT(error, HasSubstr(" needs 50331648 bytes")) << "three floats for each column of 1024 rows of cells";
-}
-
-/// A serialized mesh of `vertices` vertices, all 0; the file has a thousandth of the size of the unpacked mesh.
-std::string serialized_zeros(std::uint64_t vertices) {
-    const std::uint32_t in_float = 0x1000;
-    std::string raw;
-    const auto append = [&raw](const auto& value) { raw.append(reinterpret_cast<const char*>(&value), sizeof value); };
-    append(in_float);
-    raw += '\0';  // no name
-    append(vertices);
-    append(std::uint64_t{1});
-    raw.resize(raw.size() + 12 * vertices);
-    std::string packed(compressBound(raw.size()), '\0');
-    uLongf size = packed.size();
-    EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
-                        raw.size(), Z_BEST_SPEED),
-              Z_OK);
-    packed.resize(size);
-    return "\x1c\x04\x04" + std::string(1, '\0') + packed;
-}
-
-TEST_F(MemoryLimitTest, ASerializedMeshAsksAsItGrows) {
-#ifdef GIB_SANITIZED
-    GTEST_SKIP() << "the sanitizer's address space has no limit";
-#endif
-    const std::string content = serialized_zeros(8'000'000);
-    EXPECT_LT(content.size(), 1u << 20);
-    const AddressSpace limit(address_space_in_use() + (rlim_t{64} << 20));
-    EXPECT_THAT(input_error_of([&] { parse_serialized(content, "m.serialized", 0); }),
-                refusal("m.serialized:1:1: the mesh"));
 }
 
 Mesh strip_of_triangles(std::uint32_t count) {

@@ -48,7 +48,7 @@ test::Moments mean_of_transport(const Vec3& ng, const Vec3& interpolated, const 
 }
 
 // The probability of a false alarm is 1e-3 for the whole table, split evenly (Bonferroni).
-TEST(ScatteredRay, RadianceAndPowerAreAdjointForAnyModelAndNormals) {
+TEST(AdjointTransport, HoldsForAnyModelAndNormals) {
     std::vector<test::BsdfModel> models = test::bsdf_models();
     for (test::BsdfModel& model : test::perturbed_models())
         models.push_back(std::move(model));
