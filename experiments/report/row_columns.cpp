@@ -49,7 +49,7 @@ struct Columns : std::vector<RowColumn> {
     void text(const std::string& name, const RowText& csv_text, unsigned sections = 0, const char* heading = "") {
         push_back({name, csv_text, sections, heading, csv_text});
     }
-    /// What only sections show.
+    /// These texts stand in sections only.
     void words(unsigned sections, const std::string& heading, const RowText& section_text) {
         push_back({"", {}, sections, heading, section_text});
     }

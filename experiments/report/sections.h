@@ -1,5 +1,5 @@
 #pragma once
-// What table.md and the report say about an analysis, as one list of sections. Texts are Markdown: names stand between
+// The content of table.md and of the report of an analysis, as one list of sections. Texts are Markdown: names stand between
 // backquotes.
 
 #include "experiments/analysis/analysis.h"

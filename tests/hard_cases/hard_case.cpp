@@ -106,7 +106,7 @@ void add_image(HardCaseImages& images, const Image& image, const NonFinite& drop
     images.means.push_back(sum / static_cast<double>(image.pixels()));
 }
 
-/// What is wrong if the mean or, with `every_pixel`, a pixel disagrees with the expected number.
+/// Describes the error if the mean or, with `every_pixel`, a pixel disagrees with the expected number.
 std::string problem_of_number(const HardCase& hard, const HardCaseImages& images, double mean, double half_width,
                               double resolve) {
     const double tolerance = hard.accuracy * hard.expected;

@@ -18,7 +18,7 @@ class StageProgress;
 /// their order only.
 std::vector<Photon> take_places(std::vector<Photon>& photons);
 
-/// What is kept at a place besides its position. 16 bytes.
+/// The data of a place besides its position. 16 bytes.
 struct IrradiancePlacePayload {
     PackedColor irradiance;    ///< in the unit of all places; its tag is near_obstacle
     std::uint16_t normal;      ///< encoded, on the side where the irradiance arrives
