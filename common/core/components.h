@@ -47,6 +47,18 @@ struct PathClass {
         if (diffuse_vertices > 1) return Component::indirect;
         return specular_since_diffuse ? Component::caustic : Component::direct;
     }
+    /// The class of a path that has this vertex before all others, for paths that are built from the light.
+    PathClass preceded_by(LobeKind kind) const {
+        PathClass first;
+        first.scatter(kind);
+        return first.followed_by(*this);
+    }
+    /// The class of this path and, after its last vertex, the vertices of `rest`.
+    PathClass followed_by(const PathClass& rest) const {
+        return {diffuse_vertices + rest.diffuse_vertices,
+                rest.specular_since_diffuse || (rest.diffuse_vertices == 0 && specular_since_diffuse),
+                in_medium || rest.in_medium};
+    }
     PathClass after(LobeKind kind) const {
         PathClass next = *this;
         next.scatter(kind);

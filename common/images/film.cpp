@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
-#include <tuple>
 
 namespace gib {
 
@@ -29,16 +28,7 @@ void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample)
         if (sums_[c].empty() && !is_black(sample.parts[c]))
             throw std::logic_error("a sample holds light of a component that the plan left out");
     }
-    if (!finite) {
-        const std::scoped_lock lock(non_finite_mutex_);
-        if (non_finite_.count == 0 ||
-            std::tie(pass, pixel) < std::tie(non_finite_.first_pass, non_finite_.first_pixel)) {
-            non_finite_.first_pass = pass;
-            non_finite_.first_pixel = pixel;
-        }
-        ++non_finite_.count;
-        return;
-    }
+    if (!finite) return non_finite_.note(pass, pixel);
     for (std::size_t c = 0; c < sums_.size(); ++c) {
         if (sums_[c].empty()) continue;
         for (std::size_t k = 0; k < 3; ++k)
@@ -62,9 +52,6 @@ ComponentImages Film::mean(std::uint32_t passes) const {
     return images;
 }
 
-NonFinite Film::non_finite() const {
-    const std::scoped_lock lock(non_finite_mutex_);
-    return non_finite_;
-}
+NonFinite Film::non_finite() const { return non_finite_.value(); }
 
 }  // namespace gib

@@ -4,8 +4,8 @@
 #include "common/images/image.h"
 #include "common/images/non_finite.h"
 
-#include <atomic>
-#include <mutex>
+#include <array>
+#include <vector>
 
 namespace gib {
 
@@ -36,8 +36,7 @@ private:
     int width_, height_;
     std::array<std::vector<double>, component_count> sums_;
     std::vector<Component> black_;
-    mutable std::mutex non_finite_mutex_;
-    NonFinite non_finite_;
+    NonFiniteCount non_finite_;
 };
 
 }  // namespace gib

@@ -71,6 +71,7 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
                        .Le = light.radiance_at(q.uv),
                        .pdf_w = 1.f / cone.solid_angle(),
                        .delta = false,
+                       .cos_light = std::max(-wi.dot(q.ng), 0.f),
                        .target = shadow_ray_target(q, p)};
 }
 
@@ -135,6 +136,7 @@ private:
         sample->Le = Le;
         sample->pdf_w = d2 / (cos_light * light.surface.area());
         sample->delta = false;
+        sample->cos_light = cos_light;
         sample->target = shadow_ray_target(q, p);
         return sample;
     }
@@ -238,6 +240,24 @@ private:
     }
 };
 
+struct EmissionPdf {
+    const Vec3& w;
+    float cos_light;
+
+    double operator()(const AreaLight& light) const {
+        return double{cos_light} / (std::numbers::pi * double{light.surface.area()});
+    }
+    double operator()(const PointLight&) const { return 1 / (4 * std::numbers::pi); }
+    double operator()(const SpotLight& light) const { return light.pdf_w(w); }
+    double operator()(const DirectionalLight& light) const { return 1 / light.scene.area(); }
+    double operator()(const ConstantEnvironment& light) const {
+        return double{uniform_sphere_pdf_w} / light.scene.area();
+    }
+    double operator()(const MappedEnvironment& light) const {
+        return double{light.map->pdf_w(-w)} / light.scene.area();
+    }
+};
+
 struct PowerOf {
     Colord operator()(const AreaLight& light) const { return power_of_area(light, light.radiance); }
     Colord operator()(const PointLight& light) const { return 4 * std::numbers::pi * light.intensity.cast<double>(); }
@@ -295,6 +315,10 @@ float environment_pdf_w(const Light& environment, const Vec3& w) {
 EmissionSample sample_emission(const Light& light, const std::vector<Shape>& shapes, const Vec2& u_position,
                                const Vec2& u_direction) {
     return std::visit(EmissionSampler{shapes, u_position, u_direction}, light);
+}
+
+double emission_pdf(const Light& light, const Vec3& w, float cos_light) {
+    return std::visit(EmissionPdf{w, cos_light}, light);
 }
 
 }  // namespace gib

@@ -89,6 +89,9 @@ struct LightSample {
     Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< only light sampling finds this light
+    /// Of the angle at the light, between its normal and the way to the point; 1 for a light without a surface.
+    float cos_light = 1.f;
+    std::uint32_t light = 0;  ///< index among the scene's lights
     Vec3 target;  ///< the end of the shadow ray: in front of the light's surface, or past the scene's surfaces
 };
 
@@ -99,6 +102,7 @@ struct EmissionSample {
     /// lamp of 1e-24 m^2 and radiance 1e-20 emits less than a float holds exactly.
     Colord power;
     Vec3 normal;  ///< geometric normal at the origin; zero for a light without a surface
+    std::uint32_t light = 0;  ///< index among the scene's lights
 };
 
 /// Emitted power [W] per channel; for lights at infinity the power that passes the scene's bounding sphere.
@@ -121,6 +125,12 @@ float environment_pdf_w(const Light& environment, const Vec3& w);
 /// The start of a light path, without the choice of the light.
 EmissionSample sample_emission(const Light& light, const std::vector<Shape>& shapes, const Vec2& u_position,
                                const Vec2& u_direction);
+
+/// The density of sample_emission() at a start in direction w, whose angle with the normal of an area light has this
+/// cosine. Its unit is that of the light's start: [1/(m^2 sr)] for an area light (the area on its surface) and an
+/// environment (across w), [1/sr] for a point or spot light, [1/m^2] (across w) for a directional light. In double,
+/// because the extent of a scene is not bounded.
+double emission_pdf(const Light& light, const Vec3& w, float cos_light);
 
 /// The origin of a ray that leaves `point` on the side that `w` points to.
 inline Vec3 offset_origin(const SurfacePoint& point, const Vec3& w) {

@@ -46,10 +46,14 @@ Color SpotLight::slide_color(const Vec3& w) const {
     return slide_->color(Vec2(0.5f + slide_scale_ * (w.x() / w.z()), 0.5f + slide_scale_ * (w.y() / w.z())));
 }
 
+float SpotLight::share_of_intensity(const Vec3& w) const {
+    // The angle is not taken from the cosine, which hardly changes over a narrow beam.
+    return falloff(std::atan2(std::hypot(w.x(), w.y()), w.z()));
+}
+
 Color SpotLight::intensity(const Vec3& w) const {
     const Vec3 local = axes_.to_local(w);
-    // The angle is not taken from the cosine, which hardly changes over a narrow beam.
-    const float share = falloff(std::atan2(std::hypot(local.x(), local.y()), local.z()));
+    const float share = share_of_intensity(local);
     if (!(share > 0.f)) return Color::Zero();
     return slide_ ? Color(share * intensity_ * slide_color(local)) : Color(share * intensity_);
 }

@@ -29,6 +29,8 @@ public:
     };
     /// A direction with a density in proportion to the fall-off.
     Direction sample(const Vec2& u) const;
+    /// That density at the unit vector w [1/sr].
+    double pdf_w(const Vec3& w) const { return double{share_of_intensity(axes_.to_local(w))} / solid_angle_; }
     /// A cone that holds the directions that sample() finds for u in a box of [0, 1]^2.
     DirectionCone cone_of(const Vec2& lower, const Vec2& upper) const;
 
@@ -37,6 +39,8 @@ public:
 
 private:
     float falloff(float theta) const;
+    /// The fall-off in a direction of the light's frame.
+    float share_of_intensity(const Vec3& w_local) const;
     /// The angle from the axis [rad] that sample() finds; it increases with u.
     double sampled_angle(float u) const;
     /// The colour of the slide, which fills the square around the cut-off circle.

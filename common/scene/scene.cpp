@@ -160,7 +160,9 @@ std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, co
     if (!has_light()) return std::nullopt;
     const auto choice = light_choice_.sample(u_choice);
     auto sample = gib::sample_light(lights_[choice.index], shapes_, p, u);
-    if (sample) sample->pdf_w *= choice.probability;
+    if (!sample) return sample;
+    sample->pdf_w *= choice.probability;
+    sample->light = static_cast<std::uint32_t>(choice.index);
     return sample;
 }
 
@@ -173,10 +175,18 @@ float Scene::environment_pdf_w(const Vec3&, const Vec3& w) const {
     return light_choice_.probability(*environment_) * gib::environment_pdf_w(lights_[*environment_], w);
 }
 
+float Scene::light_pdf_w(const Vec3& p, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
+    const float choice = light_choice_.probability(light);
+    const Light& of = lights_[light];
+    if (const auto* area = std::get_if<AreaLight>(&of)) return choice * gib::light_pdf_w(*area, shapes_, p, point);
+    return is_environment(of) ? choice * gib::environment_pdf_w(of, -w) : choice;
+}
+
 EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {
     const auto choice = light_choice_.sample(u_choice);
     EmissionSample sample = gib::sample_emission(lights_[choice.index], shapes_, u_position, u_direction);
     sample.power /= double{choice.probability};
+    sample.light = static_cast<std::uint32_t>(choice.index);
     return sample;
 }
 

@@ -144,6 +144,15 @@ public:
     float environment_pdf_w(const Vec3& p, const Vec3& w) const;
     /// The start of a light path; power is divided by the probability of choosing its light.
     EmissionSample sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const;
+    /// The density of sample_emission() at a start in direction w (lights/light.h), with the choice of the light.
+    double emission_pdf(std::uint32_t light, const Vec3& w, float cos_light) const {
+        return double{light_choice_.probability(light)} * gib::emission_pdf(lights_[light], w, cos_light);
+    }
+    /// Density with which sample_light from `p` finds the start of a light path that leaves `point` of the light in
+    /// direction w: [1/sr], or the probability of the choice for a delta light.
+    float light_pdf_w(const Vec3& p, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const;
+    /// The index of environment() among the lights.
+    std::uint32_t environment_index() const { return *environment_; }
     /// Power [W] of all lights together, per channel.
     Colord emitted_power() const;
 

@@ -51,6 +51,45 @@ float ReconstructionFilter::sample_table(float u) const {
     return ((cell + t) / static_cast<float>(cumulative_.size() - 1) * 2.f - 1.f) * radius_;
 }
 
+float ReconstructionFilter::density(float x) const {
+    const float r = radius_;
+    if (!(std::abs(x) <= r)) return 0.f;
+    if (shape_ == Shape::box) return 0.5f / r;
+    if (shape_ == Shape::tent) return (1.f - std::abs(x) / r) / r;
+    const auto cells = cumulative_.size() - 1;
+    const auto cell = std::min(static_cast<std::size_t>((x / r + 1.f) * 0.5f * static_cast<float>(cells)), cells - 1);
+    return (cumulative_[cell + 1] - cumulative_[cell]) * static_cast<float>(cells) / (2.f * r);
+}
+
+/// Chooses along one axis, and makes a new random number of `u`.
+int ReconstructionFilter::choose(float film, float& u, float& sum) const {
+    const int first = static_cast<int>(std::ceil(film - radius_ - 0.5f));
+    const int last = static_cast<int>(std::floor(film + radius_ - 0.5f));
+    const auto of = [&](int pixel) { return density(film - (static_cast<float>(pixel) + 0.5f)); };
+    sum = 0.f;
+    for (int pixel = first; pixel <= last; ++pixel)
+        sum += of(pixel);
+    float left = u * sum;
+    int chosen = last;
+    for (int pixel = first; pixel <= last; ++pixel) {
+        const float share = of(pixel);
+        if (left < share || pixel == last) {
+            chosen = pixel;
+            u = share > 0.f ? std::clamp(left / share, 0.f, 1.f) : 0.f;
+            break;
+        }
+        left -= share;
+    }
+    return chosen;
+}
+
+ReconstructionFilter::Pixel ReconstructionFilter::choose_pixel(const Vec2& film, float u) const {
+    float sum_x = 0.f, sum_y = 0.f;
+    const int x = choose(film.x(), u, sum_x);
+    const int y = choose(film.y(), u, sum_y);
+    return {x, y, sum_x * sum_y};
+}
+
 namespace {
 
 /// Half the width of the image at distance 1, for an image of width / height = `aspect`.
@@ -88,6 +127,9 @@ Sensor::Sensor(const Parameters& p)
     left_ = p.to_world.block<3, 1>(0, 0).cast<float>();
     up_ = p.to_world.block<3, 1>(0, 1).cast<float>();
     forward_ = p.to_world.block<3, 1>(0, 2).cast<float>();
+    const Eigen::Matrix3d axes = p.to_world.block<3, 3>(0, 0);
+    to_axes_ = axes.inverse();
+    volume_ = std::abs(axes.determinant());
     const Crop crop = p.crop.value_or(Crop{Vec2d(p.width, p.height), Vec2d::Zero()});
     const double width = crop.film.x(), height = crop.film.y();
     const double half_width = p.projection == Projection::perspective ? tan_half_width(p, width / height) : 1.0;
@@ -104,6 +146,45 @@ void Sensor::translate(const Vec3d& by) {
     origin_ = position_.cast<float>();
 }
 
+Vec3 Sensor::lens_shift(const Vec2& u_lens) const {
+    if (!has_lens_) return Vec3::Zero();
+    const Vec2 lens = aperture_radius_ * square_to_disk(u_lens);
+    return lens.x() * left_ + lens.y() * up_;
+}
+
+std::optional<Sensor::View> Sensor::view_of(const Vec3& p, const Vec2& u_lens) const {
+    const Vec3 shift = lens_shift(u_lens);
+    const Vec3d at = to_axes_ * (p - origin_ - shift).cast<double>();
+    if (!(at.z() > 0)) return std::nullopt;
+    const bool parallel = is_orthographic();
+    const Vec2d c = parallel ? Vec2d(at.head<2>()) : Vec2d(at.head<2>() / at.z());
+    View view;
+    Vec3 d = forward_;
+    Vec2 on_film = c.cast<float>();
+    if (parallel) {
+        view.ray.o = origin_ + on_film.x() * left_ + on_film.y() * up_;
+    } else {
+        view.ray.o = origin_ + shift;
+        d = p - view.ray.o;
+        if (has_lens_) on_film += inv_focus_distance_ * (to_axes_ * shift.cast<double>()).head<2>().cast<float>();
+    }
+    view.film = (on_film - offset_).cwiseQuotient(scale_) - crop_offset_;
+    view.distance = parallel ? static_cast<float>(at.z()) * d.norm() : d.norm();
+    view.ray.d = d.normalized();
+    // Clip distances count along the axis.
+    const float per_depth = view.distance / static_cast<float>(at.z());
+    view.ray.t_min = near_clip_ * per_depth;
+    view.ray.t_max = far_clip_ * per_depth;
+    return view;
+}
+
+double Sensor::ray_density(const Vec3& w) const {
+    const double pixel = std::abs(double{scale_.x()} * double{scale_.y()});  // its area at z = 1
+    if (is_orthographic()) return double{forward_.norm()} / (volume_ * pixel);
+    const double depth = (to_axes_.row(2) * w.cast<double>()).value();
+    return 1 / (depth * depth * depth * volume_ * pixel);
+}
+
 Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) const {
     const Vec2 pixel = Vec2(static_cast<float>(x), static_cast<float>(y)) + crop_offset_;
     const Vec2 film = pixel + Vec2::Constant(0.5f) + filter_.sample(u_film);
@@ -118,8 +199,7 @@ Ray Sensor::generate_ray(int x, int y, const Vec2& u_film, const Vec2& u_lens) c
     Vec3 o = origin_, d = c.x() * left_ + c.y() * up_ + forward_;
     if (has_lens_) {
         // All rays of a film position meet in the plane of focus: o + focus_distance * d is the same for all.
-        const Vec2 lens = aperture_radius_ * square_to_disk(u_lens);
-        const Vec3 shift = lens.x() * left_ + lens.y() * up_;
+        const Vec3 shift = lens_shift(u_lens);
         o += shift;
         d -= inv_focus_distance_ * shift;
     }

@@ -23,10 +23,23 @@ public:
     /// An offset from the pixel's centre in pixels, distributed like the filter.
     Vec2 sample(const Vec2& u) const { return {sample(u.x()), sample(u.y())}; }
 
+    /// The largest offset from a pixel's centre, along each axis [pixels].
+    float radius() const { return radius_; }
+
+    /// A pixel whose filter covers a point of the film.
+    struct Pixel {
+        int x, y;
+        float weight;  ///< the sum of all such filters' densities [1/px^2]: density / probability of the choice
+    };
+    /// Chooses among the pixels, also those beyond the image, by the density of their filters at `film` [pixels].
+    Pixel choose_pixel(const Vec2& film, float u) const;
+
 private:
     enum class Shape { box, tent, table };
     float sample(float u) const;
     float sample_table(float u) const;
+    float density(float offset) const;
+    int choose(float film, float& u, float& sum) const;
 
     Shape shape_ = Shape::box;
     float radius_ = 0.5f;
@@ -74,10 +87,31 @@ public:
         return has_lens_ ? generate_ray(x, y, sampler.get_2d(dimension::film), sampler.get_2d(dimension::lens))
                          : generate_ray(x, y, sampler.get_2d(dimension::film));
     }
+    /// Whether all rays have the same direction.
+    bool is_orthographic() const { return projection_ == Projection::orthographic; }
+    const ReconstructionFilter& filter() const { return filter_; }
+    /// The start of the rays of this point of the lens; of a pinhole the pinhole. Not for an orthographic camera.
+    Vec3 lens_point(const Vec2& u_lens) const { return origin_ + lens_shift(u_lens); }
+
+    /// A point as the camera sees it.
+    struct View {
+        Ray ray;         ///< that meets the point; its t_min and t_max clip
+        float distance;  ///< from the ray's origin to the point [scene units]
+        Vec2 film;       ///< where the ray meets the film [pixels of the image]
+    };
+    /// The view of p through one point of the lens; empty if p lies behind the camera.
+    std::optional<View> view_of(const Vec3& p, const Vec2& u_lens) const;
+    /// Density of the camera's rays, for one ray to each unit of the film's area [px^2]: [1/sr] in direction w from one
+    /// point of the lens; for an orthographic camera [1/m^2] across its direction. In double, because the size of a
+    /// camera is not bounded.
+    double ray_density(const Vec3& w) const;
+
     /// Moves the camera by a vector [scene units], for a scene that is recentred.
     void translate(const Vec3d& by);
 
 private:
+    Vec3 lens_shift(const Vec2& u_lens) const;
+
     Projection projection_;
     int width_, height_;
     ReconstructionFilter filter_;
@@ -85,6 +119,8 @@ private:
     Vec3d position_;  ///< kept in double, so that recentring a distant scene loses nothing
     Vec3 origin_;
     Vec3 left_, up_, forward_;  ///< columns of to_world's linear part
+    Eigen::Matrix3d to_axes_;    ///< from a vector to its coordinates along left, up and forward
+    double volume_;              ///< |det| of these axes
     bool has_lens_;
     float aperture_radius_, inv_focus_distance_;
     Vec2 crop_offset_;

@@ -14,6 +14,8 @@
 #include "methods/method.h"
 #include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/path_walk.h"
+#include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/path_counts.h"
 
 #include <algorithm>
 
@@ -85,13 +87,6 @@ PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sa
 
 namespace {
 
-bool has_delta_light(const Scene& scene) { return std::any_of(scene.lights().begin(), scene.lights().end(), is_delta); }
-
-bool has_delta_lobe(const Scene& scene) {
-    return std::any_of(scene.materials().begin(), scene.materials().end(),
-                       [](const Material& material) { return material.traits().delta; });
-}
-
 class PathMethod final : public Method {
 public:
     PathMethod(PointSet points, int max_edges, const MethodDescription& description)
@@ -128,9 +123,7 @@ private:
 };
 
 std::unique_ptr<Method> create_path(const ParameterValues& values, const MethodDefaults& defaults) {
-    const bool sobol = values.choice("sampler") == "sobol";
-    return std::make_unique<PathMethod>(sobol ? PointSet::sobol : PointSet::independent, max_edges_of(values, defaults),
-                                        find_method("path"));
+    return std::make_unique<PathMethod>(point_set_of(values), max_edges_of(values, defaults), find_method("path"));
 }
 
 }  // namespace
@@ -139,12 +132,9 @@ MethodDescription describe_path() {
     return {
         .name = "path",
         .sentence = "path tracing that combines light and bsdf sampling: unbiased, high-frequency noise",
-        .parameters = {choice_parameter(
-            "sampler", {"sobol", "independent"},
-            "random numbers of a pixel's samples: Owen-scrambled Sobol' points, or independent ones")},
+        .parameters = {point_set_parameter()},
         .simulates = Effects::all(),
-        .components = {Component::emission, Component::direct, Component::caustic, Component::indirect,
-                       Component::volume},
+        .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = create_path,
     };

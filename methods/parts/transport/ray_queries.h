@@ -25,6 +25,13 @@ struct TracedRay {
     std::optional<Intersection> found = {};
 };
 
+/// The straight way between two points, both of them off their surfaces.
+struct Segment {
+    Vec3 origin, target;
+    Vec3 direction;  ///< from the origin to the target, unit
+    float distance;  ///< [scene units]; infinite if the target stands for a light at infinity
+};
+
 class RayQueries {
 public:
     /// Rays are recorded in `log` unless it is null.
@@ -64,33 +71,63 @@ public:
     /// surfaces with holes (masks). Both ends are offset from their surfaces by the bound of their own rounding
     /// errors, so the segment between them needs no epsilon.
     float visibility(const SurfacePoint& from, const LightSample& to) {
-        const Vec3 origin = offset_origin(from, to.wi);
-        if (scene_.has_holes()) return visibility_through_holes(origin, to);
-        const Ray ray{.o = origin, .d = to.target - origin, .t_max = 1.f};
+        return visibility({offset_origin(from, to.wi), to.target, to.wi, to.distance});
+    }
+    /// The same between any two points.
+    float visibility(const Segment& way) {
+        if (scene_.has_holes()) return visibility_through_holes(way);
+        const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
         note(ray, true);
         return scene_.occluded(ray) ? 0.f : 1.f;
     }
 
     /// The share of light that reaches `origin` in a scene with media, by channel: an unbiased estimate. `origin`
     /// lies in `medium`; null stands for vacuum.
-    Color transmittance(Vec3 origin, const Medium* medium, const LightSample& to, NumberStream& u) {
+    Color transmittance(const Vec3& origin, const Medium* medium, const LightSample& to, NumberStream& u) {
+        return transmittance({origin, to.target, to.wi, to.distance}, medium, u);
+    }
+    /// The same between any two points; the origin lies in `medium`.
+    Color transmittance(Segment way, const Medium* medium, NumberStream& u) {
         for (Color transmitted = Color::Ones();;) {
-            TracedRay way{Ray{.o = origin, .d = to.target - origin, .t_max = 1.f}};
-            trace(way);
-            const auto hit = surface_hit(way);
+            TracedRay part{Ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f}};
+            trace(part);
+            const auto hit = surface_hit(part);
             if (hit) transmitted *= hit->bsdf->pass_through();
             if (is_black(transmitted)) return transmitted;
             if (medium) {
-                const float length = hit                       ? way.found->t * way.ray.d.norm()
-                                     : to.distance == infinity ? infinity
-                                                               : way.ray.d.norm();
-                transmitted *= medium->transmittance(origin, to.wi, length, u);
+                const float length = hit                        ? part.found->t * part.ray.d.norm()
+                                     : way.distance == infinity ? infinity
+                                                                : part.ray.d.norm();
+                transmitted *= medium->transmittance(way.origin, way.direction, length, u);
             }
             if (!hit) return transmitted;
-            medium = scene_.medium_beyond(*hit, to.wi, medium);
-            origin = offset_origin(*hit, to.wi);
-            if (is_past(origin, to.target, to.wi)) return transmitted;
+            medium = scene_.medium_beyond(*hit, way.direction, medium);
+            way.origin = offset_origin(*hit, way.direction);
+            if (is_past(way.origin, way.target, way.direction)) return transmitted;
         }
+    }
+
+    /// The share of light that reaches the camera along its ray from a point at `target` off its surface, by channel.
+    /// As for the rays that leave the camera, surfaces that the camera lies on do not count.
+    Color transmittance_to_camera(Ray ray, const Vec3& target, NumberStream& u) {
+        const Vec3 way = target - ray.o;
+        const float length = way.norm();
+        ray.d = way / length;
+        ray.t_max = std::min(ray.t_max, length);
+        std::optional<Intersection> found;
+        trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
+        const auto hit = scene_.surface_hit(ray, found);
+        Color transmitted = Color::Constant(hit ? hit->bsdf->pass_through() : 1.f);
+        if (is_black(transmitted)) return transmitted;
+        const Medium* medium = scene_.camera_medium();
+        if (medium)
+            transmitted *=
+                medium->transmittance(ray.o + ray.t_min * ray.d, ray.d, (hit ? found->t : ray.t_max) - ray.t_min, u);
+        if (!hit) return transmitted;
+        const Vec3 beyond = offset_origin(*hit, ray.d);
+        if (is_past(beyond, target, ray.d)) return transmitted;
+        const Segment rest{beyond, target, ray.d, (target - beyond).norm()};
+        return transmitted * transmittance(rest, scene_.medium_beyond(*hit, ray.d, medium), u);
     }
 
     /// The medium at p in a scene with media; null stands for vacuum. The surfaces between the camera, whose medium
@@ -110,16 +147,16 @@ public:
     }
 
 private:
-    float visibility_through_holes(Vec3 origin, const LightSample& to) {
+    float visibility_through_holes(Segment way) {
         for (float visibility = 1.f;;) {
-            const Ray ray{.o = origin, .d = to.target - origin, .t_max = 1.f};
+            const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
             visibility *= hit->bsdf->pass_through();
             if (visibility == 0.f) return 0.f;
-            origin = offset_origin(*hit, to.wi);
-            if (is_past(origin, to.target, to.wi)) return visibility;
+            way.origin = offset_origin(*hit, way.direction);
+            if (is_past(way.origin, way.target, way.direction)) return visibility;
         }
     }
 

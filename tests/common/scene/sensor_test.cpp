@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 namespace gib {
 namespace {
 
@@ -211,6 +213,90 @@ TEST(ReconstructionFilter, GaussianSamplesHaveItsMoments) {
     }
     EXPECT_NEAR(mean / n, 0.0, 1e-3);
     EXPECT_NEAR(square_mean / n, second / mass, 1e-3 * second / mass);
+}
+
+/// Cameras of all kinds, with axes that are neither orthogonal nor of unit length, an offset, clip distances and a crop.
+std::vector<Sensor> some_cameras() {
+    Sensor::Parameters p = square(16);
+    p.to_world << 1.2, 0.1, 0.3, 4, -0.2, 0.9, 0.2, -1, 0.1, -0.3, 1.5, 2, 0, 0, 0, 1;
+    p.principal_point_offset = Vec2d(0.1, -0.2);
+    p.crop = Sensor::Crop{Vec2d(32, 24), Vec2d(5, 3)};
+    p.near_clip = 0.5f;
+    p.far_clip = 100.f;
+    std::vector<Sensor> cameras{Sensor(p)};
+    p.aperture_radius = 0.3;
+    p.focus_distance = 3;
+    cameras.emplace_back(p);
+    p.aperture_radius = 0;
+    p.projection = Sensor::Projection::orthographic;
+    cameras.emplace_back(p);
+    return cameras;
+}
+
+TEST(Sensor, SeesAPointWhereItsRaysMeetIt) {
+    for (const Sensor& sensor : some_cameras()) {
+        for (std::uint32_t i = 0; i < 100; ++i) {
+            const Sampler u(PointSet::independent, 1, i, 0);
+            const int x = static_cast<int>(i % 16), y = static_cast<int>(i / 7);
+            const Vec2 u_film = u.get_2d(0), u_lens = u.get_2d(1);
+            const Ray ray = sensor.generate_ray(x, y, u_film, u_lens);
+            const float t = 1.f + 20.f * u.get_1d(2);
+            const auto view = sensor.view_of(ray.o + t * ray.d, u_lens);
+            ASSERT_TRUE(view);
+            // Rounding of positions near 10, relative to distances of at least 1, at a field of 16 pixels.
+            EXPECT_NEAR(view->film.x(), static_cast<float>(x) + u_film.x(), 2e-3f);
+            EXPECT_NEAR(view->film.y(), static_cast<float>(y) + u_film.y(), 2e-3f);
+            EXPECT_NEAR((view->ray.d - ray.d).norm(), 0.f, 1e-5f);
+            EXPECT_NEAR((view->ray.o - ray.o).norm(), 0.f, 1e-4f);
+            EXPECT_NEAR(view->distance, t, 1e-4f * t);
+            EXPECT_NEAR(view->ray.t_min, ray.t_min, 1e-4f);
+            EXPECT_NEAR(view->ray.t_max, ray.t_max, 1e-3f * ray.t_max);
+            EXPECT_FALSE(sensor.view_of(ray.o - t * ray.d, u_lens));
+        }
+    }
+}
+
+// The density is the ratio of areas: of a small square on the film and of the rays through it.
+TEST(Sensor, RayDensityIsTheFilmsAreaByThatOfItsRays) {
+    for (const Sensor& sensor : some_cameras()) {
+        for (int pixel = 0; pixel < 16; ++pixel) {
+            const auto ray = [&](float u, float v) { return sensor.generate_ray(pixel, 15 - pixel, {u, v}); };
+            const Ray middle = ray(0.5f, 0.5f), right = ray(1.f, 0.5f), left = ray(0.f, 0.5f), up = ray(0.5f, 1.f),
+                      down = ray(0.5f, 0.f);
+            const bool parallel = sensor.is_orthographic();
+            const auto difference = [&](const Ray& a, const Ray& b) {
+                return parallel ? Vec3(a.o - b.o) : Vec3(a.d - b.d);
+            };
+            const float area = std::abs(difference(right, left).cross(difference(up, down)).dot(middle.d));
+            EXPECT_NEAR(sensor.ray_density(middle.d) * double{area}, 1.0, 4e-3);  // a pixel has a width
+        }
+    }
+}
+
+// A light path's point of the film adds to a pixel with the density with which this pixel's own samples fall on it.
+TEST(ReconstructionFilter, PixelsAreChosenByTheDensityOfTheirSamples) {
+    for (const auto& filter : {ReconstructionFilter::box(0.5f), ReconstructionFilter::box(1.3f),
+                               ReconstructionFilter::tent(1.f), ReconstructionFilter::gaussian(0.5f)}) {
+        std::map<std::pair<int, int>, double> samples, points;  // pixels' shares of a square of the film
+        constexpr std::uint32_t n = 1 << 17;
+        constexpr int reach = 3;
+        const Vec2 corner(0.3f, 0.6f);
+        constexpr float side = 0.25f;
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const Sampler u(PointSet::sobol, 1, 0, i);
+            const auto pixel = filter.choose_pixel(corner + side * u.get_2d(0), u.get_1d(1));
+            points[{pixel.x, pixel.y}] += static_cast<double>(pixel.weight * side * side) / n;
+        }
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (std::uint32_t i = 0; i < n; ++i) {
+                    const Vec2 at = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) +
+                                    filter.sample(Sampler(PointSet::sobol, 2, 0, i).get_2d(0)) - corner;
+                    if (at.minCoeff() >= 0.f && at.maxCoeff() < side) samples[{x, y}] += 1.0 / n;
+                }
+        for (const auto& [pixel, share] : samples)
+            EXPECT_NEAR(points[pixel], share, 1e-4) << pixel.first << ' ' << pixel.second;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,183 @@
+// Bidirectional path tracing: every path from the camera is joined with a path from a light in all ways. Sources:
+// Lafortune and Willems 1993, "Bi-directional path tracing"; Veach 1997, chapter 10; Georgiev 2012, "Implementing
+// Vertex Connection and Merging", without merging.
+//
+// Computes: every component. A path of k edges can be made by up to k + 1 techniques, which take s of its vertices from
+// a light's walk: s = 0, the camera's walk finds the light; s = 1, a point of a light is sampled; s = k, the light's
+// walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
+// Parameters: sampler = sobol (default) | independent; hits, light_sampling, connections, camera = on (default) | off,
+// which turn techniques off: the others take over what they can make, the rest of the light is missing; spp and
+// max_depth as for all methods.
+// Bias: none, for paths that it can sample. It cannot sample the light of point, spot and directional lights that
+// reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
+// A pass: one path from the camera for every pixel, and as many light paths.
+// Fails: never; non-finite samples are counted and dropped.
+#include "common/images/splat_film.h"
+#include "methods/parts/transport/eye_sample_run.h"
+#include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/camera_walk.h"
+#include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_walk.h"
+#include "methods/parts/vertices/path_counts.h"
+
+namespace gib {
+
+namespace {
+
+struct BidirectionalSettings {
+    PointSet points;
+    int max_edges;
+    Techniques used;
+};
+
+/// The estimate of one pixel's sample, which also adds the light paths that reach the camera to the film of splats.
+class BidirectionalEstimate {
+public:
+    BidirectionalEstimate(const Scene& scene, const BidirectionalSettings& settings, SplatFilm& splats)
+        : settings_(settings), paths_(scene), splats_(&splats) {}
+
+    PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+        const Techniques& used = settings_.used;
+        const Sampler light_sampler = sampler.split(0, 1, light_path);
+        light_vertices_.clear();
+        walk_from_light(
+            rays, light_sampler, settings_.max_edges, paths_.power, used,
+            [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                if (used.camera) splat(connect_to_camera(rays, vertex, paths_.power, paths_.count,
+                                                         {u.light_position(), u.light_choice()}, flights));
+                if (used.connections) light_vertices_.push_back(vertex);
+            });
+
+        PixelSample sample;
+        const auto add = [&](const std::optional<Connection>& path) {
+            if (path) add_weighted(*path, sample);
+        };
+        walk_from_camera(
+            rays, eye, sampler, settings_.max_edges, paths_.count, used, sample,
+            [&](const FoundLight& light) { sample[light.path_class.component()] += light.weight * light.radiance; },
+            [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                if (used.light_sampling) add(connect_to_light(rays, vertex, u, flights, used));
+                for (const PathVertex& from_light : light_vertices_)
+                    if (vertex.edges + 1 + from_light.edges <= settings_.max_edges)
+                        add(connect(rays, vertex, from_light, paths_.power, flights));
+            });
+        return sample;
+    }
+
+private:
+    static constexpr std::uint64_t light_path = 1;  ///< tag of the light path's numbers
+
+    static void add_weighted(const Connection& path, PixelSample& sample) {
+        for (std::size_t c = 0; c < sample.parts.size(); ++c)
+            sample.parts[c] += path.weight * path.light.parts[c];
+    }
+    void splat(const std::optional<Splat>& splat) {
+        if (!splat) return;
+        PixelSample weighted;
+        add_weighted(splat->connection, weighted);
+        splats_->add(splat->pixel, 0, weighted);
+    }
+
+    BidirectionalSettings settings_;
+    LightPaths paths_;
+    SplatFilm* splats_;
+    std::vector<PathVertex> light_vertices_;
+};
+
+class BidirectionalRun final : public Run {
+public:
+    BidirectionalRun(const EyeSampling& sampling, const BidirectionalSettings& settings, const ShownComponents& shown)
+        : paths_(sampling.scene),
+          splats_(sampling.scene.sensor().width(), sampling.scene.sensor().height(), shown.accumulated,
+                  paths_.mean_light),
+          eye_(average_eye_samples(sampling, shown, BidirectionalEstimate(sampling.scene, settings, splats_))) {}
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        return eye_->advance(pass);
+    }
+    ComponentImages image() const override {
+        ComponentImages images = eye_->image();
+        splats_.add_mean(paths_.count * passes_, images);
+        return images;
+    }
+    RunCounts counts() const override {
+        RunCounts counts = eye_->counts();
+        counts.non_finite = counts.non_finite + splats_.non_finite();
+        return counts;
+    }
+
+private:
+    LightPaths paths_;
+    SplatFilm splats_;
+    std::unique_ptr<Run> eye_;
+    std::uint32_t passes_ = 0;
+};
+
+class Bidirectional final : public Method {
+public:
+    explicit Bidirectional(const BidirectionalSettings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override {
+        Plan plan = described_plan(scene, find_method("bidirectional"));
+        const Techniques& used = settings_.used;
+        if (!(used.hits && used.light_sampling && used.connections && used.camera)) {
+            plan.unresolved = find_method("bidirectional").components;
+        } else if (has_delta_light(scene) && has_delta_lobe(scene)) {
+            if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
+            if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
+        }
+        add_light_paths(plan, scene, settings_.max_edges);
+        add_eye_paths(plan, scene, settings_.max_edges);
+        add_light_sampling(plan, settings_.max_edges);
+        plan.add(std::string(pass_connections), used.connections && settings_.max_edges >= 3,
+                 used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
+                                  : "connections=off");
+        return plan;
+    }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        const Plan passes = plan(scene);
+        BidirectionalSettings settings = settings_;
+        settings.used.light_sampling &= passes.runs(pass_light_sampling);
+        return std::make_unique<BidirectionalRun>(
+            EyeSampling{.scene = scene,
+                        .points = settings.points,
+                        .seed = seed,
+                        .stages = stages,
+                        .runs = passes.runs(pass_eye_paths)},
+            settings, shown_components(scene, passes.called_for, find_method("bidirectional")));
+    }
+
+private:
+    BidirectionalSettings settings_;
+};
+
+}  // namespace
+
+MethodDescription describe_bidirectional() {
+    const auto technique = [](std::string name, std::string meaning) {
+        return choice_parameter(std::move(name), {"on", "off"}, std::move(meaning));
+    };
+    return {
+        .name = "bidirectional",
+        .sentence = "paths from the camera and from the lights, joined in all ways: unbiased, resolves caustics",
+        .parameters = {point_set_parameter(), technique("hits", "paths from the camera find lights by themselves"),
+                       technique("light_sampling", "points of lights are sampled from paths from the camera"),
+                       technique("connections", "vertices of both paths are connected"),
+                       technique("camera", "vertices of light paths are connected to the camera")},
+        .simulates = Effects::all(),
+        .components = {all_components.begin(), all_components.end()},
+        .unbiased = true,
+        .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
+            const auto on = [&](const char* name) { return values.choice(name) == "on"; };
+            return std::make_unique<Bidirectional>(BidirectionalSettings{
+                point_set_of(values),
+                max_edges_of(values, defaults),
+                {on("hits"), on("light_sampling"), on("connections"), on("camera")},
+            });
+        },
+    };
+}
+
+}  // namespace gib

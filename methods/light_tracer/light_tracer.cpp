@@ -1,0 +1,138 @@
+// Light tracing: paths start at the lights, and each of their vertices is connected to the camera. Source: Dutre,
+// Lafortune and Willems 1993, "Monte Carlo light tracing with direct computation of pixel intensities"; Veach 1997,
+// section 10.3 (the techniques with one vertex on the camera's side).
+//
+// Computes: every component, but no path that the camera sees through a mirror or a smooth interface. Lights that the
+// camera sees straight are sampled from the camera.
+// Parameters: sampler = sobol (default) | independent; spp (light paths for each pixel) and max_depth.
+// Bias: none, for paths that it can sample.
+// A pass: as many light paths as the image has pixels.
+// Fails: never; non-finite samples are counted and dropped.
+#include "common/core/parallel.h"
+#include "common/images/splat_film.h"
+#include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_walk.h"
+#include "methods/parts/vertices/path_counts.h"
+
+#include <atomic>
+
+namespace gib {
+
+namespace {
+
+/// The only technique in use, so that all weights are 1.
+constexpr Techniques to_the_camera = {.hits = false, .light_sampling = false, .connections = false, .camera = true};
+
+class LightTracerRun final : public Run {
+public:
+    LightTracerRun(const Scene& scene, PointSet points, std::uint64_t seed, int max_edges, const Plan& plan,
+                   const ShownComponents& shown, StageTimes& stages)
+        : scene_(scene),
+          points_(points),
+          seed_(seed),
+          max_edges_(max_edges),
+          lit_(scene.has_light()),
+          follows_(plan.runs(pass_light_paths)),
+          paths_(scene),
+          film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
+          splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.mean_light),
+          stages_(stages) {}
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        if (!lit_) return Progress::converged;
+        const auto timer = stages_.time(pass_light_paths);
+        const auto count = static_cast<std::size_t>(paths_.count);
+        std::atomic<std::uint64_t> traced = 0;
+        StageProgress progress(stages_, pass_light_paths, count);
+        parallel_blocks(count, 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
+            RayQueries rays(scene_);
+            for (std::size_t path = begin; path < end; ++path)
+                trace(rays, Sampler(points_, seed_, path, pass), pass);
+            traced += rays.count();
+            progress.add(end - begin);
+        });
+        rays_ += traced;
+        return Progress::more;
+    }
+
+    ComponentImages image() const override {
+        ComponentImages images = film_.mean(1);
+        splats_.add_mean(paths_.count * passes_, images);
+        return images;
+    }
+    RunCounts counts() const override { return {.rays = rays_, .non_finite = splats_.non_finite()}; }
+
+private:
+    void trace(RayQueries& rays, const Sampler& sampler, std::uint32_t pass) {
+        const auto add = [&](const std::optional<Splat>& splat) {
+            if (splat) splats_.add(splat->pixel, pass, splat->connection.light);
+        };
+        const Sampler camera_numbers = sampler.split(0, 1, from_camera);
+        NumberStream flights(camera_numbers);
+        add(sample_light_from_camera(rays, camera_numbers.at_vertex(0), flights));
+        if (!follows_) return;
+        walk_from_light(rays, sampler, max_edges_, paths_.power, to_the_camera,
+                        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
+                            add(connect_to_camera(rays, vertex, paths_.power, paths_.count,
+                                                  {u.light_position(), u.light_choice()}, flights_of_path));
+                        });
+    }
+
+    static constexpr std::uint64_t from_camera = 1;  ///< tag of the numbers for lights sampled from the camera
+
+    const Scene& scene_;
+    PointSet points_;
+    std::uint64_t seed_;
+    int max_edges_;
+    bool lit_, follows_;
+    LightPaths paths_;
+    Film film_;
+    SplatFilm splats_;
+    StageTimes& stages_;
+    std::uint32_t passes_ = 0;
+    std::uint64_t rays_ = 0;
+};
+
+class LightTracer final : public Method {
+public:
+    LightTracer(PointSet points, int max_edges) : points_(points), max_edges_(max_edges) {}
+
+    Plan plan(const Scene& scene) const override {
+        Plan plan = described_plan(scene, find_method("light_tracer"));
+        if (has_delta_lobe(scene)) plan.unresolved = find_method("light_tracer").components;
+        else if (scene.environment() && scene.sensor().is_orthographic()) plan.unresolved = {Component::emission};
+        add_light_paths(plan, scene, max_edges_);
+        return plan;
+    }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        const Plan passes = plan(scene);
+        return std::make_unique<LightTracerRun>(
+            scene, points_, seed, max_edges_, passes,
+            shown_components(scene, passes.called_for, find_method("light_tracer")), stages);
+    }
+
+private:
+    PointSet points_;
+    int max_edges_;
+};
+
+}  // namespace
+
+MethodDescription describe_light_tracer() {
+    return {
+        .name = "light_tracer",
+        .sentence = "paths from the lights whose vertices are connected to the camera: unbiased, resolves caustics",
+        .parameters = {point_set_parameter()},
+        .simulates = Effects::all(),
+        .components = {all_components.begin(), all_components.end()},
+        .unbiased = true,
+        .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
+            return std::make_unique<LightTracer>(point_set_of(values), max_edges_of(values, defaults));
+        },
+    };
+}
+
+}  // namespace gib

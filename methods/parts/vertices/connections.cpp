@@ -1,0 +1,170 @@
+#include "methods/parts/vertices/connections.h"
+
+#include "methods/parts/transport/dispersed_path.h"
+
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// The share of light that passes from vertex to vertex, by channel.
+Color transmitted(RayQueries& rays, const Segment& way, const Medium* medium, NumberStream& flights) {
+    return rays.scene().has_media() ? rays.transmittance(way, medium, flights)
+                                    : Color(Color::Constant(rays.visibility(way)));
+}
+
+/// Adds the path's light for each pair of lobes, at the vertices of the camera's walk and of the light's.
+void add_classes(PixelSample& light, const PathVertex& eye, const LobeValues& at_eye, const PathVertex& from_light,
+                 const LobeValues& at_light, const Color& rest) {
+    const auto add = [&](const PathClass& first, const Color& f_eye, const PathClass& last, const Color& f_light) {
+        const Color value = f_eye * f_light * rest;
+        if (!is_black(value)) light[first.followed_by(last).component()] += value;
+    };
+    // In a medium there are no kinds of lobes.
+    const auto eye_class = [&](LobeKind kind) {
+        PathClass path = eye.hit ? eye.path_class.after(kind) : eye.path_class;
+        path.in_medium |= !eye.hit;
+        return path;
+    };
+    const auto light_class = [&](LobeKind kind) {
+        PathClass path = from_light.hit ? from_light.path_class.preceded_by(kind) : from_light.path_class;
+        path.in_medium |= !from_light.hit;
+        return path;
+    };
+    for (const LobeKind e : {LobeKind::diffuse, LobeKind::specular})
+        for (const LobeKind l : {LobeKind::diffuse, LobeKind::specular})
+            add(eye_class(e), e == LobeKind::diffuse ? at_eye.diffuse : at_eye.specular, light_class(l),
+                l == LobeKind::diffuse ? at_light.diffuse : at_light.specular);
+}
+
+/// Adds the light of a path with only one such vertex.
+void add_classes(PixelSample& light, const PathVertex& at, const PathClass& diffuse, const PathClass& specular,
+                 const LobeValues& value, const Color& rest) {
+    if (!at.hit) {
+        light[Component::volume] += value.diffuse * rest;
+        return;
+    }
+    if (!is_black(value.diffuse)) light[diffuse.component()] += value.diffuse * rest;
+    if (!is_black(value.specular)) light[specular.component()] += value.specular * rest;
+}
+
+bool is_within(const Sensor& sensor, const ReconstructionFilter::Pixel& pixel) {
+    return pixel.weight > 0.f && pixel.x >= 0 && pixel.y >= 0 && pixel.x < sensor.width() && pixel.y < sensor.height();
+}
+
+/// A point as the camera sees it through one pixel.
+struct PixelView {
+    Sensor::View view;
+    std::size_t pixel;
+    double density;  ///< Sensor::ray_density() times the sum of filters over the pixels
+};
+std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const CameraNumbers& u) {
+    const auto view = sensor.view_of(p, u.lens);
+    if (!view || !(view->distance > view->ray.t_min && view->distance < view->ray.t_max)) return std::nullopt;
+    // Points far outside the image, whose pixel may not even be a number, are left out at once.
+    const Vec2 margin = Vec2::Constant(sensor.filter().radius() + 1.f);
+    const Vec2 size(static_cast<float>(sensor.width()), static_cast<float>(sensor.height()));
+    if (!((view->film + margin).array() > 0.f).all() || !((size + margin - view->film).array() > 0.f).all())
+        return std::nullopt;
+    const auto pixel = sensor.filter().choose_pixel(view->film, u.pixel);
+    if (!is_within(sensor, pixel)) return std::nullopt;
+    return PixelView{*view,
+                     static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(sensor.width()) +
+                         static_cast<std::size_t>(pixel.x),
+                     sensor.ray_density(view->ray.d) * double{pixel.weight}};
+}
+
+}  // namespace
+
+std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const VertexNumbers& u,
+                                           NumberStream& flights, const Techniques& used) {
+    const Scene& scene = rays.scene();
+    const auto light = scene.sample_light(eye.p, u.light_choice(), u.light_position());
+    if (!light || is_black(light->Le)) return std::nullopt;
+    const Scattered at = scattered_to_camera(eye, light->wi);
+    if (is_black(at.value.sum())) return std::nullopt;
+    const Segment way{eye.origin(light->wi), light->target, light->wi, light->distance};
+    const Color visible = transmitted(rays, way, eye.medium_towards(scene, light->wi), flights);
+    if (is_black(visible)) return std::nullopt;
+
+    Connection path;
+    add_classes(path.light, eye, eye.path_class.after(LobeKind::diffuse), eye.path_class.after(LobeKind::specular),
+                at.value, eye.beta * light->Le * visible / light->pdf_w);
+    const bool is_point = light->delta && std::isfinite(light->distance);
+    const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
+    const double emission = scene.emission_pdf(light->light, -light->wi, light->cos_light);
+    const double by_hit = light->delta || !used.hits ? 0 : squared(at.pdf.to_light / sampling);
+    const double step = emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light});
+    const double by_light_walk = squared(step) * eye.sums.earlier(at.pdf.to_camera);
+    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));
+    return path;
+}
+
+std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
+                                  NumberStream& flights) {
+    if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
+    const Vec3 between = light.p - eye.p;
+    const double distance2 = double{between.squaredNorm()};
+    if (!(distance2 > 0)) return std::nullopt;
+    const Vec3 w = between.normalized();
+    const Scattered at_eye = scattered_to_camera(eye, w);
+    if (is_black(at_eye.value.sum())) return std::nullopt;
+    const Scattered at_light = scattered_from_light(light, -w);
+    if (is_black(at_light.value.sum())) return std::nullopt;
+    const Vec3 origin = eye.origin(w);
+    const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
+    const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
+    if (is_black(visible)) return std::nullopt;
+
+    const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
+    Connection path;
+    add_classes(path.light, eye, at_eye.value, light, at_light.value,
+                eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
+                    static_cast<float>(unit * to_light));
+    const double by_camera = squared(at_eye.pdf.to_light * to_light) * light.sums.earlier(at_light.pdf.to_light);
+    const double by_light = squared(at_light.pdf.to_camera * to_eye) * eye.sums.earlier(at_eye.pdf.to_camera);
+    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));
+    return path;
+}
+
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, double light_paths,
+                                       const CameraNumbers& u, NumberStream& flights) {
+    const Sensor& sensor = rays.scene().sensor();
+    const auto seen = view_of(sensor, light.p, u);
+    if (!seen) return std::nullopt;
+    const Ray& ray = seen->view.ray;
+    const Scattered at = scattered_from_light(light, -ray.d);
+    if (is_black(at.value.sum())) return std::nullopt;
+    const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), flights);
+    if (is_black(visible)) return std::nullopt;
+
+    const double distance = sensor.is_orthographic() ? 1. : double{seen->view.distance};
+    const double per_area = double{light.cosine(ray.d)} / (distance * distance);
+    Splat splat{.pixel = seen->pixel, .connection = {}};
+    add_classes(splat.connection.light, light, light.path_class.preceded_by(LobeKind::diffuse),
+                light.path_class.preceded_by(LobeKind::specular), at.value,
+                light.beta * visible * static_cast<float>(unit * seen->density * per_area));
+    const double step = sensor.ray_density(ray.d) * per_area / light_paths;
+    splat.connection.weight = static_cast<float>(1 / (1 + squared(step) * light.sums.earlier(at.pdf.to_light)));
+    return splat;
+}
+
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const VertexNumbers& u, NumberStream& flights) {
+    const Scene& scene = rays.scene();
+    const Sensor& sensor = scene.sensor();
+    if (sensor.is_orthographic()) return std::nullopt;
+    const Vec2 lens = u.bsdf_direction();
+    const auto light = scene.sample_light(sensor.lens_point(lens), u.light_choice(), u.light_position());
+    if (!light || light->delta || is_black(light->Le)) return std::nullopt;
+    const auto seen = view_of(sensor, light->target, {lens, u.roulette()});
+    if (!seen) return std::nullopt;
+    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, flights);
+    if (is_black(visible)) return std::nullopt;
+    Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
+    splat.connection.light[Component::emission] =
+        light->Le * visible * static_cast<float>(seen->density / double{light->pdf_w});
+    return splat;
+}
+
+}  // namespace gib

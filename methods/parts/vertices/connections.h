@@ -1,0 +1,52 @@
+#pragma once
+// Connections: a straight edge between the end of the camera's walk and a light, a vertex of a light's walk, or
+// between such a vertex and the camera.
+//
+// Every connection returns the light of the path that it closes, by component, as if it were the only technique, and
+// the weight of this technique (technique_sums.h). The vertices at its ends scatter by lobes of both kinds, so the
+// path belongs to up to four classes.
+
+#include "common/images/film.h"
+#include "methods/parts/vertices/path_vertex.h"
+
+namespace gib {
+
+/// The light of a path that one technique has made.
+struct Connection {
+    PixelSample light;  ///< by component, unweighted
+    float weight;
+};
+
+/// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
+std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const VertexNumbers& u,
+                                           NumberStream& flights, const Techniques& used);
+
+/// A vertex of the camera's walk and one of a light's, whose power is in units of `unit` [W]. Radiance [W/(sr m^2)].
+std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
+                                  NumberStream& flights);
+
+/// The random numbers of a connection to the camera.
+struct CameraNumbers {
+    Vec2 lens;
+    float pixel;
+};
+
+/// Light that arrives at the camera in some pixel.
+struct Splat {
+    std::size_t pixel;
+    Connection connection;
+};
+
+/// A vertex of a light's walk and the camera. The light is the pixel's mean radiance [W/(sr m^2)] times the image's
+/// number of pixels, for one light path: the mean over `light_paths` paths for each pixel is to be taken.
+///
+/// A pixel's value is I = integral of h(c) L(c) dc over the film, where h is the density of its filter [1/px^2]. With
+/// dc = rho dw, where rho is Sensor::ray_density(), and dw = cos dA / d^2, a vertex of power P makes the contribution
+/// h rho P f cos / d^2. One of the pixels whose filter covers c is chosen in proportion to h.
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, double light_paths,
+                                       const CameraNumbers& u, NumberStream& flights);
+
+/// A point of a light that is sampled from the camera itself, in the unit of the function above.
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const VertexNumbers& u, NumberStream& flights);
+
+}  // namespace gib

@@ -1,0 +1,115 @@
+#pragma once
+// A vertex at which a path from the camera and a path from a light can be joined.
+
+#include "methods/parts/transport/path_walk.h"
+#include "methods/parts/vertices/technique_sums.h"
+
+#include <optional>
+
+namespace gib {
+
+/// The densities [1/sr] with which the two walks sample the directions of one vertex: `to_light` is taken by the
+/// camera's walk and `to_camera` by the light's.
+struct DirectionPdfs {
+    double to_light = 0, to_camera = 0;
+};
+
+/// A vertex of a walk, on a surface with lobes that are no delta, or in a medium. Directions point away from it.
+struct PathVertex {
+    std::optional<SurfaceHit> hit;  ///< empty in a medium
+    Vec3 p;
+    Vec3 from;               ///< towards where the walk came from, unit
+    Vec3 from_local;         ///< the same in the shading frame of the hit
+    const Medium* medium;    ///< that the walk arrived in; null: vacuum
+    Color beta;              ///< of the walk on arrival: throughput, or power [W]
+    PathClass path_class;    ///< of the vertices between this one and the walk's start, read from the camera
+    std::optional<int> stratum;
+    int edges;               ///< of the walk up to here
+    TechniqueSums sums;
+
+    /// A vertex where the walk has arrived, on a surface or in a medium.
+    PathVertex(const PathWalk& walk, const SurfaceHit& surface, const PathClass& inner, const TechniqueSums& carried)
+        : PathVertex(walk, surface.p, inner, carried) {
+        hit = surface;
+        from_local = surface.shading.to_local(from);
+    }
+    PathVertex(const PathWalk& walk, const Vec3& in_medium, const PathClass& inner, const TechniqueSums& carried)
+        : p(in_medium),
+          from(walk.wo()),
+          from_local(from),
+          medium(walk.at.medium),
+          beta(walk.at.beta),
+          path_class(inner),
+          stratum(walk.at.stratum),
+          edges(walk.at.vertex + 1),
+          sums(carried) {}
+
+    /// |cos| of w and the geometric normal; 1 in a medium.
+    float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
+    /// Where a segment that leaves the vertex in direction w starts.
+    Vec3 origin(const Vec3& w) const { return hit ? offset_origin(*hit, w) : p; }
+    /// Where a segment that arrives from `start` ends, which is farther off the surface by the segment's own rounding.
+    Vec3 target(const Vec3& start) const {
+        if (!hit) return p;
+        const Vec3 normal = normal_towards(*hit, start - p);
+        return p + (hit->offset + rounding_of_connection(p, start)) * normal;
+    }
+    /// The medium in which a segment leaves in direction w.
+    const Medium* medium_towards(const Scene& scene, const Vec3& w) const {
+        return hit && scene.has_media() ? scene.medium_beyond(*hit, w, medium) : medium;
+    }
+};
+
+/// What a vertex does with light that comes from `to_light` and leaves towards `to_camera`.
+struct Scattered {
+    /// f |cos| by kind of lobe [1/sr], to be multiplied by radiance from to_light; in a medium the phase function, in
+    /// both of which the kind is of no account, as `diffuse`.
+    LobeValues value;
+    DirectionPdfs pdf;
+};
+
+/// For a vertex of the camera's walk, joined in direction w. f |cos| has the shading normal's cosine.
+inline Scattered scattered_to_camera(const PathVertex& at, const Vec3& w) {
+    if (!at.hit) {
+        const float phase = at.medium->phase().value(at.from, w);
+        return {.value = {.diffuse = Color::Constant(phase)}, .pdf = {phase, phase}};
+    }
+    const SurfaceHit& hit = *at.hit;
+    if (!hit.normals_agree_about(w)) return {};
+    const Vec3 w_local = hit.shading.to_local(w);
+    LobeValues f = hit.bsdf->f_local(at.from_local, w_local, Transport::radiance);
+    if (is_black(f.sum())) return {};
+    const float cosine = std::abs(w_local.z());
+    return {.value = {f.diffuse * cosine, f.specular * cosine},
+            .pdf = {hit.bsdf->pdf_w_local(at.from_local, w_local, Lobes::all, Transport::radiance),
+                    hit.bsdf->pdf_w_local(w_local, at.from_local, Lobes::all, Transport::power)}};
+}
+
+/// For a vertex of a light's walk, joined in direction w. The power that has arrived is a flux through the geometric
+/// surface, so the factor is f |cos| of the shading normal over |cos| of the geometric one, both of the light's
+/// direction (Veach 1997, section 5.3).
+inline Scattered scattered_from_light(const PathVertex& at, const Vec3& w) {
+    if (!at.hit) return scattered_to_camera(at, w);
+    const SurfaceHit& hit = *at.hit;
+    if (!hit.normals_agree_about(w)) return {};
+    const Vec3 w_local = hit.shading.to_local(w);
+    LobeValues f = hit.bsdf->f_local(w_local, at.from_local, Transport::radiance);
+    const float arriving = std::abs(at.from.dot(hit.ng));
+    if (is_black(f.sum()) || !(arriving > 0.f)) return {};
+    const float factor = std::abs(at.from_local.z()) / arriving;
+    return {.value = {f.diffuse * factor, f.specular * factor},
+            .pdf = {hit.bsdf->pdf_w_local(w_local, at.from_local, Lobes::all, Transport::radiance),
+                    hit.bsdf->pdf_w_local(at.from_local, w_local, Lobes::all, Transport::power)}};
+}
+
+/// Takes the sums past a surface at which the walk has been scattered in direction `next`; `other` is what the other
+/// walk carries.
+inline void step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other) {
+    const SurfaceHit& hit = *at.hit;
+    const double cosine = std::abs(double{next.wi.dot(hit.ng)});
+    if (next.delta) return sums.scatter_specularly(cosine);
+    const Vec3 to_local = hit.shading.to_local(next.wi);
+    sums.scatter(double{next.pdf_w}, double{hit.bsdf->pdf_w_local(to_local, at.from_local, Lobes::all, other)}, cosine);
+}
+
+}  // namespace gib

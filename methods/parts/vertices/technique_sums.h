@@ -1,0 +1,111 @@
+#pragma once
+// Weights of multiple importance sampling over all techniques that can make one path.
+//
+// A path x_0 (on a light) ... x_k (on the camera) can be made from both ends in several ways: technique s takes its
+// first s vertices from a walk that started at the light, and the others from a walk that started at the camera. Let
+// f_i be the density of x_i [1/m^2] when the light's walk samples it from x_{i-1}, and b_i when the camera's walk does
+// from x_{i+1}. The density of technique s is p_s = f_0 ... f_{s-1} b_s ... b_k, and its weight with the power
+// heuristic of exponent 2 is p_s^2 / sum over j of p_j^2 (Veach 1997, sections 9.2 and 10.2). This sum needs no list of
+// densities: each walk carries it along in three numbers, which are updated from vertex to vertex. Source: Georgiev
+// 2012, "Implementing Vertex Connection and Merging", whose names d_VCM, d_VC and d_VM the numbers have; all of them
+// hold squares here.
+//
+// Rules:
+//  - Densities at a surface are per area, so a density per solid angle is multiplied by |cos| / d^2 with the geometric
+//    normal. A vertex in a medium has no cosine. The probability of a free flight has a factor for its end, which all
+//    techniques share, and the transmittance of the edge, which every technique but the one that connects this edge has;
+//    it is left out of the weights, which keeps their sum at 1. So are Russian roulette, holes and wavelengths.
+//  - An event at a delta lobe has density 1 both ways, and no technique connects the two edges beside it.
+//  - Instead of f_0 f_1, a technique that samples a point of a light from x_1 has the density of that sampling.
+//  - A light at infinity has parallel rays: f_1 is a density across them times |cos|, without a distance.
+//  - The camera's point is sampled in the same way by all techniques, and no walk of a light can find it.
+
+#include "common/core/math.h"
+
+namespace gib {
+
+/// What the power heuristic makes of a ratio of densities.
+inline double squared(double ratio) { return ratio * ratio; }
+
+/// Which kinds of techniques are in use; those that are not are neither tried nor weighed.
+struct Techniques {
+    bool hits = true;            ///< s = 0: the camera's walk finds a light by itself
+    bool light_sampling = true;  ///< s = 1: a point of a light is sampled from the end of the camera's walk
+    bool connections = true;     ///< s > 1 with at least one surface or event in a medium on both sides
+    bool camera = true;          ///< the end of the light's walk is connected to the camera
+    /// Expected number of photons that are merged with a vertex for each photon per area there: pi r^2 times the number
+    /// of light paths [m^2]; 0: nothing is merged.
+    double merging = 0;
+};
+
+/// The sums over techniques that a walk carries. They always refer to the walk's last vertex.
+class TechniqueSums {
+public:
+    /// At the start of the camera's walk. `ray_density` is Sensor::ray_density(), `light_paths` the number of light
+    /// paths for each of the camera's paths of a pixel (Georgiev 2012, equations 31 to 33).
+    static TechniqueSums at_camera(double ray_density, double light_paths, const Techniques& used) {
+        TechniqueSums sums(used);
+        sums.vcm_ = used.camera ? squared(light_paths / ray_density) : 0;
+        return sums;
+    }
+    /// At the start of a light's walk: `emission` is Scene::emission_pdf(), `sampling` the density with which light
+    /// sampling from the first vertex finds this start [1/sr]; for a point or spot light times the squared distance.
+    /// `cos_light` belongs to the normal there (1 without a surface). No walk of the camera finds a light that
+    /// `is_delta` (equations 34 to 36).
+    static TechniqueSums at_light(double emission, double sampling, double cos_light, bool is_delta,
+                                  const Techniques& used) {
+        TechniqueSums sums(used);
+        sums.vcm_ = used.light_sampling ? squared(sampling * cos_light / emission) : 0;
+        sums.vc_ = used.hits && !is_delta ? squared(cos_light / emission) : 0;
+        sums.vm_ = sums.vc_ * sums.connecting_;
+        return sums;
+    }
+
+    /// The walk has reached its next vertex: converts densities per solid angle into densities per area there.
+    /// `distance2` is 1 for an edge whose rays are parallel, `cosine` is 1 in a medium. `connects`: whether a technique
+    /// in use connects the edge that has been walked.
+    void arrive(double distance2, double cosine, bool connects) {
+        vcm_ *= squared(distance2 / cosine);
+        vc_ /= squared(cosine);
+        vm_ /= squared(cosine);
+        connects_ = connects;
+    }
+
+    /// The sum over the techniques that take fewer vertices from this walk, relative to the one that ends it here. The
+    /// other walk, which comes to this vertex, goes on to the previous one with the density `reverse` [1/sr].
+    /// (Equations 37 to 40, without the density of the step to this vertex.)
+    double earlier(double reverse) const { return merging_ + (connects_ ? vcm_ : 0) + vc_ * squared(reverse); }
+
+    /// Scattering by lobes that are no delta: `forward` is the density of the direction taken, `reverse` that of the
+    /// walk the other way round, both [1/sr]; `cosine` belongs to the direction taken (equations 31 to 36).
+    void scatter(double forward, double reverse, double cosine) {
+        const double step = squared(cosine / forward);
+        vm_ = step * (1 + (connects_ ? vcm_ : 0) * connecting_ + vm_ * squared(reverse));
+        vc_ = step * earlier(reverse);
+        vcm_ = squared(1 / forward);
+    }
+    /// Scattering by a delta lobe.
+    void scatter_specularly(double cosine) {
+        vc_ *= squared(cosine);
+        vm_ *= squared(cosine);
+        vcm_ = 0;
+    }
+
+    /// For the camera's walk at a point of a light: the sum over the techniques other than s = 0. `sampling` is the
+    /// density of this point by light sampling from the previous vertex [1/m^2] (for an environment [1/sr]).
+    double other_than_hit(double sampling, double emission, const Techniques& used) const {
+        return (used.light_sampling ? vcm_ * squared(sampling) : 0) + vc_ * squared(emission);
+    }
+
+private:
+    explicit TechniqueSums(const Techniques& used)
+        : merging_(squared(used.merging)), connecting_(used.merging > 0 ? 1 / squared(used.merging) : 0) {}
+
+    double vcm_ = 0;  ///< (1 / density of the last direction)^2: for the technique that connects the last edge
+    double vc_ = 0;   ///< for all techniques on earlier edges, relative to connecting
+    double vm_ = 0;   ///< the same, relative to merging
+    double merging_, connecting_;  ///< weights of merging against connecting, and of connecting against merging
+    bool connects_ = true;
+};
+
+}  // namespace gib

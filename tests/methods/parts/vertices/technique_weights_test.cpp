@@ -1,0 +1,177 @@
+// The weights of all techniques of a path, against the densities of these techniques, listed one by one.
+
+#include "methods/parts/vertices/camera_walk.h"
+#include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_walk.h"
+#include "methods/parts/vertices/path_counts.h"
+#include "tests/support/scene_fixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace gib {
+namespace {
+
+/// A room without delta lobes, so that the walks visit all vertices of their paths.
+LoadedScene room(const std::string& light, const std::string& more = "", const std::string& sensor = "perspective") {
+    const auto wall = [](const std::string& transform, const std::string& bsdf) {
+        return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
+    };
+    const std::string diffuse = "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>";
+    return test::scene_of(
+        "<scene version='3.0.0'><sensor type='" + sensor +
+        "'><transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>" +
+        test::box_film(8) + "</sensor>" + wall("<scale value='2'/><translate z='2'/><rotate y='1' angle='180'/>", diffuse) +
+        wall("<rotate x='1' angle='-90'/><scale value='2'/><translate y='-1'/>", diffuse) +
+        wall("<rotate y='1' angle='60'/><translate x='-1'/>",
+             "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf></bsdf>") +
+        "<shape type='sphere'><float name='radius' value='0.4'/><bsdf type='roughdielectric'>"
+        "<float name='alpha' value='0.4'/></bsdf></shape>" +
+        light + more + "</scene>");
+}
+
+const std::string lamp =
+    "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><scale value='0.3'/>"
+    "<translate x='0.8' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+const std::string ball = "<shape type='sphere'><point name='center' x='0.8' y='1' z='0'/><float name='radius' value='0.2'/>"
+                         "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='0'/></emitter>";
+const std::string sky = "<emitter type='constant'/>";
+const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
+const std::string fog =
+    "<shape type='cube'><scale value='1'/><bsdf type='null'/><medium name='interior' type='homogeneous'>"
+    "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.8'/><phase type='hg'><float name='g' value='0.4'/>"
+    "</phase></medium></shape>";
+
+/// A path from a light's start to the camera, with its inner vertices x_1 ... x_{k-1} in this order.
+struct WholePath {
+    EmissionSample start;
+    std::vector<PathVertex> inner;
+    Vec3 camera;
+};
+
+/// p_s^2 over the sum of p_j^2 by the definitions of technique_sums.h; entry s of the result.
+std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
+    const auto& x = path.inner;
+    const std::size_t n = x.size();
+    const Light& light = scene.lights()[path.start.light];
+    const bool has_surface = std::holds_alternative<AreaLight>(light);
+    const bool finite = has_surface || std::holds_alternative<PointLight>(light);
+    const auto position = [&](std::size_t i) { return i == 0 ? path.start.ray.o : i <= n ? x[i - 1].p : path.camera; };
+    const auto direction = [&](std::size_t i, std::size_t j) -> Vec3 {  // from x_i to x_j, which are neighbours
+        if (!finite && (i == 0 || j == 0)) return i == 0 ? path.start.ray.d : Vec3(-path.start.ray.d);
+        return (position(j) - position(i)).normalized();
+    };
+    // Density per area at x_j of a direction from x_i, per density per solid angle.
+    const auto per_area = [&](std::size_t i, std::size_t j) {
+        if (i == 0 && !finite) return double{x[0].cosine(direction(0, 1))};
+        if (i == n + 1 && scene.sensor().is_orthographic()) return double{x[n - 1].cosine(direction(i, j))};
+        const double cosine = j == 0 ? (has_surface ? double{std::abs(path.start.normal.dot(direction(1, 0)))} : 1.)
+                                     : double{x[j - 1].cosine(direction(i, j))};
+        return cosine / double{(position(j) - position(i)).squaredNorm()};
+    };
+    // Density [1/sr] of the direction from x_i to x_j for a walk that came from x_from and carries this quantity.
+    const auto pdf_w = [&](std::size_t from, std::size_t i, std::size_t j, Transport carried) -> double {
+        const PathVertex& at = x[i - 1];
+        const Vec3 wo = direction(i, from), wi = direction(i, j);
+        if (!at.hit) return double{at.medium->phase().value(wo, wi)};
+        return double{at.hit->bsdf->pdf_w_local(at.hit->shading.to_local(wo), at.hit->shading.to_local(wi), Lobes::all,
+                                                carried)};
+    };
+    std::vector<double> forward(n + 1, 0), backward(n + 1, 0);  // f_i and b_i
+    const double cos_light = has_surface ? double{path.start.normal.dot(direction(0, 1))} : 1.;
+    const double emission = scene.emission_pdf(path.start.light, direction(0, 1), static_cast<float>(cos_light));
+    forward[1] = emission * per_area(0, 1);  // times f_0
+    for (std::size_t i = 2; i <= n; ++i)
+        forward[i] = pdf_w(i - 2, i - 1, i, Transport::power) * per_area(i - 1, i);
+    backward[n] = scene.sensor().ray_density(-direction(n, n + 1)) * per_area(n + 1, n);
+    for (std::size_t i = n; i-- > 1;)
+        backward[i] = pdf_w(i + 2, i + 1, i, Transport::radiance) * per_area(i + 1, i);
+    const SurfacePoint origin{path.start.ray.o, path.start.normal, 0.f};
+    const double sampling = double{scene.light_pdf_w(x[0].p, path.start.light, origin, direction(0, 1))} *
+                            (has_surface ? per_area(1, 0) : 1.);
+    backward[0] = is_delta(light) ? 0 : pdf_w(2, 1, 0, Transport::radiance) * (has_surface ? per_area(1, 0) : 1.);
+
+    std::vector<double> p;
+    for (std::size_t s = 0; s <= n + 1; ++s) {
+        double density = s == 1 ? sampling : 1;
+        for (std::size_t i = 1; s >= 2 && i < s; ++i)
+            density *= forward[i];
+        for (std::size_t i = s; i <= n; ++i)
+            density *= backward[i];
+        if (s == n + 1) density *= LightPaths(scene).count;
+        p.push_back(squared(density));
+    }
+    const double sum = std::accumulate(p.begin(), p.end(), 0.0);
+    for (double& value : p)
+        value /= sum;
+    return p;
+}
+
+void expect_weights(const LoadedScene& loaded) {
+    const Scene& scene = *loaded.scene;
+    const LightPaths paths(scene);
+    const Techniques all;
+    constexpr int longest = 6;
+    RayQueries rays(scene);
+    std::size_t checked = 0;
+    // A weight is the quotient of products of up to a dozen densities in float.
+    const auto check = [&](const WholePath& path, std::size_t s, float weight) {
+        const double expected = weights_of(scene, path)[s];
+        EXPECT_NEAR(double{weight}, expected, 1e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
+        ++checked;
+    };
+    for (std::uint32_t i = 0; i < 400 && !testing::Test::HasFailure(); ++i) {
+        const Sampler sampler(PointSet::independent, 3, i, 0), light_sampler = sampler.split(0, 1, 1);
+        const EmissionSample start = scene.sample_emission(light_sampler.get_1d(dimension::emission_light),
+                                                           light_sampler.get_2d(dimension::emission_position),
+                                                           light_sampler.get_2d(dimension::emission_direction));
+        std::vector<PathVertex> from_light, from_camera;
+        walk_from_light(rays, light_sampler, longest, paths.power, all,
+                        [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+                            from_light.push_back(vertex);
+                            const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
+                            const auto splat = connect_to_camera(rays, vertex, paths.power, paths.count,
+                                                                 {Vec2(0.5f, 0.5f), 0.5f}, flights);
+                            if (splat) check({start, from_light, view->ray.o}, from_light.size() + 1,
+                                             splat->connection.weight);
+                        });
+        const int x = static_cast<int>(i % 8), y = static_cast<int>(i / 8 % 8);
+        TracedRay eye{scene.sensor().sample_ray(x, y, sampler)};
+        rays.trace(eye);
+        PixelSample lost;
+        walk_from_camera(
+            rays, eye, sampler, longest, paths.count, all, lost, [](const FoundLight&) {},
+            [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+                from_camera.push_back(vertex);
+                for (std::size_t s = 1; s <= from_light.size(); ++s) {
+                    const auto joined = connect(rays, vertex, from_light[s - 1], paths.power, flights);
+                    if (!joined) continue;
+                    WholePath path{start, {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)},
+                                   eye.ray.o};
+                    path.inner.insert(path.inner.end(), from_camera.rbegin(), from_camera.rend());
+                    check(path, s + 1, joined->weight);
+                }
+            });
+    }
+    EXPECT_GT(checked, 300u);
+}
+
+// Breaking any factor of the recursion or of a connection's weight makes one of these fail.
+TEST(TechniqueWeights, OfLightsWithASurfaceAreThoseOfTheDensities) {
+    expect_weights(room(lamp));
+    expect_weights(room(ball));
+}
+TEST(TechniqueWeights, OfDeltaLightsAreThoseOfTheDensities) {
+    expect_weights(room(point));
+    expect_weights(room(sun));
+}
+TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room(sky)); }
+TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room(lamp, fog)); }
+TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
+    expect_weights(room(lamp, "", "orthographic"));
+}
+
+}  // namespace
+}  // namespace gib
