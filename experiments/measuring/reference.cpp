@@ -4,6 +4,7 @@
 #include "common/core/memory_limit.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
+#include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
@@ -30,6 +31,12 @@ constexpr double heavy_tail_share = 0.5;
 /// No target counts as met before each group has this many passes. While rare bright paths are still missing, the
 /// estimated error is too small; stopping at its first small value would favour exactly those moments.
 constexpr std::uint64_t fewest_passes = 8;
+/// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds.
+constexpr double pilot_share = 0.03;
+constexpr std::uint32_t most_pilot_rounds = 10;
+/// The pilot's batches are numbered from here.
+constexpr std::uint32_t first_pilot_batch = 0x80000000;
+constexpr double infinity_seconds = std::numeric_limits<double>::infinity();
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -40,12 +47,26 @@ public:
         : work_(work),
           progress_(progress),
           key_(reference_key(work.scene.content_hash, work.label)),
-          method_(work.method.create(ParameterValues(all_parameters(work.method), work.label), {work.scene.max_edges})),
-          unresolved_(method_->plan(*work.scene.scene).unresolved) {}
+          agreement_(work.methods.size()) {
+        unresolved_.assign(all_components.begin(), all_components.end());
+        for (const MethodDescription* method : work.methods) {
+            methods_.push_back(
+                method->create(ParameterValues(all_parameters(*method), {method->name, work.label.values}),
+                               {work.scene.max_edges}));
+            missing_.push_back(methods_.back()->plan(*work.scene.scene).unresolved);
+            std::erase_if(unresolved_, [&](Component c) {
+                return std::find(missing_.back().begin(), missing_.back().end(), c) == missing_.back().end();
+            });
+            shares_.push_back({method->name, 1, {}});
+            shares_.back().weights.fill(1);
+        }
+    }
 
     FinishedReference make() {
         require_memory_for_groups();
         open();
+        if (methods_.size() > 1 && !good_enough() && !take_stored_shares()) run_pilot();
+        result_.warnings.clear();  // good_enough() says them again
         while (!good_enough()) {
             try {
                 add_round();
@@ -70,7 +91,7 @@ private:
     void require_memory_for_groups() const {
         const auto& sensor = work_.scene.scene->sensor();
         const double whole = reference_groups + 2;
-        const double layers = (reference_groups + 4 * whole) * static_cast<double>(work_.method.components.size() + 1);
+        const double layers = (reference_groups + 4 * whole) * (component_count + 1);
         require_memory(3.0 * sizeof(float) * sensor.width() * sensor.height() * layers,
                        fmt::format("a reference of {} x {} pixels", sensor.width(), sensor.height()));
     }
@@ -81,6 +102,8 @@ private:
         const auto& sensor = work_.scene.scene->sensor();
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
+            const auto metadata = read_reference(work_.path).metadata;
+            if (const auto makers = metadata.find("makers"); makers != metadata.end()) stored_shares_ = makers->second;
         } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
@@ -128,17 +151,77 @@ private:
         return static_cast<std::uint32_t>(std::clamp(std::ceil(passes), 1.0, 1e9));
     }
 
+    /// The shares of an earlier session, whose images the stored groups hold.
+    bool take_stored_shares() {
+        const std::vector<MakerShare> stored = shares_in(stored_shares_);
+        if (stored.size() != shares_.size()) return false;
+        for (std::size_t m = 0; m < stored.size(); ++m)
+            if (stored[m].method != shares_[m].method) return false;
+        shares_ = stored;
+        return true;
+    }
+
+    /// Measures the makers and decides their shares. It goes on, with twice the passes each time, until it has taken
+    /// a few per cent of the time that the reference is predicted to take.
+    void run_pilot() {
+        std::vector<MakerPilot> pilots(methods_.size());
+        std::vector<std::string> names;
+        for (std::size_t m = 0; m < methods_.size(); ++m) {
+            pilots[m].unresolved = missing_[m];
+            names.push_back(shares_[m].method);
+        }
+        double seconds = 0;
+        for (std::uint32_t round = 0, passes = 2;; ++round, passes *= 2) {
+            for (std::size_t m = 0; m < methods_.size(); ++m) {
+                const double start = now();
+                std::vector<ComponentImages> groups;
+                for (std::uint32_t g = 0; g < reference_groups; ++g) {
+                    progress_.update(0, std::nullopt,
+                                     fmt::format("reference of {}: trying {}", work_.scene.name, names[m]));
+                    const std::uint32_t batch = first_pilot_batch + round * reference_groups + g;
+                    groups.push_back(run_batch(m, batch, passes, groups_.dropped));
+                }
+                agreement_.add(m, groups, passes);
+                add_to_pilot(pilots[m], groups, passes);
+                pilots[m].seconds += now() - start;
+                seconds += now() - start;
+            }
+            const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
+            shares_ = plan.shares;
+            double predicted = work_.goal.target ? plan.error2_seconds / sqr(*work_.goal.target) : infinity_seconds;
+            if (work_.goal.seconds) predicted = std::min(predicted, *work_.goal.seconds);
+            if (seconds > pilot_share * predicted || round + 1 == most_pilot_rounds) break;
+        }
+        groups_.seconds += seconds;
+    }
+
+    static void add_to_pilot(MakerPilot& pilot, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
+        ReferenceGroups sum;  // the running means of groups
+        if (pilot.passes > 0) sum.add_round(pilot.groups, pilot.passes);
+        sum.add_round(groups, passes);
+        pilot.groups = sum.groups();
+        pilot.passes += passes;
+    }
+
     void add_round() {
         const double start = now();
         const std::uint32_t passes = next_passes();
+        std::vector<std::vector<ComponentImages>> made(methods_.size());  // by maker, the images of the groups
+        DroppedSamples dropped = groups_.dropped;                         // a copy: an interrupted round does not count
         std::vector<ComponentImages> batches;
-        DroppedSamples dropped = groups_.dropped;  // a copy: an interrupted round does not count
-        for (int g = 0; g < reference_groups; ++g) {
+        for (std::uint32_t g = 0; g < reference_groups; ++g) {
             show(static_cast<double>(g) / reference_groups * passes);
-            const std::uint32_t batch =
-                groups_.rounds * static_cast<std::uint32_t>(reference_groups) + static_cast<std::uint32_t>(g);
-            batches.push_back(run_batch(batch_seed(key_, batch), passes, dropped));
+            std::vector<ComponentImages> images(methods_.size());
+            for (std::size_t m = 0; m < methods_.size(); ++m) {
+                if (shares_[m].passes == 0) continue;
+                images[m] = run_batch(m, groups_.rounds * reference_groups + g, passes * shares_[m].passes, dropped);
+            }
+            batches.push_back(methods_.size() == 1 ? images.front() : combined(shares_, images));
+            for (std::size_t m = 0; methods_.size() > 1 && m < methods_.size(); ++m)
+                if (shares_[m].passes > 0) made[m].push_back(std::move(images[m]));
         }
+        for (std::size_t m = 0; m < methods_.size(); ++m)
+            if (!made[m].empty()) agreement_.add(m, made[m], passes * shares_[m].passes);
         groups_.add_round(batches, passes);
         groups_.dropped = dropped;
         groups_.seconds += now() - start;
@@ -147,9 +230,10 @@ private:
         update();
     }
 
-    ComponentImages run_batch(std::uint64_t seed, std::uint32_t passes, DroppedSamples& dropped) {
+    ComponentImages run_batch(std::size_t maker, std::uint32_t batch, std::uint32_t passes, DroppedSamples& dropped) {
         StageTimes stages;
-        const auto run = method_->start(*work_.scene.scene, seed, stages);
+        const std::uint64_t seed = batch_seed(key_, batch, static_cast<std::uint32_t>(maker));
+        const auto run = methods_[maker]->start(*work_.scene.scene, seed, stages);
         for (std::uint32_t pass = 0; pass < passes; ++pass) {
             InterruptGuard::check();
             if (run->advance(pass) == Progress::converged) break;
@@ -180,7 +264,15 @@ private:
                                      static_cast<std::uint64_t>(reference_groups) * groups_.passes, error));
     }
 
+    /// Throws RunError if the makers disagree: one of them is wrong then, and so is what they have made together.
+    void require_agreement() const {
+        const std::string disagreement = agreement_.disagreement(shares_);
+        if (!disagreement.empty())
+            throw RunError(fmt::format("the reference of '{}' is refused: {}", work_.scene.name, disagreement));
+    }
+
     void save() {
+        if (methods_.size() > 1) require_agreement();
         result_.reference.metadata = metadata();
         write_reference(work_.path, result_.reference);
         saved_at_ = now();
@@ -194,7 +286,7 @@ private:
         if (!names.empty())
             result_.warnings.push_back(fmt::format("'{}' cannot sample every path of: {}; left out of judgement",
                                                    work_.label.text(), fmt::join(names, ", ")));
-        if (!work_.method.unbiased)
+        if (!work_.methods.front()->unbiased)
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
                             work_.label.text()));
@@ -227,6 +319,7 @@ private:
             {"epsilon", fmt::format("{}", work_.epsilon)},
             {"dominance_of_one_group", fmt::format("{:.3g}", share)},
             {"program", program_version()}};
+        if (methods_.size() > 1) metadata["makers"] = text_of(shares_);
         if (groups_.dropped.count > 0) {
             metadata["not_finite"] = std::to_string(groups_.dropped.count);
             metadata["first_not_finite"] = groups_.dropped.first;
@@ -237,8 +330,12 @@ private:
     const ReferenceWork& work_;
     ProgressLine& progress_;
     std::string key_;
-    std::unique_ptr<Method> method_;
-    std::vector<Component> unresolved_;
+    std::vector<std::unique_ptr<Method>> methods_;
+    std::vector<std::vector<Component>> missing_;  ///< by maker, the components that it cannot sample
+    std::vector<Component> unresolved_;            ///< that no maker can sample
+    std::vector<MakerShare> shares_;
+    MakerAgreement agreement_;
+    std::string stored_shares_;
     ReferenceGroups groups_;
     FinishedReference result_;
     double saved_at_ = 0;
@@ -275,9 +372,9 @@ std::string stored_reference_identity(const std::string& path) {
     }
 }
 
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch) {
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
     const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
-    return 0x8000000000000000ull | combine_keys(base, batch);
+    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
 }
 
 double dominance_of_one_group(const std::vector<Image>& groups) {

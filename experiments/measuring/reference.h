@@ -17,8 +17,8 @@ namespace gib {
 
 struct ReferenceWork {
     const LoadedScene& scene;
-    const MethodDescription& method;
-    MethodLabel label;  ///< of that method, without spp
+    std::vector<const MethodDescription*> methods;  ///< that make it together (reference_methods())
+    MethodLabel label;                              ///< of the reference, without spp
     ReferenceGoal goal;
     double epsilon;    ///< [radiance^2] of the relative error that `goal` bounds
     std::string path;  ///< of the file, which is read if it exists and written when it has improved
@@ -47,8 +47,8 @@ FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progre
 /// FinishedReference::identity of a stored file; empty if there is none or if it cannot be read.
 std::string stored_reference_identity(const std::string& path);
 
-/// The seed of a batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch);
+/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
 
 /// The share that the most deviant group of each value (pixel and channel) has in the sum of the groups' squared
 /// deviations from their mean: about 0.27 for Gaussian noise of 16 groups, near 1 if rare bright samples dominate the

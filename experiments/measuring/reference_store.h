@@ -26,6 +26,7 @@ public:
     /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if
     /// the components of the batches differ.
     void add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes);
+    const std::vector<ComponentImages>& groups() const { return groups_; }
     /// The reference so far: mean, standard error and groups of the total and of every component, without metadata.
     Reference reference() const;
 

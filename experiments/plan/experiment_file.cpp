@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/plan/method_sweep.h"
+#include "experiments/plan/reference_methods.h"
 #include "experiments/plan/run_limits.h"
 
 #include <cmath>
@@ -73,23 +74,24 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
 }
 
 void read_reference(const TomlReader& reader, const toml::node* node, Experiment& experiment) {
-    experiment.reference_method = MethodLabel{"path", {}};
+    MethodLabel label{std::string(auto_reference), {}};
     const toml::table empty;
     const auto& table = node ? reader.table(*node, "reference") : empty;
     SourceLocation where = node ? reader.at(*node) : SourceLocation{experiment.path};
     if (const auto* method = table.get("method")) {
         where = reader.at(*method);
-        experiment.reference_method = MethodLabel::parse(reader.string(*method, "method"), where);
+        label = MethodLabel::parse(reader.string(*method, "method"), where);
     }
-    const auto& description = find_comparable_method(experiment.reference_method.name, where);
-    MethodSweep further(reader, description, experiment.reference_method);
+    const std::string name = label.name;
+    // Parameters of several makers are those of the first one, if all have them.
+    label.name = reference_methods(label, where).front()->name;
+    MethodSweep further(reader, find_comparable_method(label.name, where), label);
     for (const auto& entry : reader.entries(table))
         if (entry.key != "method" && entry.key != "target" && entry.key != "seconds") further.add(entry);
     const auto labels = further.labels(where);
     if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
-    experiment.reference_method = labels.front();
-    if (ConfiguredMethod(labels.front()).values.given("spp"))
-        throw InputError(where, "a reference takes as many samples as its target needs: no 'spp'");
+    experiment.reference_method = {name, labels.front().values};
+    static_cast<void>(reference_methods(experiment.reference_method, where));
 
     if (const auto* target = table.get("target")) read_targets(reader, *target, experiment);
     const auto* seconds = table.get("seconds");

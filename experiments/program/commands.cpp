@@ -5,6 +5,7 @@
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
+#include "experiments/plan/reference_methods.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
@@ -113,13 +114,12 @@ int render(const RenderOptions& options, std::ostream& out) {
 }
 
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
-    const ConfiguredMethod chosen(MethodLabel::parse(options.method));
-    find_comparable_method(chosen.label.name);
+    const MethodLabel label = MethodLabel::parse(options.method);
+    const auto methods = reference_methods(label);
     require_epsilon(options.epsilon);
     // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
     if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
         throw InputError("--max-seconds needs a finite number above 0");
-    if (chosen.values.given("spp")) throw InputError("a reference takes as many samples as its target needs: no 'spp'");
     check_writable(options.out);
     ReferenceGoal goal{std::nullopt, options.seconds};
     if (options.target) goal.target = parse_target(*options.target);
@@ -129,8 +129,8 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     ProgressLine progress;
     FinishedReference finished;
     const ReferenceWork work{.scene = loaded,
-                             .method = chosen.description,
-                             .label = chosen.label,
+                             .methods = methods,
+                             .label = label,
                              .goal = goal,
                              .epsilon = options.epsilon,
                              .path = options.out};

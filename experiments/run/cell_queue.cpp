@@ -7,6 +7,7 @@
 #include "common/images/image_file.h"
 #include "experiments/measuring/cell_process.h"
 #include "experiments/measuring/reference.h"
+#include "experiments/plan/reference_methods.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
 #include "experiments/results/flip_record.h"
@@ -230,7 +231,7 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     const MethodLabel& label = experiment_.reference_method;
     const std::string path = cached_reference_path(reference_key(scene.content_hash, label));
     const ReferenceWork work{.scene = loaded,
-                             .method = find_method(label.name),
+                             .methods = reference_methods(label),
                              .label = label,
                              .goal = scene.entry.goal,
                              .epsilon = experiment_.epsilon,

@@ -1,0 +1,360 @@
+#include "experiments/measuring/reference_makers.h"
+
+#include "common/core/number_text.h"
+#include "experiments/metrics/block_sums.h"
+#include "experiments/metrics/z_statistic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+namespace gib {
+
+namespace {
+
+constexpr int block_edge = 8;                 ///< [pixels]
+constexpr double least_weight = 0.01;         ///< a maker of less weight is not tested against the others
+constexpr double least_share_of_time = 0.01;  ///< a maker of less is left out
+constexpr double alpha = 0.001;               ///< of all tests of agreement together
+
+bool has(const std::vector<Component>& list, Component c) { return std::find(list.begin(), list.end(), c) != list.end(); }
+
+/// The means over blocks of pixels.
+Image block_means(const Image& image) {
+    const Grid grid = Grid::with_edge(image.width, image.height, block_edge);
+    Image means(grid.columns.count, grid.rows.count);
+    for (std::size_t b = 0; b < grid.size(); ++b) {
+        Colord sum = Colord::Zero();
+        double pixels = 0;
+        grid.for_each_in(b, [&](int x, int y) {
+            sum += image.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                            static_cast<std::size_t>(x)).cast<double>();
+            ++pixels;
+        });
+        means.set(b, (sum / pixels).cast<float>());
+    }
+    return means;
+}
+
+ComponentImages block_means(const ComponentImages& images) {
+    ComponentImages means;
+    for (Component c : all_components) {
+        if (!images[c]) continue;
+        means[c] = block_means(*images[c]);
+        means.width = means[c]->width;
+        means.height = means[c]->height;
+    }
+    return means;
+}
+
+/// Mean over the groups, and the variance of this mean, of each value.
+struct GroupMoments {
+    std::vector<double> mean, variance;
+};
+GroupMoments moments_of(const std::vector<const Image*>& groups) {
+    const std::size_t size = groups.front()->rgb.size();
+    const auto n = static_cast<double>(groups.size());
+    GroupMoments moments{std::vector<double>(size), std::vector<double>(size)};
+    for (std::size_t i = 0; i < size; ++i) {
+        double sum = 0, squares = 0;
+        for (const Image* group : groups)
+            sum += double{group->rgb[i]};
+        moments.mean[i] = sum / n;
+        for (const Image* group : groups)
+            squares += sqr(double{group->rgb[i]} - moments.mean[i]);
+        moments.variance[i] = squares / ((n - 1) * n);
+    }
+    return moments;
+}
+
+GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
+    std::vector<const Image*> images;
+    for (const ComponentImages& group : groups)
+        images.push_back(&*group[c]);
+    return moments_of(images);
+}
+
+/// Variance times time, V_cm, of every component and maker; infinite where the maker cannot sample the component.
+class Costs {
+public:
+    Costs(const std::vector<MakerPilot>& pilots, double epsilon) : pilots_(pilots) {
+        std::vector<std::vector<ComponentImages>> blocks(pilots.size());
+        for (std::size_t m = 0; m < pilots.size(); ++m)
+            for (const ComponentImages& group : pilots[m].groups)
+                blocks[m].push_back(block_means(group));
+        set_denominators(blocks, epsilon);
+        for (Component c : all_components)
+            if (pilots.front().groups.front()[c]) measure(c, blocks);
+    }
+
+    const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
+    double seconds_of_pass(std::size_t m) const {
+        return pilots_[m].seconds / (static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes);
+    }
+
+private:
+    bool samples(std::size_t m, Component c) const { return !has(pilots_[m].unresolved, c); }
+
+    /// r^2 + epsilon of the error's definition, by block: r is the mean of the makers' total light.
+    void set_denominators(const std::vector<std::vector<ComponentImages>>& blocks, double epsilon) {
+        std::vector<double> total;
+        for (Component c : all_components) {
+            double makers = 0;
+            std::vector<double> sum;
+            for (std::size_t m = 0; m < blocks.size(); ++m) {
+                if (!blocks[m].front()[c] || !samples(m, c)) continue;
+                const std::vector<double> mean = moments_of(blocks[m], c).mean;
+                sum.resize(mean.size());
+                for (std::size_t i = 0; i < mean.size(); ++i)
+                    sum[i] += mean[i];
+                ++makers;
+            }
+            total.resize(std::max(total.size(), sum.size()));
+            for (std::size_t i = 0; i < sum.size(); ++i)
+                total[i] += sum[i] / makers;
+        }
+        for (const double r : total)
+            denominators_.push_back(r * r + epsilon);
+    }
+
+    void measure(Component c, const std::vector<std::vector<ComponentImages>>& blocks) {
+        std::vector<GroupMoments> of_blocks;
+        for (const auto& groups : blocks)
+            of_blocks.push_back(moments_of(groups, c));
+        std::vector<double>& costs = costs_[static_cast<std::size_t>(index_of(c))];
+        for (std::size_t m = 0; m < pilots_.size(); ++m) {
+            if (!samples(m, c)) {
+                costs.push_back(std::numeric_limits<double>::infinity());
+                continue;
+            }
+            double variance = pixel_variance(pilots_[m].groups, c), lacking = 0;
+            for (std::size_t other = 0; other < pilots_.size(); ++other)
+                if (samples(other, c)) lacking = std::max(lacking, shortfall(of_blocks[m], of_blocks[other]));
+            // Both belong to the mean over all groups; a pass has the variance of all passes times their number.
+            const double passes = static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes;
+            costs.push_back((variance + lacking) * passes * seconds_of_pass(m));
+        }
+    }
+
+    /// Mean over pixels and channels of the relative variance of the mean over all groups.
+    double pixel_variance(const std::vector<ComponentImages>& groups, Component c) const {
+        const GroupMoments moments = moments_of(groups, c);
+        const Image& image = *groups.front()[c];
+        const Grid grid = Grid::with_edge(image.width, image.height, block_edge);
+        double sum = 0;
+        for (std::size_t b = 0; b < grid.size(); ++b)
+            grid.for_each_in(b, [&](int x, int y) {
+                const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                   static_cast<std::size_t>(x);
+                for (std::size_t k = 0; k < 3; ++k)
+                    sum += moments.variance[3 * pixel + k] / denominators_[3 * b + k];
+            });
+        return sum / static_cast<double>(image.rgb.size());
+    }
+
+    /// Mean over blocks of the squared light that the other maker has found and this one has not, beyond their noise.
+    double shortfall(const GroupMoments& own, const GroupMoments& other) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < own.mean.size(); ++i) {
+            const double lacking = std::max(other.mean[i] - own.mean[i], 0.0);
+            sum += (lacking * lacking - own.variance[i] - other.variance[i]) / denominators_[i];
+        }
+        return std::max(sum / static_cast<double>(own.mean.size()), 0.0);
+    }
+
+    const std::vector<MakerPilot>& pilots_;
+    std::vector<double> denominators_;
+    std::array<std::vector<double>, component_count> costs_;
+};
+
+/// The shares of time that minimise the sum over components of 1 / sum over m of (t_m / V_cm), by fixed-point steps
+/// t_m <- t_m sqrt(g_m) / sum, with the gain g_m of more time for m. They keep the shares positive and lower the sum.
+std::vector<double> shares_of_time(const std::vector<std::vector<double>>& costs, std::size_t makers) {
+    std::vector<double> shares(makers, 1.0 / static_cast<double>(makers));
+    for (int step = 0; step < 2000; ++step) {
+        std::vector<double> gains(makers, 0);
+        for (const auto& of_component : costs) {
+            double precision = 0;
+            for (std::size_t m = 0; m < makers; ++m)
+                precision += shares[m] / of_component[m];
+            for (std::size_t m = 0; m < makers; ++m)
+                gains[m] += 1 / (of_component[m] * precision * precision);
+        }
+        double sum = 0;
+        for (std::size_t m = 0; m < makers; ++m)
+            sum += shares[m] *= std::sqrt(gains[m]);
+        if (!(sum > 0)) return std::vector<double>(makers, 1.0 / static_cast<double>(makers));
+        for (double& share : shares)
+            share /= sum;
+    }
+    return shares;
+}
+
+}  // namespace
+
+MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
+                                 double epsilon) {
+    const Costs costs(pilots, epsilon);
+    const std::size_t makers = methods.size();
+    std::vector<Component> components;
+    std::vector<std::vector<double>> judged;  // costs of the components that some maker samples
+    for (Component c : all_components) {
+        if (costs.of(c).empty()) continue;
+        components.push_back(c);
+        auto of_component = costs.of(c);
+        const double largest = std::accumulate(of_component.begin(), of_component.end(), 0.0, [](double a, double b) {
+            return std::isfinite(b) ? std::max(a, b) : a;
+        });
+        if (!(largest > 0)) continue;
+        for (double& cost : of_component)
+            cost = std::max(cost, 1e-9 * largest);  // a component may have no noise at all
+        judged.push_back(of_component);
+    }
+    std::vector<double> time = shares_of_time(judged, makers);
+    for (double& share : time)
+        if (share < least_share_of_time) share = 0;
+    std::vector<double> rates;  // passes a second of the reference's time
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (std::size_t m = 0; m < makers; ++m) {
+        rates.push_back(time[m] / costs.seconds_of_pass(m));
+        if (rates[m] > 0) least = std::min(least, rates[m]);
+        most = std::max(most, rates[m]);
+    }
+    // Whole numbers of passes in about these proportions.
+    const double scale = (most < 4 * least ? 3 : 1) / least;
+    MakerPlan plan;
+    double unit_seconds = 0;
+    for (std::size_t m = 0; m < makers; ++m) {
+        const auto passes = static_cast<std::uint32_t>(std::round(std::min(rates[m] * scale, 1e6)));
+        plan.shares.push_back({methods[m], passes, {}});
+        unit_seconds += passes * costs.seconds_of_pass(m);
+    }
+    for (Component c : components) {
+        const auto i = static_cast<std::size_t>(index_of(c));
+        double precision = 0, busiest = 0;
+        std::size_t first = 0;
+        for (std::size_t m = 0; m < makers; ++m) {
+            const double seconds = plan.shares[m].passes * costs.seconds_of_pass(m);
+            plan.shares[m].weights[i] = seconds / std::max(costs.of(c)[m], 1e-300);
+            precision += plan.shares[m].weights[i];
+            if (seconds > busiest) {
+                busiest = seconds;
+                first = m;
+            }
+        }
+        // Where no maker samples the component, or it is black so far, the busiest one makes it.
+        if (!(precision > 0) || !std::isfinite(precision)) {
+            for (MakerShare& share : plan.shares)
+                share.weights[i] = 0;
+            plan.shares[first].weights[i] = 1;
+            continue;
+        }
+        for (MakerShare& share : plan.shares)
+            share.weights[i] /= precision;
+        plan.error2_seconds += unit_seconds / precision;
+    }
+    return plan;
+}
+
+std::string text_of(const std::vector<MakerShare>& shares) {
+    std::string text;
+    for (const MakerShare& share : shares) {
+        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", share.method, share.passes);
+        for (const double weight : share.weights)
+            text += fmt::format(" {:.17g}", weight);
+    }
+    return text;
+}
+
+std::vector<MakerShare> shares_in(const std::string& text) {
+    std::vector<MakerShare> shares;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ';');) {
+        std::istringstream words(part);
+        MakerShare share;
+        words >> share.method >> share.passes;
+        for (double& weight : share.weights)
+            words >> weight;
+        if (!words) return {};
+        shares.push_back(share);
+    }
+    return shares;
+}
+
+ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {
+    ComponentImages sum;
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+        if (shares[m].passes == 0) continue;
+        sum.width = images[m].width;
+        sum.height = images[m].height;
+        for (Component c : all_components) {
+            if (!images[m][c]) continue;
+            const double weight = shares[m].weights[static_cast<std::size_t>(index_of(c))];
+            if (!sum[c]) sum[c] = Image(sum.width, sum.height);
+            for (std::size_t i = 0; i < sum[c]->rgb.size(); ++i)
+                sum[c]->rgb[i] += static_cast<float>(weight * double{images[m][c]->rgb[i]});
+        }
+    }
+    return sum;
+}
+
+void MakerAgreement::add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
+    const double share = passes / static_cast<double>(passes_[maker] + passes);
+    passes_[maker] += passes;
+    auto& kept = groups_[maker];
+    if (kept.empty()) kept.resize(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const ComponentImages means = block_means(groups[g]);
+        for (Component c : all_components) {
+            if (!means[c]) continue;
+            if (!kept[g][c]) kept[g][c] = Image(means.width, means.height);
+            for (std::size_t i = 0; i < means[c]->rgb.size(); ++i) {
+                float& mean = kept[g][c]->rgb[i];
+                mean += static_cast<float>((double{means[c]->rgb[i]} - double{mean}) * share);
+            }
+        }
+    }
+}
+
+std::string MakerAgreement::disagreement(const std::vector<MakerShare>& shares) const {
+    struct Pair {
+        std::size_t a, b;
+        Component c;
+    };
+    std::vector<Pair> pairs;
+    const auto takes_part = [&](std::size_t m, Component c) {
+        return !groups_[m].empty() && groups_[m].front()[c] &&
+               shares[m].weights[static_cast<std::size_t>(index_of(c))] >= least_weight;
+    };
+    for (Component c : all_components)
+        for (std::size_t a = 0; a < shares.size(); ++a)
+            for (std::size_t b = a + 1; b < shares.size(); ++b)
+                if (takes_part(a, c) && takes_part(b, c)) pairs.push_back({a, b, c});
+    for (const Pair& pair : pairs) {
+        const auto layer = [&](std::size_t m) {
+            std::vector<Image> images;
+            for (const ComponentImages& group : groups_[m])
+                images.push_back(*group[pair.c]);
+            return layer_of_groups(std::move(images));
+        };
+        const ReferenceLayer a = layer(pair.a), b = layer(pair.b);
+        const ZTestVerdict verdict = verdict_of({{std::string(name_of(pair.c)), z_test(a, b, b.mean)}},
+                                                {.alpha = alpha / static_cast<double>(pairs.size())});
+        if (!verdict.differs) continue;
+        const auto worst = std::min_element(
+            verdict.scales.begin(), verdict.scales.end(),
+            [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; });
+        const BlockTest& block = worst->largest;
+        return fmt::format("'{}' and '{}' disagree about the component {} in the block of pixels x {} to {}, y {} to {}: "
+                           "their means differ by {:.3g}, {:.1f} standard errors",
+                           shares[pair.a].method, shares[pair.b].method, name_of(pair.c), block_edge * block.x,
+                           block_edge * (block.x + block.width) - 1, block_edge * block.y,
+                           block_edge * (block.y + block.height) - 1, block.deviation, block.t);
+    }
+    return "";
+}
+
+}  // namespace gib

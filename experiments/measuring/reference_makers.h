@@ -1,0 +1,71 @@
+#pragma once
+// The methods that make a reference together, and how their images are combined.
+//
+// A reference of `auto` takes every unbiased method as a maker. A pilot measures for each maker m and component c the
+// variance of one pass, relative as the reference's error is and averaged over the image, times the time of a pass:
+// V_cm. If maker m gets the share t_m of the time, the combination of its images of c with weights in proportion to
+// t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
+// these variances as small as possible. Weights and shares are fixed before the images that they weigh are made,
+// so the combination is unbiased. The pilot's images are not used again.
+//
+// A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
+// the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no
+// sample of n has found has a variance of at least n L^2 a sample.
+
+#include "common/reader/scene_file.h"
+#include "experiments/metrics/reference_image.h"
+#include "experiments/plan/experiment_file.h"
+#include "methods/method.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// What one maker does in each unit of a reference's work.
+struct MakerShare {
+    std::string method;
+    std::uint32_t passes = 1;
+    std::array<double, component_count> weights{};  ///< of its images, by component; they sum to 1 over the makers
+};
+
+/// Measured in a pilot.
+struct MakerPilot {
+    std::vector<ComponentImages> groups;  ///< the mean of each group's passes
+    std::uint32_t passes = 0;             ///< of each group
+    double seconds = 0;                   ///< of all groups
+    std::vector<Component> unresolved;    ///< that the maker cannot sample
+};
+
+struct MakerPlan {
+    std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
+    double error2_seconds = 0;       ///< the predicted squared relative error times the seconds that it takes
+};
+/// The plan of least variance. The pilots have the same components.
+MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
+                                 double epsilon);
+
+/// As text, for a reference's metadata, and back; empty if the text is none.
+std::string text_of(const std::vector<MakerShare>& shares);
+std::vector<MakerShare> shares_in(const std::string& text);
+
+/// The images of a unit: the weighted sum over its makers.
+ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);
+
+/// Keeps what each maker has made, in blocks of 8 x 8 pixels, and tests whether those that share a component agree.
+class MakerAgreement {
+public:
+    explicit MakerAgreement(std::size_t makers) : groups_(makers), passes_(makers, 0) {}
+    /// Adds the images of all groups of a maker, each of `passes` passes.
+    void add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes);
+    /// Says which makers disagree about which component, and where; empty if none do. All tests together reject makers
+    /// that agree with a probability of 0.1 % at most.
+    std::string disagreement(const std::vector<MakerShare>& shares) const;
+
+private:
+    std::vector<std::vector<ComponentImages>> groups_;  ///< by maker, the mean of each group over blocks
+    std::vector<std::uint64_t> passes_;
+};
+
+}  // namespace gib
