@@ -1,8 +1,8 @@
 #include "common/images/image_file.h"
 
 #include "common/color/srgb.h"
+#include "common/core/error.h"
 #include "common/core/files.h"
-#include "common/core/reject.h"
 #include "common/images/image_library.h"
 
 #include <ImfChannelList.h>
@@ -29,6 +29,8 @@ constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"};
 std::string channel_name(const std::string& layer, const std::string& channel) {
     return layer.empty() ? channel : layer + "." + channel;
 }
+
+std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
 /// Encodes the whole file in memory, so that writing it to disk is one step, which succeeds or fails as a whole.
 std::string encode_exr(const LayeredImage& image, Imf::Compression compression) {
@@ -68,9 +70,9 @@ void require_display_window(const StoredImage& stored, const std::string& path) 
                          data.x + data.width >= display.x + display.width &&
                          data.y + data.height >= display.y + display.height;
     if (!covered)
-        reject({path},
-               "the data window of {} x {} pixels does not cover the display window of {} x {}: a cropped image",
-               data.width, data.height, display.width, display.height);
+        throw InputError({path, 0, 0}, "the data window of " + size_text(data.width, data.height) +
+                                           " pixels does not cover the display window of " +
+                                           size_text(display.width, display.height) + ": a cropped image");
 }
 
 /// Three channels (for grey, one channel three times) as an image of the display window.
@@ -152,21 +154,18 @@ LayeredImage read_image(const std::string& path) {
     const StoredImage stored = image_library().read_image(path);
     require_display_window(stored, path);
     const auto layers = layers_among(stored.channels);
-    if (layers.empty()) reject({path}, "no channels R,G,B or Y; the image has {}", fmt::join(stored.channels, ", "));
+    if (layers.empty()) {
+        std::string names;
+        for (const auto& name : stored.channels)
+            names += (names.empty() ? "" : ", ") + name;
+        throw InputError({path, 0, 0}, "no channels R,G,B or Y; the image has " + names);
+    }
     LayeredImage image;
     for (const auto& [name, channels] : layers)
         image.layers.emplace_back(name, take_channels(stored, channels));
     // Some renderers give the only layer a name ("ViewLayer.Combined.R"); this layer is the image.
     if (image.layers.size() == 1) image.layers[0].first = "";
     image.metadata = stored.metadata;
-    return image;
-}
-
-Image load_linear_image(const std::string& path) {
-    const LinearImage file = image_library().read_linear(path, false);
-    Image image(file.width, file.height);
-    for (std::size_t i = 0; i < image.rgb.size(); ++i)
-        image.rgb[i] = file.values[file.channels == 3 ? i : i / 3];
     return image;
 }
 

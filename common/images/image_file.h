@@ -31,10 +31,6 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image);
 /// channel; the metadata are the string attributes. Throws InputError if the file is missing or is not an image.
 LayeredImage read_image(const std::string& path);
 
-/// Reads a whole file as linear RGB with sRGB's primaries, by Mitsuba's rules; a grey one has three equal channels.
-/// Throws the errors of ImageLibrary::read_linear().
-Image load_linear_image(const std::string& path);
-
 /// The layers of a render: the sum of its components as R,G,B (layer ""), and each component that is present.
 LayeredImage layers_of(const ComponentImages& image);
 /// The inverse of layers_of(): the component layers of a file. The layer "", the sum, is left out; a file without

@@ -41,7 +41,7 @@ public:
 
     bool constant() const { return !varying_; }
     /// The colour at uv: linear RGB with sRGB's primaries, within minimum() and maximum() for every uv. A coordinate
-    /// that is not finite counts as 0.
+    /// that is not finite counts as 0. Throws RunError if the file of a paged image has disappeared.
     Color color(const Vec2& uv) const { return varying_ ? varying_color(uv) : constant_; }
     /// The texture as one number, as Mitsuba's eval_1 returns it: a grey value itself, the luminance of a bitmap's
     /// colour, or the mean of a constant colour's channels. The two colours of a checkerboard are exchanged here, as

@@ -6,11 +6,97 @@
 #include "common/openimageio/linear_reader.h"
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagecache.h>
 #include <cstdint>
 
 namespace gib {
 
 namespace {
+
+/// The image format that OpenImageIO's cache reads: linear floats instead of the file's encoding, so that values are
+/// decoded before they are filtered.
+class LinearInput final : public OIIO::ImageInput {
+public:
+    static OIIO::ImageInput* create() { return new LinearInput; }
+    const char* format_name() const override { return "gibench-linear"; }
+    int supports(OIIO::string_view feature) const override { return feature == "procedural"; }
+    bool open(const std::string& name, OIIO::ImageSpec& spec) override { return open(name, spec, {}); }
+    bool open(const std::string&, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) override {
+        return reported([&] {
+            file_ = std::make_unique<LinearReader>(config.get_string_attribute("gib:path"),
+                                                   config.get_int_attribute("gib:raw") != 0);
+            m_spec = OIIO::ImageSpec(file_->width(), file_->height(), file_->channels(), OIIO::TypeDesc::FLOAT);
+            spec = m_spec;
+        });
+    }
+    bool close() override {
+        file_.reset();
+        return true;
+    }
+    bool read_native_scanline(int subimage, int miplevel, int y, int z, void* data) override {
+        return read_native_scanlines(subimage, miplevel, y, y + 1, z, data);
+    }
+    bool read_native_scanlines(int subimage, int miplevel, int begin, int end, int, void* data) override {
+        if (subimage != 0 || miplevel != 0) return false;
+        return reported([&] { file_->read_rows(begin, end, static_cast<float*>(data)); });
+    }
+
+private:
+    template <typename F>
+    bool reported(F&& read) {
+        try {
+            read();
+            return true;
+        } catch (const std::exception& e) {
+            errorfmt("{}", e.what());
+            return false;
+        }
+    }
+    std::unique_ptr<LinearReader> file_;
+};
+
+OIIO::ImageCache::ImageHandle* image(void* handle) { return static_cast<OIIO::ImageCache::ImageHandle*>(handle); }
+OIIO::ImageCache::Tile* tile(void* handle) { return static_cast<OIIO::ImageCache::Tile*>(handle); }
+
+class OiioTileCache final : public TileCache {
+public:
+    OiioTileCache(double megabytes, int tile_size) : images_(OIIO::ImageCache::create(false)) {
+        images_->attribute("max_memory_MB", static_cast<float>(megabytes));
+        images_->attribute("autotile", tile_size);
+        images_->attribute("automip", 0);
+    }
+    ~OiioTileCache() override { OIIO::ImageCache::destroy(images_); }
+    OiioTileCache(const OiioTileCache&) = delete;
+    OiioTileCache& operator=(const OiioTileCache&) = delete;
+
+    File add(const std::string& path, bool raw) override {
+        OIIO::ImageSpec config;
+        config.attribute("gib:path", path);
+        config.attribute("gib:raw", raw ? 1 : 0);
+        const OIIO::ustring name(path + (raw ? " (raw)" : " (linear)"));
+        images_->add_file(name, LinearInput::create, &config);
+        OIIO::ImageCache::ImageHandle* file = images_->get_image_handle(name);
+        OIIO::ImageSpec spec;
+        if (!file || !images_->get_imagespec(file, nullptr, spec)) throw InputError({path, 0, 0}, images_->geterror());
+        return {file, spec.tile_width};
+    }
+
+    void read_rows(void* file, int width, int begin, int end, float* values) override {
+        if (!images_->get_pixels(image(file), nullptr, 0, 0, 0, width, begin, end, 0, 1, OIIO::TypeDesc::FLOAT, values))
+            throw RunError(images_->geterror());
+    }
+
+    Tile tile_at(void* file, int x, int y) override {
+        auto* pinned = images_->get_tile(image(file), nullptr, 0, 0, x, y, 0);
+        if (!pinned) throw RunError("reading a texture: " + images_->geterror());
+        OIIO::TypeDesc format;
+        return {pinned, static_cast<const float*>(images_->tile_pixels(pinned, format))};
+    }
+    void release(void* pinned) override { images_->release_tile(tile(pinned)); }
+
+private:
+    OIIO::ImageCache* images_;
+};
 
 class OiioLibrary final : public ImageLibrary {
 public:
@@ -50,7 +136,12 @@ public:
         return png;
     }
 
-    LinearImage read_linear(const std::string& path, bool raw) const override { return gib::read_linear(path, raw); }
+    std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw) const override {
+        return std::make_unique<LinearReader>(path, raw);
+    }
+    std::unique_ptr<TileCache> tile_cache(double megabytes, int tile_size) const override {
+        return std::make_unique<OiioTileCache>(megabytes, tile_size);
+    }
 };
 
 }  // namespace

@@ -1,14 +1,12 @@
 #include "common/openimageio/linear_reader.h"
 
 #include "common/color/srgb.h"
-#include "common/core/memory_limit.h"
 #include "common/core/reject.h"
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -75,40 +73,47 @@ void require_one_part(OIIO::ImageInput& file, const SourceLocation& where) {
     file.geterror();
 }
 
-LinearImage read_linear(const std::string& path, bool raw) {
+LinearReader::LinearReader(const std::string& path, bool raw) : path_(path) {
     const SourceLocation where{path, 0, 0};
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are stored, not multiplied by alpha
-    const auto file = open_file(path, &config);
-    require_one_part(*file, where);
-    const OIIO::ImageSpec& spec = file->spec();
-    const std::vector<int> channels = choose_channels(spec, where);
+    file_ = open_file(path, &config);
+    require_one_part(*file_, where);
+    const OIIO::ImageSpec& spec = file_->spec();
+    channels_ = choose_channels(spec, where);
     require_srgb_primaries(spec, where);
-    const auto [first, last] = std::minmax_element(channels.begin(), channels.end());
-    const std::size_t pixels = spec.image_pixels(), stride = static_cast<std::size_t>(*last - *first + 1);
-    LinearImage image{spec.width, spec.height, static_cast<int>(channels.size()), {}};
-    // A damaged header may announce more than the file can hold.
-    require_memory_for_image(static_cast<double>(pixels) * static_cast<double>(stride + channels.size()), spec.width,
-                             spec.height, image.channels, where);
-    std::vector<float> stored(pixels * stride);
-    if (!file->read_image(0, 0, *first, *last + 1, OIIO::TypeDesc::FLOAT, stored.data()))
-        throw InputError(where, "the image is damaged: " + file->geterror());
     const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
-    const bool srgb = !raw && (bytes || spec.format == OIIO::TypeDesc::UINT16);
-    std::array<float, 256> decoded;  // the linear values of bytes
-    for (std::size_t i = 0; i < decoded.size(); ++i)
-        decoded[i] = linear_from_srgb(static_cast<float>(i) / 255);
-    image.values.reserve(pixels * channels.size());
-    for (std::size_t i = 0; i < pixels; ++i)
-        for (const int channel : channels) {
-            const float v = stored[i * stride + static_cast<std::size_t>(channel - *first)];
-            if (!std::isfinite(v))
-                reject(where, "the pixel in column {}, row {} is not finite", i % static_cast<std::size_t>(spec.width),
-                       i / static_cast<std::size_t>(spec.width));
-            const auto byte = static_cast<std::size_t>(bytes ? v * 255 + 0.5f : 0.f);
-            image.values.push_back(!srgb ? v : bytes ? decoded[byte] : linear_from_srgb(v));
-        }
-    return image;
+    srgb_ = !raw && (bytes || spec.format == OIIO::TypeDesc::UINT16);
+    if (srgb_ && bytes)
+        for (int i = 0; i < 256; ++i)
+            decoded_.push_back(linear_from_srgb(static_cast<float>(i) / 255));
+}
+
+float LinearReader::linear(float v) const {
+    if (!srgb_) return v;
+    return decoded_.empty() ? linear_from_srgb(v) : decoded_[static_cast<std::size_t>(v * 255 + 0.5f)];
+}
+
+void LinearReader::read_rows(int begin, int end, float* values) const {
+    const OIIO::ImageSpec& spec = file_->spec();
+    const auto [first, last] = std::minmax_element(channels_.begin(), channels_.end());
+    const int stride = *last - *first + 1;
+    // Rows are extended to whole tiles, because a tile can only be read as a whole.
+    const int tile = std::max(spec.tile_height, 1);
+    const int from = begin / tile * tile, to = std::min((end + tile - 1) / tile * tile, spec.height);
+    const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stride);
+    std::vector<float> stored(row * static_cast<std::size_t>(to - from));
+    const bool read = spec.tile_width > 0
+                          ? file_->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + from, spec.y + to, spec.z,
+                                              spec.z + 1, *first, *last + 1, OIIO::TypeDesc::FLOAT, stored.data())
+                          : file_->read_scanlines(0, 0, spec.y + from, spec.y + to, spec.z, *first, *last + 1,
+                                                  OIIO::TypeDesc::FLOAT, stored.data());
+    if (!read) throw InputError({path_, 0, 0}, "the image is damaged: " + file_->geterror());
+    const float* pixel = stored.data() + row * static_cast<std::size_t>(begin - from);
+    const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin);
+    for (std::size_t i = 0; i < count; ++i, pixel += stride)
+        for (const int channel : channels_)
+            *values++ = linear(pixel[channel - *first]);
 }
 
 }  // namespace gib

@@ -1,5 +1,5 @@
 #pragma once
-// Reads an image file as linear floats with OpenImageIO. common/images/image_library.h says which files it
+// Reads an image file row by row as linear floats with OpenImageIO. common/images/image_library.h says which files it
 // accepts and how it decodes them.
 
 #include "common/core/error.h"
@@ -16,7 +16,23 @@ std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO:
 /// not during it.
 void require_one_part(OIIO::ImageInput& file, const SourceLocation& where);
 
-/// ImageLibrary::read_linear().
-LinearImage read_linear(const std::string& path, bool raw);
+class LinearReader final : public ImageReader {
+public:
+    LinearReader(const std::string& path, bool raw);
+
+    int width() const override { return file_->spec().width; }
+    int height() const override { return file_->spec().height; }
+    int channels() const override { return static_cast<int>(channels_.size()); }
+    void read_rows(int begin, int end, float* values) const override;
+
+private:
+    float linear(float stored) const;
+
+    std::string path_;
+    std::unique_ptr<OIIO::ImageInput> file_;
+    std::vector<int> channels_;   ///< indices of the channels to read: one grey or R, G, B
+    std::vector<float> decoded_;  ///< the linear value of each byte, if the file holds bytes in sRGB
+    bool srgb_ = false;
+};
 
 }  // namespace gib

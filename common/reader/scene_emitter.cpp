@@ -1,7 +1,7 @@
 #include "common/reader/scene_emitter.h"
 
 #include "common/core/reject.h"
-#include "common/images/image_file.h"
+#include "common/images/linear_file.h"
 #include "common/xml/scene_spectrum.h"
 
 namespace gib {
@@ -91,7 +91,7 @@ MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
     const auto scale = static_cast<float>(properties.not_negative("scale", 1));
     properties.boolean("mis_compensation", false);  // changes Mitsuba's sampling, not its image
     const std::string path = files.path(name, properties.element_where("filename"));
-    Image image = load_linear_image(path);
+    LinearImage image = load_linear_image(path);
     const auto width = static_cast<std::size_t>(image.width);
     for (std::size_t i = 0; i < image.rgb.size(); ++i) {
         if (!(image.rgb[i] >= 0))

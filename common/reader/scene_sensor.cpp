@@ -1,5 +1,6 @@
 #include "common/reader/scene_sensor.h"
 
+#include "common/core/float_traps.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 
@@ -146,6 +147,20 @@ void parse_clip_distances(Properties& properties, Sensor::Parameters& sensor) {
     if (!(sensor.near_clip < sensor.far_clip)) properties.reject("near_clip", "'near_clip' must be below 'far_clip'");
 }
 
+/// Whether the rays through the film's corners, which point furthest to the side, have directions. An angle of view
+/// near 180 degrees, an offset or a filter can be so large that float cannot hold the square of a ray's length.
+bool has_sound_rays(const Sensor& sensor) {
+    const FloatTrapsPaused paused;  // the test below looks for overflows
+    for (const int x : {0, sensor.width() - 1})
+        for (const int y : {0, sensor.height() - 1})
+            for (const float u : {0.f, 1.f})
+                for (const float v : {0.f, 1.f}) {
+                    const Ray ray = sensor.generate_ray(x, y, {u, v});
+                    if (!ray.o.array().isFinite().all() || !(std::abs(ray.d.norm() - 1.f) < 1e-3f)) return false;
+                }
+    return true;
+}
+
 int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
     if (depth == deepest_integrator) throw InputError(integrator.where, "integrators are nested too deeply");
     Properties properties(*integrator.element, ids);
@@ -196,7 +211,10 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
         reject(film ? film->where : sensor.where,
                "an image of {} x {} pixels with {} samples each is above {:g} samples", parameters.width,
                parameters.height, sample_count.value_or(1), most_samples);
-    return {Sensor(parameters), sample_count, medium};
+    const Sensor result(parameters);
+    if (!has_sound_rays(result))
+        throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");
+    return {result, sample_count, medium};
 }
 
 int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }

@@ -6,9 +6,11 @@
 namespace gib {
 
 OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
-    constexpr std::size_t deepest_part = 64;
+    constexpr std::size_t deepest_part = 64, most_parts = 1000;
     if (files.open_.contains(element_)) reject(object.where, "the {} holds itself", element_->tag);
-    if (files.open_.size() == deepest_part) throw InputError(object.where, "a material or texture of too many parts");
+    files.parts_ = files.open_.empty() ? 1 : files.parts_ + 1;
+    if (files.open_.size() == deepest_part || files.parts_ > most_parts)
+        throw InputError(object.where, "a material or texture of too many parts");
     files.open_.insert(element_);
 }
 
@@ -70,7 +72,8 @@ std::string TextureFiles::path(const std::string& name, const SourceLocation& wh
 std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, const SourceLocation& where, bool raw) {
     const std::string file = path(name, where);
     auto& bitmap = bitmaps_[{file, raw}];
-    if (!bitmap) bitmap = std::make_shared<const Bitmap>(file, raw);
+    if (!cache_) cache_ = std::make_shared<TextureCache>();
+    if (!bitmap) bitmap = std::make_shared<const Bitmap>(cache_, file, raw);
     return bitmap;
 }
 
@@ -91,8 +94,9 @@ Texture parse_textured(Properties& properties, const std::string& name, float fa
 
 Texture parse_textured_number(Properties& properties, const std::string& name, float fallback, ColorRange range,
                               TextureFiles& files) {
-    const Texture texture = parse_textured(properties, name, fallback, range, files);
-    return texture.constant() ? Texture(Color::Constant(texture.value(Vec2::Zero()))) : texture;
+    if (const auto object = properties.named_object(name, "texture")) return parse_within(*object, name, range, files);
+    const Texture color(color_property(properties, name, fallback, range));
+    return Texture(Color::Constant(color.value(Vec2::Zero())));
 }
 
 }  // namespace gib

@@ -32,13 +32,16 @@ private:
     const FileFinder& finder_;
     ContentHash& hash_;
     const XmlIds& ids_;
+    std::shared_ptr<TextureCache> cache_;  ///< made with the first bitmap
     std::map<std::pair<std::string, bool>, std::shared_ptr<const Bitmap>> bitmaps_;
     std::set<std::string> hashed_;
     std::set<const XmlElement*> open_;  ///< elements being parsed now, to find any that holds itself
+    std::size_t parts_ = 0;             ///< of the outermost open element so far, one for each reference
 };
 
 /// Marks a texture or material as being parsed. Throws InputError if it is marked already, because references can
-/// make an element hold itself, and for a chain that is too deep for recursion.
+/// make an element hold itself. With references a short file can also describe a chain that is too deep for
+/// recursion, or a tree of 2^n parts; both are refused.
 class OpenElement {
 public:
     OpenElement(const NestedObject& object, TextureFiles& files);

@@ -18,6 +18,9 @@ void MethodSweep::add(const TomlReader::Entry& entry) {
     } else {
         values.push_back(checked(entry, *entry.value));
     }
+    if (labels_.size() * values.size() > most_combinations)
+        reject(entry.key_at, "the lists up to '{}' make more than {} combinations of values", entry.key,
+               most_combinations);
     std::vector<MethodLabel> grid;
     for (const auto& label : labels_)
         for (const auto& value : values) {

@@ -10,6 +10,10 @@
 
 namespace gib {
 
+/// The most labels of a method. Lists of values multiply, so that a few lines could ask for more labels than
+/// memory holds.
+inline constexpr std::size_t most_combinations = 10000;
+
 /// The checked labels of a table of parameters. One list of values makes a sweep, several make a grid, in which the
 /// last list varies fastest.
 class MethodSweep {

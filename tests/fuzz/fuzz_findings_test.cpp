@@ -3,6 +3,7 @@
 
 #include "common/core/error.h"
 #include "common/images/image_file.h"
+#include "common/images/linear_file.h"
 #include "common/mesh_files/mesh_ms3d.h"
 #include "common/scene/scene.h"
 #include "experiments/plan/experiment_file.h"
@@ -181,11 +182,35 @@ TEST(FuzzFindings, MaterialsAreNotTooDeep) {
     EXPECT_EQ(scene_error(chain(63)), "no error");
 }
 
+TEST(FuzzFindings, TexturesAreNotExponential) {
+    std::string text;
+    for (int i = 0; i < 50; ++i)
+        text += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\">" + "<ref name=\"color0\" id=\"t" +
+                std::to_string(i + 1) + "\"/><ref name=\"color1\" id=\"t" + std::to_string(i + 1) + "\"/></texture>\n";
+    text += "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"/>";
+    EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
+}
+
 TEST(FuzzFindings, ManySmallMaterialsAreFine) {
     std::string text = "<shape type=\"sphere\"/>";
     for (int i = 0; i < 2000; ++i)
         text += "<bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\n";
     EXPECT_EQ(scene_error(text), "no error");
+}
+
+TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
+    const auto error = [](const std::string& sensor, const std::string& film) {
+        return test::input_error_of([&] {
+            parse_scene("<scene version=\"3.0.0\"><sensor type=\"perspective\">" + sensor +
+                            "\n<film type=\"hdrfilm\">" + film + "</film></sensor><shape type=\"sphere\"/></scene>",
+                        "t.xml");
+        });
+    };
+    const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
+    EXPECT_THAT(error("<float name=\"principal_point_offset_x\" value=\"1e38\"/>", ""), StartsWith(message));
+    EXPECT_THAT(error("", "<rfilter type=\"box\"><float name=\"radius\" value=\"1e38\"/></rfilter>"),
+                StartsWith(message));
+    EXPECT_EQ(error("<float name=\"fov\" value=\"179.999\"/>", ""), "no error");
 }
 
 TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
@@ -238,6 +263,15 @@ protected:
     const TemporaryFolder folder_;
     const std::string scene_ = folder_.write("a.xml", "");
 };
+
+TEST_F(ExperimentFindings, SweepsDoNotMultiplyWithoutBound) {
+    // The sweep has 10^9 labels.
+    std::string method = "[[method]]\nname = \"photon_mapper\"\n";
+    for (const char* key : {"photons", "caustic_photons", "volume_photons", "k", "gather", "spp", "max_depth",
+                            "shadow_photons", "shadow_k"})
+        method += std::string(key) + " = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11]\n";
+    EXPECT_THAT(error(method), HasSubstr("make more than 10000 combinations of values"));
+}
 
 TEST_F(ExperimentFindings, NamesThatNoFileCanHave) {
     EXPECT_THAT(error("", std::string(5000, 'x')), HasSubstr("e.toml:1:11: there is no scene file"));

@@ -3,6 +3,8 @@
 #include "common/images/texture.h"
 
 #include "common/core/float_traps.h"
+#include "common/core/parallel.h"
+#include "common/images/linear_file.h"
 #include "common/materials/material.h"
 #include "tests/support/texture_fixtures.h"
 
@@ -42,7 +44,7 @@ Picture picture(int width, int height, int channels, unsigned seed = 1) {
 class Bitmaps : public ::testing::Test {
 protected:
     std::shared_ptr<const Bitmap> load(const std::string& path, bool raw = false) const {
-        return std::make_shared<const Bitmap>(path, raw);
+        return std::make_shared<const Bitmap>(cache_, path, raw);
     }
     /// The texture of `p`, written to a float EXR file and read from it.
     BitmapTexture texture_of(const Picture& p, const test::FileFormat& format = {}) const {
@@ -50,6 +52,7 @@ protected:
     }
 
     TemporaryFolder folder_;
+    std::shared_ptr<TextureCache> cache_ = std::make_shared<TextureCache>();
 };
 
 /// The texel in [0, size) that stands for any index i, by the common definition of the modes, which is Mitsuba's.
@@ -223,7 +226,7 @@ TEST_F(Bitmaps, OfOneGreyHaveTheirValueAsNumberAndOthersTheirLuminance) {
 }
 
 TEST_F(Bitmaps, MeasureTheirTexels) {
-    const Picture p = picture(300, 270, 3);
+    const Picture p = picture(300, 270, 3);  // several tiles of the cache
     const auto bitmap = texture_of(p).bitmap;
     Colord sum = Colord::Zero();
     Color lowest = p.color(0, 0), highest = lowest;
@@ -247,6 +250,35 @@ TEST_F(Bitmaps, OfATiledFileAreTheSame) {
     for (int y = 0; y < 270; ++y)
         for (int x = 0; x < 300; ++x)
             ASSERT_TRUE((tiles->texel(x, y) == rows->texel(x, y)).all()) << x << " " << y;
+}
+
+TEST_F(Bitmaps, ThatArePagedAreTheSameFromManyThreads) {
+    const Picture p = picture(320, 300, 3);
+    const auto resident = texture_of(p);
+    // Nine tiles of 0.2 MB each: two of them fit.
+    BitmapTexture paged = resident;
+    paged.bitmap = std::make_shared<const Bitmap>(std::make_shared<TextureCache>(0.5), folder_ / "p.exr", false);
+    ASSERT_TRUE(paged.bitmap->paged() && !resident.bitmap->paged());
+    const Texture expected(resident), texture(paged);
+    constexpr std::size_t count = 1000;
+    std::vector<Vec2> uvs(count);
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<float> uniform;
+    for (auto& uv : uvs)
+        uv = Vec2(uniform(generator), uniform(generator));
+    std::vector<Color> found(count), kept(count);
+    with_threads(5, [&] {
+        parallel_blocks(count, 20, [&](std::size_t begin, std::size_t end, std::size_t) {
+            for (std::size_t i = begin; i < end; ++i) {
+                found[i] = texture.color(uvs[i]);
+                kept[i] = expected.color(uvs[i]);
+            }
+        });
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_TRUE((found[i] == kept[i]).all()) << i;
+        ASSERT_TRUE((kept[i] == expected.color(uvs[i])).all()) << i;
+    }
 }
 
 Texture with_transform(BitmapTexture bitmap, const Eigen::Matrix2f& linear, const Vec2& offset) {

@@ -3,7 +3,7 @@
 #include "common/reader/scene_texture.h"
 #include "common/scene/scene.h"
 
-#include "common/images/image_file.h"
+#include "common/images/linear_file.h"
 #include "common/materials/material.h"
 #include "tests/support/input_error.h"
 #include "tests/support/texture_fixtures.h"
@@ -313,11 +313,11 @@ TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
 TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
     const TemporaryFolder folder;
     const auto values = test::random_values(70, 150, 3);
-    const Image exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
+    const LinearImage exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
     EXPECT_EQ(exact.width, 70);
     EXPECT_EQ(exact.height, 150);
     EXPECT_EQ(exact.rgb, values);
-    const Image grey = load_linear_image(write_image(folder / "g.png", 1, 2, 1, {byte(255), byte(128)}, bytes));
+    const LinearImage grey = load_linear_image(write_image(folder / "g.png", 1, 2, 1, {byte(255), byte(128)}, bytes));
     ASSERT_EQ(grey.rgb.size(), 6u);
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_EQ(grey.rgb[k], 1);
