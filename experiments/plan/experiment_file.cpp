@@ -4,7 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/plan/method_sweep.h"
-#include "experiments/plan/run_limits.h"
+#include "experiments/plan/run_options.h"
 
 #include <cmath>
 #include <filesystem>
