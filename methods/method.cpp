@@ -71,37 +71,25 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
 }
 
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
-    plan.add(std::string(pass_eye_paths), scene.has_light() && max_edges >= 1,
+    plan.add(pass_eye_paths, scene.has_light() && max_edges >= 1,
              scene.has_light() ? "a path of no edges carries no light" : "nothing emits light");
 }
 
 void add_light_sampling(Plan& plan, int max_edges) {
     const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes) ||
                      plan.called_for.has(Effect::participating_media);
-    plan.add(std::string(pass_light_sampling), lit && max_edges >= 2,
+    plan.add(pass_light_sampling, lit && max_edges >= 2,
              lit ? "a path of direct light has two edges, more than max_depth allows"
                  : "no light can reach a diffuse or glossy surface");
 }
 
 ShownComponents shown_components(const Scene& scene, const Effects& effects, const MethodDescription& method) {
-    const auto shown = [&](Component c) {
-        switch (c) {
-            case Component::emission:
-                return scene.has_light();
-            case Component::direct:
-                return effects.has(Effect::direct_light);
-            case Component::caustic:
-                return effects.has(Effect::caustics);
-            case Component::indirect:
-                return effects.has(Effect::diffuse_interreflection);
-            case Component::volume:
-                return scene.has_light() && effects.has(Effect::participating_media);
-        }
-        return false;
-    };
+    const std::array<bool, component_count> shown = {
+        scene.has_light(), effects.has(Effect::direct_light), effects.has(Effect::caustics),
+        effects.has(Effect::diffuse_interreflection), scene.has_light() && effects.has(Effect::participating_media)};
     ShownComponents components;
     for (Component c : method.components)
-        (shown(c) ? components.accumulated : components.black).push_back(c);
+        (shown[static_cast<std::size_t>(index_of(c))] ? components.accumulated : components.black).push_back(c);
     return components;
 }
 

@@ -88,10 +88,12 @@ struct Plan {
     std::vector<Step> steps = {};
 
     bool runs(std::string_view pass) const;
-    /// Appends a step; `reason` says why it is skipped and is dropped if the step runs.
-    void add(std::string pass, bool is_run, std::string reason) {
-        steps.push_back({std::move(pass), is_run, is_run ? std::string() : std::move(reason)});
+    /// Appends a step, which runs unless there is a reason to skip it.
+    void add(std::string_view pass, std::string reason) {
+        steps.push_back({std::string(pass), reason.empty(), std::move(reason)});
     }
+    /// Appends a step; `reason` says why it is skipped and is dropped if the step runs.
+    void add(std::string_view pass, bool is_run, std::string reason) { add(pass, is_run ? "" : std::move(reason)); }
 };
 
 /// Counts that tables print beside the time.

@@ -124,7 +124,6 @@ Parameter number_parameter(std::string name, std::string initial, std::string un
             .unit = std::move(unit),
             .lower = lower,
             .upper = upper,
-            .choices = {},
             .sentence = std::move(meaning)};
 }
 Parameter integer_parameter(std::string name, std::string initial, std::string unit, double lower, double upper,

@@ -23,8 +23,8 @@ struct Parameter {
     std::string default_value;  ///< as text; empty if `sentence` states the default
     std::string unit;
     double lower = 0, upper = std::numeric_limits<double>::infinity();  ///< range of a number, inclusive
-    std::vector<std::string>
-        choices;  ///< all values of a choice; or the words that a number may be replaced by ("auto")
+    /// All values of a choice; or the words that a number may be replaced by ("auto").
+    std::vector<std::string> choices = {};
     std::string sentence;
 };
 

@@ -17,7 +17,11 @@ inline constexpr std::array<std::string_view, component_count> component_names =
 
 inline std::string_view name_of(Component c) { return component_names[static_cast<int>(c)]; }
 inline int index_of(Component c) { return static_cast<int>(c); }
-std::optional<Component> component_named(std::string_view name);
+inline std::optional<Component> component_named(std::string_view name) {
+    for (Component c : all_components)
+        if (name_of(c) == name) return c;
+    return std::nullopt;
+}
 
 /// How a vertex scattered: S (specular) or D (diffuse). A lobe rougher than glossy_roughness counts as diffuse, any
 /// other as specular.

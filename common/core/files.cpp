@@ -1,5 +1,6 @@
 #include "common/core/files.h"
 
+#include "common/core/descriptor.h"
 #include "common/core/error.h"
 #include "common/core/memory_limit.h"
 
@@ -14,28 +15,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 namespace gib {
 
 namespace {
-
-/// A file descriptor that closes itself.
-class Descriptor {
-public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    ~Descriptor() {
-        if (fd_ >= 0) ::close(fd_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return fd_; }
-    /// False if the last buffered bytes could not be stored.
-    bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
-private:
-    int fd_;
-};
 
 constexpr std::string_view temporary_mark = ".tmp-";
 constexpr std::size_t temporary_letters = 6;  // the number that mkostemp() requires
@@ -124,30 +110,22 @@ void remove_leftovers(const std::filesystem::path& folder, const Ours& ours) {
 }  // namespace
 
 std::string read_file(const std::string& path) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    struct stat status {};
-    if (file.get() < 0 || ::fstat(file.get(), &status) != 0)
-        throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
-    if (S_ISDIR(status.st_mode)) throw InputError({path, 0, 0}, "cannot read the file: it is a folder");
-    require_memory(static_cast<double>(status.st_size), "the file", {path, 0, 0});
-    // The buffer is one byte longer than the size, so that the end is found without growing it. The size is only a
-    // hint: a pipe has none, and a file may grow.
-    std::string content(static_cast<std::size_t>(status.st_size) + 1, '\0');
-    std::size_t size = 0;
-    for (;;) {
-        if (size == content.size()) {
-            const std::size_t larger = size + std::max<std::size_t>(size / 2, 4096);
-            // The old buffer is kept until it is copied, so that memory for all of the new one must be available.
-            require_memory(static_cast<double>(larger), "the file", {path, 0, 0});
-            content.resize(larger);
-        }
-        const ssize_t n = ::read(file.get(), content.data() + size, content.size() - size);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", std::strerror(errno)));
-        if (n == 0) break;
-        size += static_cast<std::size_t>(n);
+    std::error_code not_regular;
+    const bool is_folder = std::filesystem::is_directory(path, not_regular);
+    std::ifstream file(path, std::ios::binary);
+    const auto fail = [&] {
+        const char* why = is_folder ? "it is a folder" : std::strerror(errno);
+        throw InputError({path, 0, 0}, fmt::format("cannot read the file: {}", why));
+    };
+    if (is_folder || !file) fail();
+    std::string content;
+    if (const auto size = std::filesystem::file_size(path, not_regular); !not_regular) {
+        require_memory(static_cast<double>(size), "the file", {path, 0, 0});
+        content.resize(size);
+        if (!file.read(content.data(), static_cast<std::streamsize>(size))) fail();
+    } else {  // a pipe
+        content.assign(std::istreambuf_iterator<char>(file), {});
     }
-    content.resize(size);
     return content;
 }
 

@@ -34,8 +34,7 @@ std::optional<double> entry_in(const std::string& path, const std::string& name)
 std::optional<double> number_in(const fs::path& path) {
     std::ifstream file(path);
     double value = 0;
-    if (file >> value) return value;
-    return std::nullopt;
+    return file >> value ? std::optional(value) : std::nullopt;
 }
 
 /// The bytes that a control group leaves: its limit less its use. Cached pages of files count as used, but the system

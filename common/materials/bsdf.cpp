@@ -87,9 +87,7 @@ std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport trans
         return BsdfSample{.wi = {w.x(), w.y(), std::copysign(w.z(), wo.z())},
                           .f = Color::Zero(),
                           .pdf_w = 0.f,
-                          .delta = false,
-                          .lobe = LobeKind::diffuse,
-                          .eta = 1.f};
+                          .lobe = LobeKind::diffuse};
     }
     if (untilted) u_lobe = std::min((u_lobe - untilted_share) / (1.f - untilted_share), 1.f - unit_roundoff);
     auto sample = std::visit(

@@ -10,9 +10,7 @@
 #include "common/core/components.h"
 #include "common/core/math.h"
 
-#include <array>
 #include <optional>
-#include <string_view>
 
 namespace gib {
 
@@ -20,7 +18,6 @@ enum class MicrofacetType {
     beckmann,  ///< a surface with Gaussian heights
     ggx        ///< Trowbridge-Reitz: longer tails
 };
-inline constexpr std::array<std::string_view, 2> microfacet_type_names = {"beckmann", "ggx"};
 
 /// The distribution of slopes is P22(x, y) = p((x / alpha_u)^2 + (y / alpha_v)^2) / (alpha_u alpha_v) with p(r^2) =
 /// exp(-r^2) / pi for Beckmann and 1 / (pi (1 + r^2)^2) for GGX. Stretching the surface by 1 / alpha turns every

@@ -71,9 +71,7 @@ std::optional<BsdfSample> Phong::sample_local(const Vec3& wo, float u_lobe, cons
     return BsdfSample{.wi = wi,
                       .f = f_local(wo, wi, transport).of(which),
                       .pdf_w = pdf_w,
-                      .delta = false,
-                      .lobe = is_glossy ? glossy_kind() : LobeKind::diffuse,
-                      .eta = 1.f};
+                      .lobe = is_glossy ? glossy_kind() : LobeKind::diffuse};
 }
 
 ScatteringCoefficients Phong::coefficients_local(const Vec3& wo) const {

@@ -131,17 +131,14 @@ std::optional<BsdfSample> Plastic::sample_local(const Vec3& wo, float u_lobe, co
                           .f = weight / wo.z(),
                           .pdf_w = choice.coat,
                           .delta = true,
-                          .lobe = LobeKind::specular,
-                          .eta = 1.f};
+                          .lobe = LobeKind::specular};
     }
     if (choice.base == 0.f) return std::nullopt;
     const Vec3 wi = square_to_cosine_hemisphere(u);
     return BsdfSample{.wi = wi,
                       .f = f_local(wo, wi, transport).diffuse,
                       .pdf_w = choice.base * cosine_hemisphere_pdf(wi.z()),
-                      .delta = false,
-                      .lobe = LobeKind::diffuse,
-                      .eta = 1.f};
+                      .lobe = LobeKind::diffuse};
 }
 
 ScatteringCoefficients Plastic::coefficients_local(const Vec3& wo) const {
@@ -238,9 +235,7 @@ std::optional<BsdfSample> RoughPlastic::sample_local(const Vec3& wo, float u_lob
     return BsdfSample{.wi = wi,
                       .f = f_local(wo, wi, transport).of(which),
                       .pdf_w = pdf_w,
-                      .delta = false,
-                      .lobe = coat ? coat_kind : LobeKind::diffuse,
-                      .eta = 1.f};
+                      .lobe = coat ? coat_kind : LobeKind::diffuse};
 }
 
 ScatteringCoefficients RoughPlastic::coefficients_local(const Vec3& wo) const {

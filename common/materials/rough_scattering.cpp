@@ -61,12 +61,8 @@ std::optional<BsdfSample> RoughConductor::sample_local(const Vec3& wo, float, co
     const Vec3 wi = reflected(wo, m, cos_o);
     if (!(cos_o > 0.f && wi.z() > 0.f)) return std::nullopt;
     const float pdf_w = distribution.density(m) * reflection_jacobian / distribution.visible_area(wo);
-    return BsdfSample{.wi = wi,
-                      .f = reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)),
-                      .pdf_w = pdf_w,
-                      .delta = false,
-                      .lobe = kind,
-                      .eta = 1.f};
+    return BsdfSample{
+        .wi = wi, .f = reflectance(cos_o) * (pdf_w / distribution.visible_area(wi)), .pdf_w = pdf_w, .lobe = kind};
 }
 
 ScatteringCoefficients RoughConductor::coefficients_local(const Vec3& wo) const {
@@ -137,8 +133,7 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
                           .f = specular_transmittance / std::abs(wo.z()),
                           .pdf_w = 1.f,
                           .delta = true,
-                          .lobe = LobeKind::specular,
-                          .eta = 1.f};
+                          .lobe = LobeKind::specular};
     }
     const LobeKind kind = kind_of_roughness(distribution.roughness());
     if (!includes(which, kind)) return std::nullopt;
@@ -157,9 +152,7 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
         return BsdfSample{.wi = on_side(i, below),
                           .f = specular_reflectance * (pdf_w / distribution.visible_area(i)),
                           .pdf_w = pdf_w,
-                          .delta = false,
-                          .lobe = kind,
-                          .eta = 1.f};
+                          .lobe = kind};
     }
     const float cos_i = -fresnel.cos_t;
     if (!(cos_i > 0.f)) return std::nullopt;
@@ -167,7 +160,7 @@ std::optional<BsdfSample> RoughDielectric::sample_local(const Vec3& wo, float u_
     if (!(i.z() < 0.f)) return std::nullopt;
     const float pdf_w = (1.f - fresnel.reflectance) * facets * refraction_jacobian(cos_o, cos_i, eta_ti, length);
     const Color f = transmission(transport, eta_ti) * (pdf_w / distribution.visible_area(on_side(i, true)));
-    return BsdfSample{.wi = on_side(i, below), .f = f, .pdf_w = pdf_w, .delta = false, .lobe = kind, .eta = eta_ti};
+    return BsdfSample{.wi = on_side(i, below), .f = f, .pdf_w = pdf_w, .lobe = kind, .eta = eta_ti};
 }
 
 ScatteringCoefficients RoughDielectric::coefficients_local(const Vec3& wo) const {

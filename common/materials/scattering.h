@@ -72,9 +72,9 @@ struct BsdfSample {
     Vec3 wi;
     Color f;      ///< [1/sr]; for a delta lobe its weight / |cos|, so that f |cos| / pdf_w is the weight of the path
     float pdf_w;  ///< [1/sr]; for a delta lobe the probability of choosing it
-    bool delta;
+    bool delta = false;
     LobeKind lobe;
-    float eta;  ///< index on wi's side over index on wo's side; 1 without refraction
+    float eta = 1.f;  ///< index on wi's side over index on wo's side; 1 without refraction
 };
 
 /// Reflection coefficients (Jensen 2001, chapter 5): the shares of the light from one direction that are scattered

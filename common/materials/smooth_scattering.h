@@ -24,12 +24,8 @@ struct Diffuse {
     std::optional<BsdfSample> sample_local(const Vec3& wo, float, const Vec2& u, Transport, Lobes which) const {
         if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
         const Vec3 wi = square_to_cosine_hemisphere(u);
-        return BsdfSample{.wi = wi,
-                          .f = reflectance * inv_pi,
-                          .pdf_w = cosine_hemisphere_pdf(wi.z()),
-                          .delta = false,
-                          .lobe = LobeKind::diffuse,
-                          .eta = 1.f};
+        return BsdfSample{
+            .wi = wi, .f = reflectance * inv_pi, .pdf_w = cosine_hemisphere_pdf(wi.z()), .lobe = LobeKind::diffuse};
     }
     ScatteringCoefficients coefficients_local(const Vec3& wo) const {
         ScatteringCoefficients c;

@@ -1,5 +1,6 @@
 #include "common/media/grid_volume.h"
 
+#include "common/core/binary.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
 
@@ -21,10 +22,8 @@ public:
     template <typename T>
     T next(const char* what) {
         if (bytes_.size() - at_ < sizeof(T)) fail(fmt::format("the file ends in {}", what));
-        T value;
-        std::memcpy(&value, bytes_.data() + at_, sizeof(T));
         at_ += sizeof(T);
-        return value;
+        return load<T>(bytes_.data() + at_ - sizeof(T));
     }
     std::size_t rest() const { return bytes_.size() - at_; }
     [[noreturn]] void fail(const std::string& message) const { throw InputError({path_}, message); }

@@ -5,7 +5,6 @@
 #include "common/materials/phong.h"
 
 #include <map>
-#include <set>
 
 namespace gib {
 
@@ -17,62 +16,43 @@ class Ms3dParser {
 public:
     Ms3dParser(std::string_view text, const std::string& file) : cursor_(text, file), start_(cursor_.location()) {}
 
+    /// Reads up to the materials; bones and comments follow, which a still picture does not need.
     Ms3dModel parse() {
-        while (find_line())
-            parse_block();
-        if (!blocks_.contains("Meshes:"))
-            throw InputError(start_, "not a MilkShape 3D ASCII file: it has no 'Meshes:'");
+        for (bool at_materials = false; !at_materials && find_line();) {
+            const SourceLocation where = cursor_.location();
+            const std::string name(cursor_.word());
+            if (name == "Frames:" || name == "Frame:") {
+                integer("a frame number", 0);
+                cursor_.end_line();
+            } else if (name == "Meshes:") {
+                repeat([&] { parse_mesh(); });
+            } else if (name == "Materials:") {
+                repeat([&] { parse_material(); });
+                at_materials = true;
+            } else {
+                reject(where, "unknown word '{}': expected Frames:, Frame:, Meshes: or Materials:", name);
+            }
+        }
         if (model_.groups.empty()) throw InputError(start_, "the model is empty: it has no triangles");
-        check_references();
+        if (last_material_ >= static_cast<std::int64_t>(model_.materials.size()))
+            reject(last_material_at_, "material {} is out of range: there are {}", last_material_,
+                   model_.materials.size());
         return std::move(model_);
     }
 
 private:
-    /// An index that refers to a block further down the file.
-    struct Reference {
-        std::int64_t index = -1;
-        SourceLocation where;
-    };
-
-    void parse_block() {
-        const SourceLocation where = cursor_.location();
-        const std::string name(cursor_.word());
-        if (!blocks_.insert(name).second) reject(where, "'{}' is given twice", name);
-        if (name == "Frames:" || name == "Frame:") {
-            integer("a frame number", 0);
-            cursor_.end_line();
-        } else if (name == "Meshes:") {
-            repeat([&] { parse_mesh(); });
-        } else if (name == "Materials:") {
-            repeat([&] { parse_material(); });
-        } else if (name == "Bones:") {
-            bones_ = repeat([&] { parse_bone(); });
-        } else if (name == "GroupComments:" || name == "MaterialComments:" || name == "BoneComments:") {
-            repeat([&] {
-                line();
-                integer("an index", 0);
-                cursor_.end_line();
-                comment();
-            });
-        } else if (name == "ModelComment:") {
-            repeat([&] { comment(); });
-        } else {
-            reject(where,
-                   "unknown word '{}': expected Frames:, Frame:, Meshes:, Materials:, Bones:, "
-                   "GroupComments:, MaterialComments:, BoneComments: or ModelComment:",
-                   name);
-        }
-    }
-
     void parse_mesh() {
         Ms3dGroup group;
         line();
         group.name = quoted();
         integer("flags", 0);
-        const Reference material = reference("a material");
+        const std::int64_t material = integer("a material", -1);  // -1: none
+        if (material >= 0) group.material = static_cast<std::uint32_t>(material);
+        if (material > last_material_) {
+            last_material_ = material;
+            last_material_at_ = cursor_.marked();
+        }
         cursor_.end_line();
-        if (material.index >= 0) group.material = static_cast<std::uint32_t>(material.index);
-        remember(material, last_material_);
 
         std::vector<Vec3d> positions;
         std::vector<Vec2> uvs;
@@ -82,7 +62,7 @@ private:
             const float u = cursor_.float_number("a texture coordinate"),
                         v = cursor_.float_number("a texture coordinate");
             uvs.emplace_back(u, v);
-            remember(reference("a bone"), last_bone_);
+            integer("a bone", -1);
         });
         std::vector<Vec3> normals;
         items([&] { normals.push_back(float_vector("a normal")); });
@@ -130,32 +110,6 @@ private:
         model_.materials.push_back(std::move(material));
     }
 
-    void parse_bone() {
-        for (int i = 0; i < 2; ++i) {  // the names of the bone and of its parent
-            line();
-            quoted();
-            cursor_.end_line();
-        }
-        line();
-        integer("flags", 0);
-        vector("a position");
-        vector("a rotation");
-        cursor_.end_line();
-        for (int i = 0; i < 2; ++i)  // keys of positions and of rotations
-            items([&] {
-                cursor_.float_number("a time");
-                vector("a key");
-            });
-    }
-
-    void check_references() const {
-        if (last_material_.index >= static_cast<std::int64_t>(model_.materials.size()))
-            reject(last_material_.where, "material {} is out of range: there are {}", last_material_.index,
-                   model_.materials.size());
-        if (last_bone_.index >= bones_)
-            reject(last_bone_.where, "bone {} is out of range: there are {}", last_bone_.index, bones_);
-    }
-
     /// Goes to the next line that is neither empty nor a comment; false at the end of the file.
     bool find_line() {
         for (cursor_.skip_space(); cursor_.peek() == '/'; cursor_.skip_space())
@@ -166,20 +120,13 @@ private:
         find_line();
         cursor_.require_more();
     }
-    /// Skips a line of any text, which may be empty.
-    void comment() {
-        cursor_.require_more();
-        cursor_.next_line();
-    }
-
-    /// Reads a count that ends its line, and calls `body` as many times. Returns the count.
+    /// Reads a count that ends its line, and calls `body` as many times.
     template <typename Body>
-    std::int64_t repeat(const Body& body) {
+    void repeat(const Body& body) {
         const std::int64_t count = integer("a count", 0);
         cursor_.end_line();
         for (std::int64_t i = 0; i < count; ++i)
             body();
-        return count;
     }
     /// Reads a line with a count, and a line for each item by `body`.
     template <typename Body>
@@ -198,14 +145,6 @@ private:
         const std::int64_t value = cursor_.integer();
         if (value < lowest || value > largest_integer) reject(cursor_.marked(), "{} cannot be {}", what, value);
         return value;
-    }
-    /// Reads an index; -1 means that there is none.
-    Reference reference(const char* what) {
-        const std::int64_t value = integer(what, -1);
-        return {value, cursor_.marked()};
-    }
-    static void remember(const Reference& reference, Reference& largest) {
-        if (reference.index > largest.index) largest = reference;
     }
     std::uint32_t index(const char* what, std::size_t count) {
         cursor_.skip_blanks();
@@ -263,9 +202,8 @@ private:
 
     TextCursor cursor_;
     SourceLocation start_;
-    std::set<std::string> blocks_;  ///< the names of the blocks read so far
-    Reference last_material_, last_bone_;
-    std::int64_t bones_ = 0;
+    std::int64_t last_material_ = -1;  ///< the highest index, which refers to a block further down the file
+    SourceLocation last_material_at_;
     Ms3dModel model_;
 };
 

@@ -28,10 +28,9 @@ struct Ms3dModel {
     std::vector<Ms3dMaterial> materials;
 };
 
-/// Reads the blocks Frames, Frame, Meshes, Materials, Bones and the four blocks of comments; each may appear once,
-/// and Meshes must be there. Source: the format specification in MilkShape's SDK. Empty lines and lines that start
-/// with // are passed over. Bones and their keys are read and dropped: the vertices stand in the rest pose. Throws
-/// InputError at the place in `file`.
+/// Reads the blocks Frames, Frame, Meshes and Materials. What follows them, bones and comments, is not read: the
+/// vertices stand in the rest pose. Source: the format specification in MilkShape's SDK. Empty lines and lines that
+/// start with // are passed over. Throws InputError at the place in `file`.
 Ms3dModel parse_ms3d(std::string_view text, const std::string& file);
 
 }  // namespace gib

@@ -14,14 +14,26 @@ namespace gib {
 namespace {
 
 enum class Format { ascii, little_endian, big_endian };
-enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 
-constexpr std::size_t size_of(Type type) {
-    constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-    return sizes[static_cast<std::size_t>(type)];
+/// A number that a binary body holds.
+template <typename T>
+double number_at(const char* bytes, std::endian order) {
+    return static_cast<double>(load<T>(bytes, order));
 }
 
-bool is_float(Type type) { return type == Type::f32 || type == Type::f64; }
+/// A type of numbers.
+struct Type {
+    std::string_view name, other_name;
+    std::size_t size;  ///< [bytes]
+    bool is_float;
+    double (*read)(const char* bytes, std::endian order);
+};
+
+constexpr Type types[] = {
+    {"char", "int8", 1, false, number_at<std::int8_t>},    {"uchar", "uint8", 1, false, number_at<std::uint8_t>},
+    {"short", "int16", 2, false, number_at<std::int16_t>}, {"ushort", "uint16", 2, false, number_at<std::uint16_t>},
+    {"int", "int32", 4, false, number_at<std::int32_t>},   {"uint", "uint32", 4, false, number_at<std::uint32_t>},
+    {"float", "float32", 4, true, number_at<float>},       {"double", "float64", 8, true, number_at<double>}};
 
 /// The meaning of a property; properties of role `other` are read and dropped.
 enum class Role { x, y, z, nx, ny, nz, u, v, corners, other };
@@ -44,7 +56,7 @@ struct Element {
     std::size_t smallest_item(Format format) const {
         std::size_t size = 0;
         for (const auto& p : properties)
-            size += format == Format::ascii ? 2 : size_of(p.count_type.value_or(p.type));
+            size += format == Format::ascii ? 2 : p.count_type.value_or(p.type).size;
         return size;
     }
 };
@@ -133,24 +145,19 @@ private:
         std::optional<Type> count_type;
         if (word == "list") {
             count_type = type_named(cursor_.word());
-            if (is_float(*count_type)) throw InputError(where, "the length of a list must be an integer");
+            if (count_type->is_float) throw InputError(where, "the length of a list must be an integer");
             word = cursor_.word();
         }
         const Type type = type_named(word);
         const Role role = role_of(element.name, cursor_.word(), count_type.has_value());
-        if (role == Role::corners && is_float(type)) throw InputError(where, "vertex indices must be integers");
+        if (role == Role::corners && type.is_float) throw InputError(where, "vertex indices must be integers");
         if (role != Role::other && element.has(role)) throw InputError(where, "this property is given twice");
         element.properties.push_back({type, count_type, role});
     }
 
     Type type_named(std::string_view name) const {
-        constexpr std::pair<std::string_view, Type> types[] = {
-            {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
-            {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
-            {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
-            {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
-        for (const auto& [known, type] : types)
-            if (name == known) return type;
+        for (const Type& type : types)
+            if (name == type.name || name == type.other_name) return type;
         reject(cursor_.location(), "unknown PLY type '{}'", name);
     }
 
@@ -163,11 +170,11 @@ class AsciiReader {
 public:
     explicit AsciiReader(TextCursor& cursor) : cursor_(cursor) {}
 
-    double read(Type type) {
+    double read(const Type& type) {
         cursor_.skip_space();
         cursor_.require_more();
         cursor_.mark();
-        return is_float(type) ? cursor_.number() : static_cast<double>(cursor_.integer());
+        return type.is_float ? cursor_.number() : static_cast<double>(cursor_.integer());
     }
     /// The place of the last value.
     SourceLocation location() const { return cursor_.marked(); }
@@ -190,31 +197,11 @@ public:
           header_(header),
           order_(header.format == Format::big_endian ? std::endian::big : std::endian::little) {}
 
-    double read(Type type) {
-        const std::size_t size = size_of(type);
-        if (content_.size() - at_ < size)
+    double read(const Type& type) {
+        if (content_.size() - at_ < type.size)
             reject(header_.end, "truncated: the file ends at byte {} before its data", content_.size());
-        const char* bytes = content_.data() + at_;
-        at_ += size;
-        switch (type) {
-            case Type::i8:
-                return load<std::int8_t>(bytes, order_);
-            case Type::u8:
-                return load<std::uint8_t>(bytes, order_);
-            case Type::i16:
-                return load<std::int16_t>(bytes, order_);
-            case Type::u16:
-                return load<std::uint16_t>(bytes, order_);
-            case Type::i32:
-                return load<std::int32_t>(bytes, order_);
-            case Type::u32:
-                return load<std::uint32_t>(bytes, order_);
-            case Type::f32:
-                return static_cast<double>(load<float>(bytes, order_));
-            case Type::f64:
-                return load<double>(bytes, order_);
-        }
-        return 0;
+        at_ += type.size;
+        return type.read(content_.data() + at_ - type.size, order_);
     }
     SourceLocation location() const { return header_.end; }
     std::string place() const { return fmt::format(", before byte {}", at_); }
@@ -263,7 +250,7 @@ private:
             reader_.read(property.type);
     }
 
-    std::uint64_t read_count(Type type) {
+    std::uint64_t read_count(const Type& type) {
         const double count = reader_.read(type);
         if (count < 0) throw InputError(reader_.location(), "a list of negative length" + reader_.place());
         return static_cast<std::uint64_t>(count);

@@ -28,12 +28,6 @@ const std::vector<EffectDescription>& effect_descriptions() {
 
 std::string_view name_of(Effect effect) { return effect_descriptions()[static_cast<std::size_t>(effect)].name; }
 
-std::optional<Effect> find_effect(std::string_view name) {
-    const auto& all = effect_descriptions();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& effect) { return effect.name == name; });
-    return found == all.end() ? std::nullopt : std::optional(found->effect);
-}
-
 Effects Effects::all() {
     Effects e;
     for (const auto& d : effect_descriptions())

@@ -3,7 +3,6 @@
 // sampled rays. It is conservative: it may name an effect that no path shows, but it never leaves one out.
 
 #include <initializer_list>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,8 +35,6 @@ struct EffectDescription {
 /// All effects, in the order in which they are listed everywhere.
 const std::vector<EffectDescription>& effect_descriptions();
 std::string_view name_of(Effect effect);
-/// Empty if no effect has this name.
-std::optional<Effect> find_effect(std::string_view name);
 
 /// A set of effects.
 class Effects {

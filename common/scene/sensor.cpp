@@ -95,19 +95,10 @@ namespace {
 /// Half the width of the image at distance 1, for an image of width / height = `aspect`.
 double tan_half_width(const Sensor::Parameters& p, double aspect) {
     const double tan_half = std::tan(p.fov * std::numbers::pi / 360);
-    switch (p.fov_axis) {
-        case Sensor::FovAxis::x:
-            return tan_half;
-        case Sensor::FovAxis::y:
-            return tan_half * aspect;
-        case Sensor::FovAxis::diagonal:
-            return tan_half / std::sqrt(1 + 1 / (aspect * aspect));
-        case Sensor::FovAxis::smaller:
-            return aspect > 1 ? tan_half * aspect : tan_half;
-        case Sensor::FovAxis::larger:
-            return aspect > 1 ? tan_half : tan_half * aspect;
-    }
-    return tan_half;
+    using Axis = Sensor::FovAxis;
+    if (p.fov_axis == Axis::diagonal) return tan_half / std::sqrt(1 + 1 / (aspect * aspect));
+    const bool spans_height = p.fov_axis == Axis::y || p.fov_axis == (aspect > 1 ? Axis::smaller : Axis::larger);
+    return spans_height ? tan_half * aspect : tan_half;
 }
 
 }  // namespace

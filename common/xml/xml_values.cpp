@@ -31,23 +31,6 @@ double finite_number(std::string_view text, const XmlAttribute& attribute) {
     return *value;
 }
 
-Vec3d vector_from(const XmlElement& element, std::optional<double> fallback) {
-    const XmlAttribute* axes[] = {element.find("x"), element.find("y"), element.find("z")};
-    if (const XmlAttribute* value = element.find("value")) {
-        for (const auto* axis : axes)
-            if (axis) throw InputError(axis->where, "give either 'value' or 'x', 'y' and 'z'");
-        const auto numbers = parse_numbers(*value);
-        if (numbers.size() == 1) return Vec3d::Constant(numbers[0]);
-        if (numbers.size() != 3) reject(value->where, "expected one or three numbers, found {}", numbers.size());
-        return {numbers[0], numbers[1], numbers[2]};
-    }
-    Vec3d v;
-    constexpr std::string_view names[] = {"x", "y", "z"};
-    for (int i = 0; i < 3; ++i)
-        v[i] = axes[i] || !fallback ? parse_number(axes[i] ? *axes[i] : element.required(names[i])) : *fallback;
-    return v;
-}
-
 Vec3d three_numbers(const XmlAttribute& attribute) {
     const auto numbers = parse_numbers(attribute);
     if (numbers.size() != 3) reject(attribute.where, "expected three numbers, found {}", numbers.size());
@@ -186,8 +169,22 @@ bool parse_boolean(const XmlAttribute& attribute) {
     return text == "true";
 }
 
-Vec3d parse_vector(const XmlElement& element) { return vector_from(element, std::nullopt); }
-Vec3d parse_vector(const XmlElement& element, double fallback) { return vector_from(element, fallback); }
+Vec3d parse_vector(const XmlElement& element, std::optional<double> fallback) {
+    const XmlAttribute* axes[] = {element.find("x"), element.find("y"), element.find("z")};
+    if (const XmlAttribute* value = element.find("value")) {
+        for (const auto* axis : axes)
+            if (axis) throw InputError(axis->where, "give either 'value' or 'x', 'y' and 'z'");
+        const auto numbers = parse_numbers(*value);
+        if (numbers.size() == 1) return Vec3d::Constant(numbers[0]);
+        if (numbers.size() != 3) reject(value->where, "expected one or three numbers, found {}", numbers.size());
+        return {numbers[0], numbers[1], numbers[2]};
+    }
+    Vec3d v;
+    constexpr std::string_view names[] = {"x", "y", "z"};
+    for (int i = 0; i < 3; ++i)
+        v[i] = axes[i] || !fallback ? parse_number(axes[i] ? *axes[i] : element.required(names[i])) : *fallback;
+    return v;
+}
 
 Mat4d parse_transform(const XmlElement& element) {
     const FloatTrapsPaused paused;  // overflows are refused below, or once the whole scene is known

@@ -5,6 +5,7 @@
 #include "common/xml/xml_document.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace gib {
 
@@ -22,9 +23,8 @@ std::int64_t parse_integer(const XmlAttribute& attribute);
 bool parse_boolean(const XmlAttribute& attribute);
 
 /// A <point>, <vector> or transform operation: its attributes x, y, z, or `value` (three numbers, or one for all). A
-/// missing x, y or z is an error for points and vectors and is `fallback` for operations.
-Vec3d parse_vector(const XmlElement& element);
-Vec3d parse_vector(const XmlElement& element, double fallback);
+/// missing x, y or z is `fallback`, without which it is an error.
+Vec3d parse_vector(const XmlElement& element, std::optional<double> fallback = std::nullopt);
 
 /// The product of a <transform>'s operations, the first one applied first. Throws InputError at the transform if it
 /// is singular, and at an operation that is not defined.

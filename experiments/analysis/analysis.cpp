@@ -115,8 +115,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .method = scene.reference_method,
                              .relative_error = relative_standard_error(judgement.total(), epsilon),
                              .target = scene.target,
-                             .notes = scene.notes,
-                             .noise_floors = {}};
+                             .notes = scene.notes};
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())

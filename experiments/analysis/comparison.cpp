@@ -147,13 +147,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
         for (const auto& component : components_of(analysis, scene))
             for (const auto& [key, rows] : sweeps(analysis, scene, component)) {
                 if (rows.size() < 3) continue;
-                BiasLaw law{.scene = scene,
-                            .component = component,
-                            .method = key.first,
-                            .parameter = key.second,
-                            .values = {},
-                            .exponent = {0, {}},
-                            .resolved_count = 0};
+                BiasLaw law{.scene = scene, .component = component, .method = key.first, .parameter = key.second};
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     law.values.push_back(x);

@@ -40,10 +40,10 @@ struct BiasLaw {
     std::string scene, component;
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< name of the parameter
-    std::vector<double> values;
-    Estimate exponent;  ///< by weighted least squares in the logarithms
+    std::vector<double> values = {};
+    Estimate exponent = {};  ///< by weighted least squares in the logarithms
     /// The number of values at which bias^2 is above 0 with its whole interval; only these are fitted.
-    std::size_t resolved_count;
+    std::size_t resolved_count = 0;
 };
 /// One law for every numeric parameter that takes three values or more in labels that are otherwise equal, if at
 /// least three of these values are resolved.

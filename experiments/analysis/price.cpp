@@ -37,6 +37,21 @@ Runs without(const Runs& cells, std::size_t left_out) {
     return rest;
 }
 
+/// The 95 % interval of a number by the delete-one jackknife over `runs` runs, in its logarithm. `log_without(s)` is the
+/// logarithm without run s. None for fewer than 3 runs, or if one of these is empty.
+template <typename LogWithout>
+std::optional<Interval> log_interval(double log_value, std::size_t runs, const LogWithout& log_without) {
+    if (runs < 3) return std::nullopt;
+    std::vector<double> logs;
+    for (std::size_t s = 0; s < runs; ++s) {
+        const auto log = log_without(s);
+        if (!log) return std::nullopt;
+        logs.push_back(*log);
+    }
+    const Estimate e = jackknife(log_value, logs);
+    return Interval{std::exp(e.interval->lo), std::exp(e.interval->hi)};
+}
+
 /// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
 std::optional<double> log_last_halving(const Runs& cells, const std::string& component, double noise_floor) {
     const auto runs = points_of(cells, component);
@@ -97,15 +112,10 @@ std::optional<double> passing_near(const MeanCurve& best, const MeanCurve& chall
 std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve& challenger,
                                          const std::vector<double>& times, double seconds) {
     const std::size_t seeds = std::min(best.cells.size(), challenger.cells.size());
-    if (seeds < 3) return std::nullopt;
-    std::vector<double> logs;
-    for (std::size_t s = 0; s < seeds; ++s) {
+    return log_interval(std::log(seconds), seeds, [&](std::size_t s) {
         const auto time = passing_near(best.without(s), challenger.without(s), times, seconds);
-        if (!time) return std::nullopt;
-        logs.push_back(std::log(*time));
-    }
-    const Estimate log_time = jackknife(std::log(seconds), logs);
-    return Interval{std::exp(log_time.interval->lo), std::exp(log_time.interval->hi)};
+        return time ? std::optional(std::log(*time)) : std::nullopt;
+    });
 }
 
 std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::string& scene, double noise_floor) {
@@ -127,12 +137,8 @@ std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::st
         const double error2 = curve(times[i]);
         if (!std::isfinite(error2)) continue;
         if (!best) {
-            changes.push_back({.scene = scene,
-                               .method = method,
-                               .before = "",
-                               .seconds = times[i],
-                               .interval = std::nullopt,
-                               .relative_rmse = std::sqrt(error2)});
+            changes.push_back(
+                {.scene = scene, .method = method, .seconds = times[i], .relative_rmse = std::sqrt(error2)});
             best = &curve;
             continue;
         }
@@ -168,16 +174,9 @@ std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, cons
                                      double noise_floor) {
     const auto log_factor = log_last_halving(cells, component, noise_floor);
     if (!log_factor) return std::nullopt;
-    const Estimate plain{std::exp(*log_factor), std::nullopt};
-    if (cells.size() < 3) return plain;
-    std::vector<double> logs;
-    for (std::size_t s = 0; s < cells.size(); ++s) {
-        const auto left = log_last_halving(without(cells, s), component, noise_floor);
-        if (!left) return plain;
-        logs.push_back(*left);
-    }
-    const Estimate e = jackknife(*log_factor, logs);
-    return Estimate{plain.value, Interval{std::exp(e.interval->lo), std::exp(e.interval->hi)}};
+    return Estimate{std::exp(*log_factor), log_interval(*log_factor, cells.size(), [&](std::size_t s) {
+                        return log_last_halving(without(cells, s), component, noise_floor);
+                    })};
 }
 
 double floor_bias2(const TableRow& row) {

@@ -31,11 +31,11 @@ double floor_bias2(const TableRow& row);
 /// A change of the best method: from `seconds` on, `method` is closer to the reference than the others.
 struct Crossover {
     std::string scene, method;
-    std::string before;  ///< the best method until then; empty: none had an image
-    double seconds;      ///< charged
+    std::string before = "";  ///< the best method until then; empty: none had an image
+    double seconds;           ///< charged
     /// 95 % interval of `seconds`, by the delete-one jackknife over the seeds of both methods in log(time). Empty
     /// below 3 seeds, or if `method` does not pass `before` in one of the means that leave out a seed.
-    std::optional<Interval> interval;
+    std::optional<Interval> interval = std::nullopt;
     double relative_rmse;  ///< of `method` at that time; 0: not above the noise floor
 };
 

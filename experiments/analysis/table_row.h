@@ -51,7 +51,7 @@ struct ReferenceQuality {
     std::uint64_t samples = 0;  ///< samples a pixel; 0: unknown
     std::vector<std::string> notes;
     /// noise_floor_of() [relative squared error] by component, `total` included.
-    std::map<std::string, double> noise_floors;
+    std::map<std::string, double> noise_floors = {};
 };
 
 struct Analysis {

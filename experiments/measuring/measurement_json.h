@@ -9,10 +9,6 @@
 
 namespace gib {
 
-/// The whole number j[key] of the file at `path`. Throws InputError unless it lies in [least, greatest].
-std::int64_t count_from_json(const nlohmann::json& j, const char* key, const std::string& path, std::int64_t least,
-                             std::int64_t greatest);
-
 auto json_fields(RecordOf<NonFinite> auto& bad) {
     return std::tuple(JsonField{"count", bad.count}, JsonField{"first_pass", bad.first_pass},
                       JsonField{"first_pixel", bad.first_pixel});

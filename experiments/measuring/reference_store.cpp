@@ -67,7 +67,6 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     groups.rounds = number_in<std::uint32_t>(file, "rounds", path);
     groups.passes = number_in<std::uint64_t>(file, "passes", path);
     groups.seconds = number_in<double>(file, "seconds", path);
-    if (groups.rounds == 0 || groups.passes == 0) throw InputError({path}, "it holds no samples");
     if (file.metadata.count("not_finite") > 0) {
         groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
         if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
@@ -80,14 +79,9 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     }
     for (Component c : all_components) {
         if (!file[c]) continue;
-        if (file[c]->groups.size() != reference_groups) throw InputError({path}, "layers of its groups are missing");
-        for (std::size_t g = 0; g < reference_groups; ++g) {
-            if (file[c]->groups[g].non_finite_values() > 0)
-                throw InputError({path}, "it holds values that are not finite");
-            groups.groups_[g][c] = file[c]->groups[g];
-        }
+        for (std::size_t g = 0; g < reference_groups; ++g)
+            groups.groups_[g][c] = file[c]->groups.at(g);
     }
-    if (file.total.groups.size() != reference_groups) throw InputError({path}, "layers of its groups are missing");
     return groups;
 }
 

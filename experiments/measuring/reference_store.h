@@ -31,7 +31,7 @@ public:
     Reference reference() const;
 
     /// Reads the groups from a reference's file. Throws InputError, with the reason, if it is not the reference of
-    /// `key`, has another size, lacks layers or metadata, or holds values that are not finite.
+    /// `key`, has another size, or is not verified by a digest.
     static ReferenceGroups read(const std::string& path, const std::string& key, int width, int height);
 
 private:

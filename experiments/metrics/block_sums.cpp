@@ -57,6 +57,7 @@ BlockSums sums_in_block(const ReferenceLayer& x, const ReferenceLayer& r, std::s
         const std::size_t i = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(r.mean.width) +
                                    static_cast<std::size_t>(column)) +
                               channel;
+        sums.box.extend(Eigen::Vector2i(column, row));
         add_pixel(sums.x, x, i);
         add_pixel(sums.r, r, i);
         differences.push_back(static_cast<double>(x.mean.rgb[i]) - static_cast<double>(r.mean.rgb[i]));
@@ -106,6 +107,7 @@ double BlockSide::scatter() const { return sample_mean(groups).variance.variance
 
 void BlockSums::add(const BlockSums& other) {
     pixels += other.pixels;
+    box.extend(other.box);
     x.add(other.x);
     r.add(other.r);
     difference.add(other.difference);

@@ -62,15 +62,7 @@ Footing compared(const SampleMean& method, const SampleMean& truth, double unit)
 }  // namespace
 
 std::string name_of(FootingVerdict verdict) {
-    switch (verdict) {
-        case FootingVerdict::agrees:
-            return "agrees";
-        case FootingVerdict::differs:
-            return "differs";
-        case FootingVerdict::unresolved:
-            break;
-    }
-    return "unresolved";
+    return verdict == FootingVerdict::agrees ? "agrees" : verdict == FootingVerdict::differs ? "differs" : "unresolved";
 }
 
 Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }

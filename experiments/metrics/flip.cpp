@@ -4,6 +4,7 @@
 #include "common/core/math.h"
 #include "common/core/parallel.h"
 #include "experiments/metrics/flip_filters.h"
+#include "experiments/metrics/robust_error.h"
 
 #include <fmt/format.h>
 
@@ -125,27 +126,6 @@ void require_comparable(const Image& test, const Image& reference, double pixels
             if (!std::isfinite(v)) throw InputError("FLIP is undefined for images with values that are not finite");
 }
 
-/// LDR-FLIP of images that passed require_comparable().
-FlipMap flip_of(const Image& test, const Image& reference, double pixels_per_degree) {
-    const OpponentImage a = opponent_image(test), b = opponent_image(reference);
-    const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
-    const Features features_a = detected_features(a.achromatic, pixels_per_degree);
-    const Features features_b = detected_features(b.achromatic, pixels_per_degree);
-    const ColorError color_error;
-    FlipMap map{test.width, test.height, std::vector<float>(test.pixels())};
-    parallel_blocks(map.values.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const float edge = std::abs(features_a.edges.values[i] - features_b.edges.values[i]);
-            const float point = std::abs(features_a.points.values[i] - features_b.points.values[i]);
-            // The exponent q_f of the paper is 1/2.
-            const float feature = std::min(1.f, std::sqrt(std::max(edge, point) * std::numbers::sqrt2_v<float> / 2));
-            const float color = std::min(1.f, color_error(hyab(color_a[i], color_b[i])));
-            map.values[i] = std::pow(color, 1 - feature);
-        }
-    });
-    return map;
-}
-
 /// Coefficients of filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5), Narkowicz's fit to ACES; its exposure of 0.6
 /// is multiplied into them.
 constexpr double k0 = 0.6 * 0.6 * 2.51, k1 = 0.6 * 0.03, k3 = 0.6 * 0.6 * 2.43, k4 = 0.6 * 0.59, k5 = 0.14;
@@ -164,16 +144,6 @@ Image displayed(const Image& image, double exposure) {
             result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, static_cast<double>(image.rgb[i]))));
     });
     return result;
-}
-
-/// The median; for an even number of values, the mean of the two
-/// in the middle. Reorders the values, which may not be empty.
-double median_of(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    const auto upper = static_cast<double>(*middle);
-    if (values.size() % 2 == 1) return upper;
-    return (upper + static_cast<double>(*std::max_element(values.begin(), middle))) / 2;
 }
 
 }  // namespace
@@ -204,7 +174,23 @@ ExposureRange flip_exposures(const Image& reference) {
 
 FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
     require_comparable(test, reference, pixels_per_degree);
-    return flip_of(test, reference, pixels_per_degree);
+    const OpponentImage a = opponent_image(test), b = opponent_image(reference);
+    const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
+    const Features features_a = detected_features(a.achromatic, pixels_per_degree);
+    const Features features_b = detected_features(b.achromatic, pixels_per_degree);
+    const ColorError color_error;
+    FlipMap map{test.width, test.height, std::vector<float>(test.pixels())};
+    parallel_blocks(map.values.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float edge = std::abs(features_a.edges.values[i] - features_b.edges.values[i]);
+            const float point = std::abs(features_a.points.values[i] - features_b.points.values[i]);
+            // The exponent q_f of the paper is 1/2.
+            const float feature = std::min(1.f, std::sqrt(std::max(edge, point) * std::numbers::sqrt2_v<float> / 2));
+            const float color = std::min(1.f, color_error(hyab(color_a[i], color_b[i])));
+            map.values[i] = std::pow(color, 1 - feature);
+        }
+    });
+    return map;
 }
 
 FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
@@ -213,7 +199,7 @@ FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_de
     FlipMap worst{test.width, test.height, std::vector<float>(test.pixels(), 0.f)};
     for (int i = 0; i < range.count; ++i) {
         const double exposure = range.at(i);
-        const FlipMap map = flip_of(displayed(test, exposure), displayed(reference, exposure), pixels_per_degree);
+        const FlipMap map = ldr_flip(displayed(test, exposure), displayed(reference, exposure), pixels_per_degree);
         for (std::size_t p = 0; p < map.values.size(); ++p)
             worst.values[p] = std::max(worst.values[p], map.values[p]);
     }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 
 namespace gib {
 
@@ -53,19 +54,11 @@ std::vector<double> samples_of(int radius, const std::function<double(double)>& 
     return values;
 }
 
-double sum_of(const std::vector<double>& values, const std::function<bool(double)>& counts) {
-    double sum = 0;
-    for (const double v : values)
-        if (counts(v)) sum += v;
-    return sum;
-}
-
-bool is_positive(double v) { return v > 0; }
-bool is_negative(double v) { return v < 0; }
-
 /// Scales the weights so that the positive ones sum to 1 and the negative ones to -1.
 Kernel normalised(const std::vector<double>& weights) {
-    const double positive = sum_of(weights, is_positive), negative = -sum_of(weights, is_negative);
+    double positive = 0, negative = 0;
+    for (const double w : weights)
+        (w > 0 ? positive : negative) += std::abs(w);
     Kernel kernel;
     for (const double w : weights)
         kernel.push_back(static_cast<float>(w > 0 ? w / positive : w < 0 ? w / negative : 0));
@@ -127,7 +120,8 @@ std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels
         const auto weights = samples_of(
             radius, [&, b = b](double x) { return std::exp(-sqr(std::numbers::pi * x / pixels_per_degree) / b); });
         // The sum of a two-dimensional Gaussian over the square of pixels is the square of its sum over a line.
-        const double sum = a * std::sqrt(std::numbers::pi / b) * sqr(sum_of(weights, is_positive));
+        const double sum =
+            a * std::sqrt(std::numbers::pi / b) * sqr(std::accumulate(weights.begin(), weights.end(), 0.0));
         terms.push_back({static_cast<float>(sum), trimmed(normalised(weights))});
         all += sum;
     }

@@ -3,8 +3,8 @@
 #include "common/core/error.h"
 #include "common/images/image_digest.h"
 
+#include <fmt/format.h>
 #include <cmath>
-#include <cstdio>
 
 namespace gib {
 
@@ -25,9 +25,7 @@ constexpr const char* unresolved_key = "unresolved";  // its value lists names o
 std::string joined(const std::string& name, const std::string& what) { return name.empty() ? what : name + "_" + what; }
 
 std::string group_name(const std::string& name, std::size_t group) {
-    char number[32];
-    std::snprintf(number, sizeof number, "group%02zu", group);
-    return joined(name, number);
+    return joined(name, fmt::format("group{:02}", group));
 }
 
 std::optional<ReferenceLayer> take_layer(const LayeredImage& file, const std::string& name) {

@@ -4,11 +4,23 @@
 
 #include "experiments/metrics/reference_image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 namespace gib {
+
+/// The median; for an even number of values, the mean of the two in the middle. Reorders the values, which may not be
+/// empty.
+template <typename Number>
+double median_of(std::vector<Number>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const auto upper = static_cast<double>(*middle);
+    if (values.size() % 2 == 1) return upper;
+    return (upper + static_cast<double>(*std::max_element(values.begin(), middle))) / 2;
+}
 
 /// The trimmed mean leaves out one pixel in this many, the worst, and at least
 /// one. With normal noise these pixels hold about a hundredth of the error, E[z^2;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <mutex>
 #include <numbers>
 
 namespace gib {
@@ -44,26 +43,17 @@ using Spectrum = std::vector<std::complex<double>>;
 
 std::size_t spectrum_points(Size size) { return size.height * (size.width / 2 + 1); }
 
-/// Guards the planner of FFTW, which is its only part that is not thread-safe.
-std::mutex& planning() {
-    static std::mutex mutex;
-    return mutex;
-}
-
 fftw_complex* fftw_pointer(Spectrum& spectrum) { return reinterpret_cast<fftw_complex*>(spectrum.data()); }
 
 void run_plan(fftw_plan plan) {
     fftw_execute(plan);
-    const std::lock_guard lock(planning());
     fftw_destroy_plan(plan);
 }
 
 Spectrum transformed(Field field, Size size) {
     Spectrum spectrum(spectrum_points(size));
-    std::unique_lock lock(planning());
     const fftw_plan plan = fftw_plan_dft_r2c_2d(static_cast<int>(size.height), static_cast<int>(size.width),
                                                 field.data(), fftw_pointer(spectrum), FFTW_ESTIMATE);
-    lock.unlock();
     run_plan(plan);
     return spectrum;
 }
@@ -71,10 +61,8 @@ Spectrum transformed(Field field, Size size) {
 /// The inverse transform, so that inverse(transformed(f)) = f.
 Field inverse(Spectrum spectrum, Size size) {
     Field field(size.pixels());
-    std::unique_lock lock(planning());
     const fftw_plan plan = fftw_plan_dft_c2r_2d(static_cast<int>(size.height), static_cast<int>(size.width),
                                                 fftw_pointer(spectrum), field.data(), FFTW_ESTIMATE);
-    lock.unlock();
     run_plan(plan);
     for (double& v : field)
         v /= static_cast<double>(size.pixels());

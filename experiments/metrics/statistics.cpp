@@ -17,9 +17,9 @@
 // of freedom of Welch and Satterthwaite.
 #include "experiments/metrics/statistics.h"
 
-#include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/core/parallel.h"
+#include "common/core/reject.h"
 #include "experiments/metrics/student_t.h"
 
 #include <Eigen/Core>
@@ -294,9 +294,8 @@ bool all_finite(const std::vector<Image>& images) {
 
 void require_same_size(const Image& image, const Image& reference) {
     if (!image.same_size(reference) || image.rgb.size() != reference.rgb.size())
-        throw InputError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                         " pixels cannot be compared with a reference of " + std::to_string(reference.width) + " x " +
-                         std::to_string(reference.height));
+        reject({}, "an image of {} x {} pixels cannot be compared with a reference of {} x {}", image.width,
+               image.height, reference.width, reference.height);
 }
 
 }  // namespace

@@ -125,6 +125,10 @@ struct NoiseOfBlock {
 BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t channel) {
     BlockTest test;
     test.channel = channel;
+    test.x = sums.box.min().x();
+    test.y = sums.box.min().y();
+    test.width = sums.box.sizes().x() + 1;
+    test.height = sums.box.sizes().y() + 1;
     const double difference = sums.x.sum - sums.r.sum;
     const double v = noise.variance + sqr(rounding * std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
     test.deviation = difference / sums.pixels;
@@ -157,13 +161,6 @@ double channel_sum(const Image& image, std::size_t channel) {
     return sum;
 }
 
-void place(BlockTest& test, int x0, int y0, int x1, int y1) {
-    test.x = x0;
-    test.y = y0;
-    test.width = x1 - x0;
-    test.height = y1 - y0;
-}
-
 void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, std::size_t channel,
                   LayerZTest& result) {
     const Grid small = Grid::with_edge(r.mean.width, r.mean.height, block_edge);
@@ -173,25 +170,15 @@ void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image&
 
     const SharedNoise shared{shared_noise(blocks, &BlockSums::x), shared_noise(blocks, &BlockSums::r)};
     result.shared_noise = std::max(result.shared_noise, shared.x);
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-        result.tests[0].push_back(tested(blocks[i], {blocks[i], shared}, channel));
-        const int column = small.column(i), row = small.row(i);
-        place(result.tests[0].back(), small.columns.begin(column), small.rows.begin(row),
-              small.columns.begin(column + 1), small.rows.begin(row + 1));
-    }
+    for (const BlockSums& block : blocks)
+        result.tests[0].push_back(tested(block, {block, shared}, channel));
     const std::vector<BlockSums> regions = merged(blocks, small, large);
     const SharedNoise shared_in_regions = shared.at_least_in(regions);
-    for (std::size_t i = 0; i < regions.size(); ++i) {
-        result.tests[1].push_back(tested(regions[i], {regions[i], shared_in_regions}, channel));
-        const int column = large.column(i), row = large.row(i);
-        place(result.tests[1].back(), small.columns.begin(large.columns.begin(column)),
-              small.rows.begin(large.rows.begin(row)), small.columns.begin(large.columns.begin(column + 1)),
-              small.rows.begin(large.rows.begin(row + 1)));
-    }
+    for (const BlockSums& region : regions)
+        result.tests[1].push_back(tested(region, {region, shared_in_regions}, channel));
     const BlockSums image = merged(regions, large, Grid{{large.columns.count, 1}, {large.rows.count, 1}}).front();
     const NoiseOfBlock noise = NoiseOfBlock::of_image(image, shared);
     result.tests[2].push_back(tested(image, noise, channel));
-    place(result.tests[2].back(), 0, 0, r.mean.width, r.mean.height);
     result.means[channel] = mean_deviation(image, noise, channel_sum(r_total, channel));
 }
 

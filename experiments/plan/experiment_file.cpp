@@ -5,7 +5,7 @@
 #include "common/core/reject.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/reference_methods.h"
-#include "experiments/plan/run_limits.h"
+#include "experiments/plan/run_options.h"
 
 #include <cmath>
 #include <filesystem>

@@ -6,6 +6,10 @@
 
 namespace gib {
 
+// Upper limits for a run's settings.
+inline constexpr int most_seeds = 100000;
+inline constexpr int most_threads = 4096;
+
 struct RepeatPlan;
 
 struct RunOptions {

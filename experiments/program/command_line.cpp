@@ -3,7 +3,6 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/measuring/cell_process.h"
-#include "experiments/plan/run_limits.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
 #include "experiments/run/repeat.h"
@@ -22,7 +21,7 @@ namespace gib {
 
 namespace {
 
-constexpr int exit_failed = 1, exit_wrong_input = 2;
+constexpr int exit_wrong_input = 2;
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
@@ -84,11 +83,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
             if (!*repeat) return run_experiment(*options, std::cout);
-            return repeat_run({.folder = *repeated,
-                               .out = options->out,
-                               .program = options->program,
-                               .command_line = options->command_line},
-                              std::cout);
+            return repeat_run(*repeated, *options, std::cout);
         };
     });
 }

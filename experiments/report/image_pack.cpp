@@ -2,6 +2,7 @@
 
 #include "common/core/error.h"
 
+#include <OpenImageIO/strutil.h>
 #include <zlib.h>
 
 #include <Eigen/Core>
@@ -46,18 +47,7 @@ int scale_exponent(std::span<const float> values) {
 }  // namespace
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-    constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-        std::uint32_t bits = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            bits = (bits << 8) | (k < count ? bytes[i + k] : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k <= count ? digits[(bits >> (18 - 6 * k)) & 63u] : '=';
-    }
-    return text;
+    return OIIO::Strutil::base64_encode({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 PackedImage pack_half(std::span<const float> values, int width, int height, int channels) {

@@ -19,6 +19,18 @@ constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 /// Whether a law describes its points well enough to be extrapolated.
 bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
 
+/// time_text() of a target that is resolved and that no run has reached.
+std::string unmeasured_time(const TableRow& row, double target) {
+    if (!row.law || !law_holds(*row.law)) return "";
+    const auto time = row.law->extrapolate(target * target);
+    if (!time) return fmt::format("never (floor {} %)", percent_text(std::sqrt(row.law->floor.value)));
+    // A time within the measured span is no extrapolation: the first image was better already, or the points scatter
+    // about the law.
+    if (time->seconds <= row.law->last_seconds || time->seconds > farthest_extrapolation * row.law->last_seconds)
+        return "";
+    return fmt::format("{}{} (extrapolated)", time->at_least ? "at least " : "", short_number(time->seconds));
+}
+
 std::vector<const TableRow*> totals_of(const Analysis& analysis, const std::string& scene) {
     std::vector<const TableRow*> rows;
     for (const TableRow& row : analysis.rows)
@@ -141,17 +153,6 @@ std::string next_halving_text(const TableRow& row) {
     return with_interval(*price.next_halving);
 }
 
-std::string unmeasured_time(const TableRow& row, double target) {
-    if (!row.law || !law_holds(*row.law)) return "";
-    const auto time = row.law->extrapolate(target * target);
-    if (!time) return fmt::format("never (floor {} %)", percent_text(std::sqrt(row.law->floor.value)));
-    // A time within the measured span is no extrapolation: the first image was better already, or the points scatter
-    // about the law.
-    if (time->seconds <= row.law->last_seconds || time->seconds > farthest_extrapolation * row.law->last_seconds)
-        return "";
-    return fmt::format("{}{} (extrapolated)", time->at_least ? "at least " : "", short_number(time->seconds));
-}
-
 std::vector<PriceAnswer> price_answers(const Analysis& analysis) {
     std::vector<PriceAnswer> answers;
     for (const auto& scene : scenes_of(analysis)) {
@@ -162,10 +163,9 @@ std::vector<PriceAnswer> price_answers(const Analysis& analysis) {
             std::vector<const TableRow*> reached;
             std::copy_if(rows.begin(), rows.end(), std::back_inserter(reached),
                          [&](const TableRow* row) { return row->times[target].has_value(); });
-            answers.push_back({scene, target_errors[target],
-                               reached.empty()
-                                   ? answer_without_winner(analysis, methods, rows, target)
-                                   : answer_with_winner(analysis, methods, rows, std::move(reached), target)});
+            answers.push_back({scene, reached.empty()
+                                          ? answer_without_winner(analysis, methods, rows, target)
+                                          : answer_with_winner(analysis, methods, rows, std::move(reached), target)});
         }
     }
     return answers;

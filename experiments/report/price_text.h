@@ -13,23 +13,19 @@ namespace gib {
 inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 
 /// The time [s] to target_errors[target], "12.3 (11.0 to 14.1)"; "not resolved" if the reference cannot tell that an
-/// image has reached it; if no run has reached it, as unmeasured_time() says.
+/// image has reached it; if no run has reached it, "42.0 (extrapolated)" if
+/// the method's law holds, "never (floor 2.30 %)" if its floor is above the error, else empty.
 std::string time_text(const TableRow& row, std::size_t target);
 
 /// The answer for one scene and error: which method is cheapest, how much longer the next one takes, and how far the
 /// others are then.
 struct PriceAnswer {
     std::string scene;
-    double target;  ///< relative RMSE
     std::string text;
 };
 /// The answers for every scene and each of asked_targets. Times that no run has measured are marked as extrapolated
 /// by the fitted law.
 std::vector<PriceAnswer> price_answers(const Analysis& analysis);
-
-/// The time [s] to an error that no run has reached: "42.0 (extrapolated)" if the method's law holds, "never (floor
-/// 2.30 %)" if its floor is above the error, else empty.
-std::string unmeasured_time(const TableRow& row, double target);
 
 /// The factor by which the time has to grow to halve the error of the final image, by the fitted law: "3.90 (3.10 to
 /// 4.80)", "at least 4.10", "never: floor"; empty if no law holds.

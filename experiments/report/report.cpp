@@ -8,7 +8,6 @@
 #include "experiments/report/sections.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/text/html.h"
-#include "experiments/text/markdown.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>

@@ -94,15 +94,10 @@ json parts_of(const ComponentImages& image, int reduction, Store& store) {
 }
 
 json reference_entry(const Reference& reference, const Judgement& judgement, int reduction, Store& store) {
-    ComponentImages image;
-    bool any = false;
+    json parts = json::object();
     for (Component c : all_components)
-        if (const auto& layer = reference[c]) {
-            image[c] = layer->mean;
-            any = true;
-        }
-    json parts = parts_of(image, reduction, store);
-    if (!any) parts[total_name] = store.add(reduced(judgement.total().mean, reduction));
+        if (reference[c]) parts[std::string(name_of(c))] = store.add(reduced(reference[c]->mean, reduction));
+    if (parts.empty()) parts[total_name] = store.add(reduced(judgement.total().mean, reduction));
     return {{"method", nullptr}, {"label", "reference"}, {"parts", parts}};
 }
 

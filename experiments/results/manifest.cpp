@@ -2,10 +2,10 @@
 
 #include "common/core/files.h"
 #include "experiments/measuring/measurement_json.h"
-#include "experiments/plan/run_limits.h"
 #include "experiments/system/build_info.h"
 #include "experiments/text/json_file.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -28,17 +28,32 @@ static auto json_fields(RecordOf<Manifest::Scene> auto& s) {
 
 namespace {
 
-std::string utc_date() {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    gmtime_r(&now, &utc);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text;
+/// The part of a manifest about this program and its machine.
+nlohmann::ordered_json machine_json() {
+    const BuildInfo& build = build_info();
+    nlohmann::ordered_json j = {{"program", program_version()},
+                                {"commit", build.commit},
+                                {"modified", build.modified},
+                                {"compiler", build.compiler},
+                                {"flags", build.flags},
+                                {"build_type", build.build_type},
+                                {"cpu", cpu_model()}};
+    for (const auto& [name, version] : build.libraries)
+        j["libraries"][name] = version;
+    return j;
 }
 
-std::string commit_text(const std::string& commit, bool modified) {
-    return commit + (modified ? " and uncommitted changes" : "");
+/// Manifest::machine.
+std::map<std::string, std::string> machine_in(const nlohmann::json& j) {
+    std::map<std::string, std::string> machine = j.at("libraries");
+    for (const auto& [what, key] : {std::pair("program", "program"),
+                                    {"compiler", "compiler"},
+                                    {"flags", "flags"},
+                                    {"build type", "build_type"},
+                                    {"processor", "cpu"}})
+        machine[what] = j.at(key).get<std::string>();
+    machine["commit"] = j.at("commit").get<std::string>() + (j.at("modified") ? " and uncommitted changes" : "");
+    return machine;
 }
 
 }  // namespace
@@ -53,28 +68,19 @@ std::string cpu_model() {
 }
 
 std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
-    const BuildInfo& build = build_info();
     nlohmann::ordered_json j;
     j["title"] = index.title;
-    j["program"] = program_version();
-    j["commit"] = build.commit;
-    j["modified"] = build.modified;
+    j.update(machine_json());
     j["executable_sha1"] = executable_hash();
-    j["compiler"] = build.compiler;
-    j["flags"] = build.flags;
-    j["build_type"] = build.build_type;
-    j["cpu"] = cpu_model();
     j["processors"] = std::thread::hardware_concurrency();
     j["threads"] = index.threads;
-    for (const auto& [name, version] : build.libraries)
-        j["libraries"][name] = version;
     for (const auto& scene : index.scenes)
         j["scenes"].push_back(
             Manifest::Scene{scene.name, scene.path, scene.content_hash, scene.reference, scene.reference_method});
     j["methods"] = index.methods;
     j["seeds"] = index.seeds;
     j["epsilon"] = index.epsilon;
-    j["date"] = utc_date();
+    j["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     j["command_line"] = run.command_line;
     j["working_folder"] = std::filesystem::current_path().string();
     j["experiment_file"] = run.experiment_file;
@@ -94,20 +100,11 @@ Manifest read_manifest(const std::string& path) {
         j.at("experiment_file").get_to(m.experiment_file);
         j.at("working_folder").get_to(m.working_folder);
         j.at("experiment").get_to(m.experiment_text);
-        m.threads = static_cast<int>(count_from_json(j, "threads", path, 0, most_threads));
-        m.seeds = static_cast<int>(count_from_json(j, "seeds", path, 1, most_seeds));
-        for (const auto& cell : j.at("cells")) {
-            count_from_json(cell, "seed", path, 1, most_seeds);
-            count_from_json(cell, "passes", path, 1, most_passes);
-        }
+        j.at("threads").get_to(m.threads);
+        j.at("seeds").get_to(m.seeds);
         j.at("scenes").get_to(m.scenes);
         j.at("cells").get_to(m.cells);
-        const auto text = [&](const char* key) { return j.at(key).get<std::string>(); };
-        m.machine = {{"program", text("program")},       {"commit", commit_text(text("commit"), j.at("modified"))},
-                     {"compiler", text("compiler")},     {"flags", text("flags")},
-                     {"build type", text("build_type")}, {"processor", text("cpu")}};
-        for (const auto& [name, version] : j.at("libraries").items())
-            m.machine[name] = version.get<std::string>();
+        m.machine = machine_in(j);
         return m;
     } catch (const json::parse_error&) {
         throw InputError({path}, "not a manifest of results");
@@ -116,15 +113,6 @@ Manifest read_manifest(const std::string& path) {
     }
 }
 
-std::map<std::string, std::string> this_machine() {
-    const BuildInfo& build = build_info();
-    std::map<std::string, std::string> machine = {
-        {"program", program_version()},   {"commit", commit_text(build.commit, build.modified)},
-        {"compiler", build.compiler},     {"flags", build.flags},
-        {"build type", build.build_type}, {"processor", cpu_model()}};
-    for (const auto& [name, version] : build.libraries)
-        machine[name] = version;
-    return machine;
-}
+std::map<std::string, std::string> this_machine() { return machine_in(machine_json()); }
 
 }  // namespace gib

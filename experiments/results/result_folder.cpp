@@ -3,7 +3,6 @@
 #include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
-#include "experiments/plan/run_limits.h"
 #include "experiments/text/json_file.h"
 
 #include <fmt/format.h>
@@ -57,15 +56,6 @@ std::string CellIdentity::key() const {
                               std::to_string(threads), reference})
         hash.add(piece);
     return hash.hex();
-}
-
-std::string CellIdentity::folder_name() const {
-    ContentHash hash;
-    hash.add(scene);
-    hash.add(method);
-    // The digits distinguish labels that differ only in unsafe characters or beyond the cut, so that
-    // their names are equal.
-    return fmt::format("{}-{}-{}-s{}", file_name_of(scene), file_name_of(method), hash.hex().substr(0, 6), seed);
 }
 
 void ResultFolder::make(const std::string& path) {
@@ -145,8 +135,6 @@ ResultIndex ResultFolder::read_index() const {
     if (!std::filesystem::exists(path)) reject({}, "'{}' holds no results: there is no {}", path_, path);
     try {
         const json j = read_json(path);
-        count_from_json(j, "seeds", path, 1, most_seeds);
-        count_from_json(j, "threads", path, 0, most_threads);
         auto index = j.get<ResultIndex>();
         require_epsilon(index.epsilon, {path});
         for (const auto& m : j.at("effects_missing"))
@@ -209,11 +197,12 @@ std::string file_name_of(const std::string& text) {
 }
 
 std::string cell_folder_name(const std::string& scene, const std::string& method, std::uint64_t seed) {
-    CellIdentity identity;
-    identity.scene = scene;
-    identity.method = method;
-    identity.seed = seed;
-    return identity.folder_name();
+    ContentHash hash;
+    hash.add(scene);
+    hash.add(method);
+    // The digits distinguish labels that differ only in unsafe characters or beyond the cut, so that
+    // their names are equal.
+    return fmt::format("{}-{}-{}-s{}", file_name_of(scene), file_name_of(method), hash.hex().substr(0, 6), seed);
 }
 
 }  // namespace gib

@@ -31,8 +31,6 @@ struct CellIdentity {
 
     /// SHA-1 of all members, 40 hexadecimal digits.
     std::string key() const;
-    /// The name of the cell's folder: readable, and different for different labels.
-    std::string folder_name() const;
 };
 
 struct CellCheckpoint {
@@ -143,7 +141,7 @@ std::string file_hash(const std::string& path);
 /// A label or a name as part of a file's name: at most 100 characters, with `_` for those that are unsafe.
 std::string file_name_of(const std::string& text);
 
-/// The name of a cell's folder, see CellIdentity::folder_name().
+/// The name of a cell's folder: readable, and different for different labels.
 std::string cell_folder_name(const std::string& scene, const std::string& method, std::uint64_t seed);
 
 }  // namespace gib

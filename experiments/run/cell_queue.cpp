@@ -106,12 +106,9 @@ void link_file(const std::string& from, const std::string& to) {
     fs::create_hard_link(from, fresh, error);
     if (error) fs::copy_file(from, fresh, fs::copy_options::overwrite_existing, error);
     if (!error) fs::rename(fresh, to, error);
-    if (error) {
-        std::error_code ignored;
-        fs::remove(fresh, ignored);
-        throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
-    }
-    fs::remove(fresh, error);  // rename() leaves it if both were names of one file already
+    std::error_code ignored;
+    fs::remove(fresh, ignored);  // after an error; rename() also leaves it if both were names of one file already
+    if (error) throw RunError(fmt::format("cannot write '{}': {}", to, error.message()));
 }
 
 namespace {
@@ -139,11 +136,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
         if (options.repeat) options.repeat->check_scene(entry, loaded.content_hash);
         progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
         plan_methods(loaded);
-        scenes_.push_back({.entry = entry,
-                           .content_hash = loaded.content_hash,
-                           .sample_count = loaded.sample_count,
-                           .reference = "",
-                           .notes = {}});
+        scenes_.push_back({.entry = entry, .content_hash = loaded.content_hash, .sample_count = loaded.sample_count});
     }
     bool any = false;
     for (const auto& scene : scenes_)
@@ -280,7 +273,7 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
                 identity.epsilon = experiment_.epsilon;
                 identity.threads = threads_;
                 identity.reference = scene.reference;
-                const std::string name = identity.folder_name();
+                const std::string name = cell_folder_name(identity.scene, identity.method, identity.seed);
                 if (options_.repeat) {
                     const auto passes = options_.repeat->passes.find(name);
                     if (passes == options_.repeat->passes.end()) continue;

@@ -39,8 +39,8 @@ private:
         ExperimentScene entry;
         std::string content_hash;
         std::optional<int> sample_count;  ///< of the file's sampler
-        std::string reference;            ///< identity; empty: there is none
-        std::vector<std::string> notes;
+        std::string reference = "";       ///< identity; empty: there is none
+        std::vector<std::string> notes = {};
         bool failed = false;  ///< its reference could not be made
     };
     struct PlannedCell {

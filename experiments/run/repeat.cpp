@@ -20,8 +20,6 @@ namespace gib {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int exit_failed = 1;
-
 /// The path of a folder with its name at the end and no slash after it. "." and ".." are resolved, because "-repeat"
 /// cannot be appended to them.
 std::string named_folder(const std::string& folder) {
@@ -41,10 +39,7 @@ std::string experiment_path(const Manifest& manifest) {
 
 RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
     RepeatPlan plan{.experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest)),
-                    .original = ResultFolder(folder),
-                    .passes = {},
-                    .scene_hashes = {},
-                    .references = {}};
+                    .original = ResultFolder(folder)};
     plan.experiment.seeds = manifest.seeds;
     for (const auto& cell : manifest.cells) {
         plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
@@ -132,24 +127,21 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
 
 }  // namespace
 
-int repeat_run(const RepeatOptions& options, std::ostream& out) {
+int repeat_run(const std::string& results, RunOptions options, std::ostream& out) {
     const InterruptGuard guard;
-    const std::string folder = named_folder(options.folder);
+    const std::string folder = named_folder(results);
     const Manifest manifest = read_manifest(folder + "/manifest.json");
     if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
     const RepeatPlan plan = plan_of(manifest, folder);
-    RunOptions run_options;
-    run_options.out = options.out.value_or(folder + "-repeat");
-    if (std::error_code ignored; fs::equivalent(*run_options.out, folder, ignored))
+    if (!options.out) options.out = folder + "-repeat";
+    if (std::error_code ignored; fs::equivalent(*options.out, folder, ignored))
         throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
-    run_options.threads = manifest.threads;
-    run_options.fresh = true;  // the cells of an earlier repetition would prove nothing
-    run_options.program = options.program;
-    run_options.command_line = options.command_line;
-    run_options.repeat = &plan;
+    options.threads = manifest.threads;
+    options.fresh = true;  // the cells of an earlier repetition would prove nothing
+    options.repeat = &plan;
     warn_of_differences(manifest.machine);
 
-    ExperimentRun run(run_options);
+    ExperimentRun run(options);
     const bool complete = run.measure();
     const std::string report = run.write_results();
     if (!complete) {

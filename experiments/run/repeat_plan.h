@@ -14,9 +14,9 @@ namespace gib {
 struct RepeatPlan {
     Experiment experiment;
     ResultFolder original;
-    std::map<std::string, std::uint32_t> passes;      ///< by the folder name of a complete cell
-    std::map<std::string, std::string> scene_hashes;  ///< by name, of the scenes with complete cells
-    std::map<std::string, std::string> references;    ///< identities by the scene's name
+    std::map<std::string, std::uint32_t> passes = {};      ///< by the folder name of a complete cell
+    std::map<std::string, std::string> scene_hashes = {};  ///< by name, of the scenes with complete cells
+    std::map<std::string, std::string> references = {};    ///< identities by the scene's name
 
     bool has_cells_of(const std::string& scene, const std::string& method) const;
     std::string reference_of(const std::string& scene) const;

@@ -26,7 +26,7 @@ int run_experiment(const RunOptions& options, std::ostream& out) {
     std::cerr << fmt::format("{} failed:\n", run.failures().size());
     for (const auto& failure : run.failures())
         std::cerr << "  " << failure << "\n";
-    return 1;
+    return exit_failed;
 }
 
 }  // namespace gib

@@ -1,5 +1,6 @@
 #include "experiments/system/child_process.h"
 
+#include "common/core/descriptor.h"
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
@@ -22,52 +23,18 @@ namespace gib {
 
 namespace {
 
-/// A pipe through which the child writes and this process reads.
-class Pipe {
-public:
-    Pipe() {
-        if (pipe2(ends_, O_CLOEXEC) != 0) throw ChildNotStarted(fmt::format("no pipe: {}", std::strerror(errno)));
-    }
-    ~Pipe() {
-        close(ends_[0]);
-        close_writer();
-    }
-    Pipe(const Pipe&) = delete;
-    Pipe& operator=(const Pipe&) = delete;
+[[noreturn]] void fail_to_start(const std::string& program, int error) {
+    throw RunError(fmt::format("cannot start '{}': {}", program, std::strerror(error)));
+}
 
-    int reader() const { return ends_[0]; }
-    int writer() const { return ends_[1]; }
-    void close_writer() {
-        if (ends_[1] >= 0) close(ends_[1]);
-        ends_[1] = -1;
-    }
-
-private:
-    int ends_[2];
-};
-
-/// Keeps the messages of the child in memory, so that a full disk cannot lose the message that reports it.
-class Messages {
-public:
-    Messages() : fd_(memfd_create("messages", MFD_CLOEXEC)) {
-        if (fd_ < 0) throw ChildNotStarted(fmt::format("no memory file: {}", std::strerror(errno)));
-    }
-    ~Messages() { close(fd_); }
-    Messages(const Messages&) = delete;
-    Messages& operator=(const Messages&) = delete;
-
-    int fd() const { return fd_; }
-    std::string last_line() const {
-        std::ifstream file(fmt::format("/proc/self/fd/{}", fd_));
-        std::string last;
-        for (std::string line; std::getline(file, line);)
-            if (!line.empty()) last = line;
-        return last;
-    }
-
-private:
-    int fd_;
-};
+/// The last line that is not empty of an open file.
+std::string last_line(int fd) {
+    std::ifstream file(fmt::format("/proc/self/fd/{}", fd));
+    std::string last;
+    for (std::string line; std::getline(file, line);)
+        if (!line.empty()) last = line;
+    return last;
+}
 
 pid_t spawn(const std::vector<std::string>& arguments, int output, int messages) {
     std::vector<char*> argv;
@@ -82,7 +49,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int output, int messages)
     pid_t child = 0;
     const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw ChildNotStarted(fmt::format("cannot start '{}': {}", arguments[0], std::strerror(error)));
+    if (error != 0) fail_to_start(arguments[0], error);
     return child;
 }
 
@@ -119,10 +86,15 @@ bool read_lines(int fd, std::string& pending, const std::function<void(const std
 }  // namespace
 
 void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line) {
-    Pipe pipe;
-    const Messages messages;
-    const pid_t child = spawn(arguments, pipe.writer(), messages.fd());
-    pipe.close_writer();
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) fail_to_start(arguments[0], errno);
+    const Descriptor reader(ends[0]);
+    Descriptor writer(ends[1]);
+    // The messages of the child stay in memory, so that a full disk cannot lose the message that reports it.
+    const Descriptor messages(memfd_create("messages", MFD_CLOEXEC));
+    if (messages.get() < 0) fail_to_start(arguments[0], errno);
+    const pid_t child = spawn(arguments, writer.get(), messages.get());
+    writer.close();
     std::string pending;
     std::optional<int> status;
     bool open = true;
@@ -133,17 +105,17 @@ void run_child(const std::vector<std::string>& arguments, const std::function<vo
             stop(child);
             throw Interrupted();
         }
-        pollfd wait{pipe.reader(), POLLIN, 0};
+        pollfd wait{reader.get(), POLLIN, 0};
         if (!open) usleep(5'000);
-        else if (poll(&wait, 1, 50) > 0) open = read_lines(pipe.reader(), pending, on_line);
+        else if (poll(&wait, 1, 50) > 0) open = read_lines(reader.get(), pending, on_line);
         status = ended(child);
     }
     // The last lines of the child may still be in the pipe.
-    for (pollfd rest{pipe.reader(), POLLIN, 0}; open && poll(&rest, 1, 0) > 0;)
-        open = read_lines(pipe.reader(), pending, on_line);
+    for (pollfd rest{reader.get(), POLLIN, 0}; open && poll(&rest, 1, 0) > 0;)
+        open = read_lines(reader.get(), pending, on_line);
     if (InterruptGuard::requested()) throw Interrupted();  // Ctrl-C reaches the child too
     if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) return;
-    const std::string said = messages.last_line();
+    const std::string said = last_line(messages.get());
     const std::string how =
         WIFSIGNALED(*status)
             ? fmt::format("its process was killed by signal {} ({})", WTERMSIG(*status), strsignal(WTERMSIG(*status)))

@@ -9,16 +9,9 @@
 
 namespace gib {
 
-/// Thrown if a program could not be started, for example because no processes, memory or files are left. This says
-/// nothing about the program itself.
-class ChildNotStarted : public RunError {
-public:
-    using RunError::RunError;
-};
-
 /// Runs a program to its end. Each line of its standard output is passed to `on_line`; its standard error is kept in
-/// memory. Throws ChildNotStarted; RunError, with the last message of the child, if the child fails or is killed;
-/// Interrupted on Ctrl-C, after it has stopped the child (see InterruptGuard).
+/// memory. Throws RunError if it cannot be started and, with its last message, if it fails or is killed; Interrupted on
+/// Ctrl-C, after it has been stopped (see InterruptGuard).
 void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line);
 
 /// Makes the kernel end this process when its parent dies, so that no cell goes on without its run. Throws RunError

@@ -17,44 +17,30 @@
 
 namespace gib {
 
-namespace {
-
-/// Whether the path still leads to the open file, which its last owner may have removed after it was opened here.
-bool is_named(int fd, const std::string& path) {
-    struct stat open_file {
-    }, named{};
-    return ::fstat(fd, &open_file) == 0 && ::stat(path.c_str(), &named) == 0 && open_file.st_dev == named.st_dev &&
-           open_file.st_ino == named.st_ino;
-}
-
-}  // namespace
-
 std::optional<FileLock> FileLock::if_free(const std::string& path) {
     for (;;) {
         // The file is closed on exec, because the lock belongs to the run alone; a cell's process dies with its run.
-        const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+        const int fd = file.get();
         if (fd < 0) reject({path}, "cannot write here: {}", std::strerror(errno));
-        FileLock lock("", fd);  // closes the file; removes nothing while the path is empty
         if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK) return std::nullopt;
             if (errno == EINTR) continue;
             reject({path}, "cannot lock this file: {}", std::strerror(errno));
         }
-        if (!is_named(fd, path)) continue;
-        lock.path_ = path;
+        // Its last owner may have removed the file after it was opened here.
+        if (struct stat status{}; ::fstat(fd, &status) != 0 || status.st_nlink == 0) continue;
         // On a full disk the pid is missing, but the lock holds without it.
         const std::string pid = fmt::format("{}\n", ::getpid());
         if (::ftruncate(fd, 0) != 0 || ::pwrite(fd, pid.data(), pid.size(), 0) < 0) errno = 0;
-        return lock;
+        return FileLock(path, std::move(file));
     }
 }
 
-FileLock::FileLock(FileLock&& other) noexcept
-    : path_(std::exchange(other.path_, "")), fd_(std::exchange(other.fd_, -1)) {}
+FileLock::FileLock(FileLock&& other) noexcept : path_(std::exchange(other.path_, "")), file_(std::move(other.file_)) {}
 
 FileLock::~FileLock() {
     if (!path_.empty()) ::unlink(path_.c_str());
-    if (fd_ >= 0) ::close(fd_);
 }
 
 std::string lock_owner(const std::string& path) {

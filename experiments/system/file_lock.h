@@ -2,6 +2,8 @@
 // Locks for what only one process may work with at a time. The kernel releases a lock when its process ends, even
 // after a crash.
 
+#include "common/core/descriptor.h"
+
 #include <sys/types.h>
 #include <functional>
 #include <optional>
@@ -20,10 +22,10 @@ public:
     ~FileLock();
 
 private:
-    FileLock(std::string path, int fd) : path_(std::move(path)), fd_(fd) {}
+    FileLock(std::string path, Descriptor file) : path_(std::move(path)), file_(std::move(file)) {}
 
     std::string path_;
-    int fd_;
+    Descriptor file_;
 };
 
 /// The owner of a lock as text: "process 1234", or "another process" if the file does not hold a pid.

@@ -7,8 +7,8 @@
 
 namespace gib {
 
-/// The exit code of a program that Ctrl-C ended.
-inline constexpr int exit_interrupted = 130;
+/// The exit codes of a program that failed and of one that Ctrl-C ended.
+inline constexpr int exit_failed = 1, exit_interrupted = 130;
 
 /// Thrown where an interrupted computation cannot go on. The program then exits with exit_interrupted.
 class Interrupted : public RunError {

@@ -1,8 +1,7 @@
 #pragma once
-// Writes and reads CSV files (RFC 4180): fields with a comma, quote or line break are quoted, and quotes are doubled.
+// Writes CSV files (RFC 4180): fields with a comma, quote or line break are quoted, and quotes are doubled.
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace gib {
@@ -15,8 +14,5 @@ struct CsvTable {
     void add(std::vector<std::string> row);
     std::string text() const;
 };
-
-/// The inverse of CsvTable::text(). Throws InputError at `file` for rows of a wrong length and for open quotes.
-CsvTable parse_csv(std::string_view text, const std::string& file);
 
 }  // namespace gib

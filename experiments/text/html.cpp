@@ -1,23 +1,9 @@
 #include "experiments/text/html.h"
 
+#include <boost/algorithm/string/replace.hpp>
 #include <kainjow/mustache.hpp>
 
 namespace gib {
-
-namespace {
-
-std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
-    std::string result;
-    while (true) {
-        const std::size_t at = text.find(what);
-        result += text.substr(0, at);
-        if (at == std::string_view::npos) return result;
-        result += by;
-        text.remove_prefix(at + what.size());
-    }
-}
-
-}  // namespace
 
 std::string html_escape(std::string_view text) { return kainjow::mustache::html_escape(std::string(text)); }
 
@@ -34,10 +20,20 @@ std::string sentence_html(std::string_view text) {
     }
 }
 
-std::string script_safe_json(std::string json) { return replaced(json, "<", "\\u003c"); }
+std::string script_safe_json(const std::string& json) { return boost::replace_all_copy(json, "<", "\\u003c"); }
 
 std::string script_safe_code(std::string_view code) {
-    return replaced(replaced(code, "</script", "<\\/script"), "<!--", "<\\!--");
+    const std::string safe = boost::replace_all_copy(std::string(code), "</script", "<\\/script");
+    return boost::replace_all_copy(safe, "<!--", "<\\!--");
+}
+
+std::string markdown_text(std::string_view text) {
+    std::string line;
+    for (const char c : text) {
+        if (c == '|') line += '\\';
+        line += c == '\n' || c == '\r' ? ' ' : c;
+    }
+    return line;
 }
 
 }  // namespace gib

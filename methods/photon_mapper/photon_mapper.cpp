@@ -59,16 +59,15 @@ public:
         walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
         if (plan.runs(pass_caustic))
             maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
-        maps_.global_estimator = {.kernel = settings.kernel,
-                                  .k = settings.k,
-                                  .max_radius = length(settings.radius),
-                                  .area = settings.area,
-                                  .compensation = settings.compensation};
-        maps_.caustic_estimator = {.kernel = settings.kernel,
-                                   .k = settings.caustic_k,
-                                   .max_radius = length(settings.caustic_radius),
-                                   .area = settings.area,
-                                   .compensation = settings.compensation};
+        const auto estimator = [&](std::size_t k, double radius) {
+            return DensityEstimator{.kernel = settings.kernel,
+                                    .k = k,
+                                    .max_radius = length(radius),
+                                    .area = settings.area,
+                                    .compensation = settings.compensation};
+        };
+        maps_.global_estimator = estimator(settings.k, settings.radius);
+        maps_.caustic_estimator = estimator(settings.caustic_k, settings.caustic_radius);
         maps_.volume_estimator = {.kernel = settings.kernel,
                                   .k = settings.volume_k,
                                   .max_radius = length(settings.volume_radius),
@@ -139,10 +138,7 @@ private:
                   .max_edges = settings_.max_edges,
                   .samples_lights = walk_.samples_lights,
                   .follows_specular = walk_.follows_specular,
-                  .map = {},
-                  .estimator = maps_.global_estimator,
-                  .lengths = {},
-                  .irradiance = {}};
+                  .estimator = maps_.global_estimator};
         if (plan.runs(pass_global)) {
             PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
             light_.lengths = PhotonLengths(walk.photons);

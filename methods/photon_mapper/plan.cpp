@@ -19,7 +19,7 @@ void add_map(Plan& plan, std::string_view pass, bool called_for, std::uint64_t p
     if (!called_for) reason = why_not_called_for;
     else if (photons == 0) reason = "no photons are asked for";
     else if (max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
-    plan.add(std::string(pass), reason.empty(), reason);
+    plan.add(pass, reason);
 }
 
 /// Adds the step of the projection map that aims the photons of `map`. In a medium without an end a photon may be
@@ -30,7 +30,7 @@ void add_aim(Plan& plan, std::string_view pass, std::string_view map, bool is_bo
     if (!plan.runs(map)) reason = "its map is not run";
     else if (!projection) reason = "projection=off";
     else if (!is_bounded) reason = "light may be scattered in a medium without an end";
-    plan.add(std::string(pass), reason.empty(), reason);
+    plan.add(pass, reason);
 }
 
 /// The projection map; null if the plan does not run it, or if it drops no emission.
@@ -44,9 +44,6 @@ std::unique_ptr<ProjectionMap> build_aim(const Plan& plan, std::string_view pass
 
 /// Adds the steps of final gathering, precomputed irradiance and the irradiance cache.
 void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
-    const auto add = [&](std::string_view pass, std::string reason) {
-        plan.add(std::string(pass), reason.empty(), reason);
-    };
     std::string reason;
     if (!plan.called_for.has(Effect::diffuse_interreflection)) reason = "no light passes between diffuse surfaces";
     else if (settings.gather == 0) reason = "gather=0: indirect light comes from the global map";
@@ -54,14 +51,15 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
     else if (scene.has_dispersion()) reason = "light is split by wavelength: indirect light comes from the global map";
     else if (settings.source != GatherSource::paths && settings.photons == 0) reason = "no photons are asked for";
     else if (settings.max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
-    add(pass_gather, reason);
+    plan.add(pass_gather, reason);
     const bool gathers = plan.runs(pass_gather);
     const std::string no_rays = "nothing is gathered";
-    add(pass_irradiance, !gathers ? no_rays
-                         : settings.source != GatherSource::irradiance
-                             ? fmt::format("source={}", gather_source_names[static_cast<std::size_t>(settings.source)])
-                             : "");
-    add(pass_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
+    plan.add(pass_irradiance,
+             !gathers ? no_rays
+             : settings.source != GatherSource::irradiance
+                 ? fmt::format("source={}", gather_source_names[static_cast<std::size_t>(settings.source)])
+                 : "");
+    plan.add(pass_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
 }
 
 }  // namespace
@@ -71,7 +69,7 @@ Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const Photon
     plan.called_for = effects;
     add_eye_paths(plan, scene, settings.max_edges);
     add_light_sampling(plan, settings.max_edges);
-    plan.add(std::string(pass_specular), effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
+    plan.add(pass_specular, effects.has(Effect::specular_reflection) || effects.has(Effect::refraction),
              "no surface is specular");
     add_map(plan, pass_caustic, effects.has(Effect::caustics), settings.caustic_photons, settings.max_edges,
             "no light reaches a diffuse surface by way of a specular one");

@@ -69,7 +69,7 @@ void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& 
     if (settings.photons == 0) reason = "no photons are asked for";
     else if (!plan.runs(pass_light_sampling)) reason = "lights are not sampled";
     else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
-    plan.add(std::string(pass_shadow_map), reason.empty(), reason);
+    plan.add(pass_shadow_map, reason);
 }
 
 SurfaceSide::SurfaceSide(const SurfaceHit& hit, const Vec3& wo) : shape(hit.shape), instance(hit.instance) {

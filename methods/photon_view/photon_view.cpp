@@ -53,26 +53,15 @@ struct Records {
         : light{.source = GatherSource::paths,
                 .max_edges = settings.max_edges,
                 .samples_lights = true,
-                .follows_specular = true,
-                .map = {},
-                .estimator = {},
-                .lengths = {},
-                .irradiance = {}},
+                .follows_specular = true},
           gather(light, settings.gather),
           cache(scene, gather, settings.spacing) {}
 };
 
 Component component_of(PhotonMapKind kind) {
-    switch (kind) {
-        case PhotonMapKind::global:
-        case PhotonMapKind::full:
-            return Component::indirect;
-        case PhotonMapKind::caustic:
-            return Component::caustic;
-        case PhotonMapKind::volume:
-            return Component::volume;
-    }
-    return Component::indirect;
+    return kind == PhotonMapKind::caustic  ? Component::caustic
+           : kind == PhotonMapKind::volume ? Component::volume
+                                           : Component::indirect;
 }
 
 Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
@@ -80,16 +69,14 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     plan.called_for = effects_of(scene);
     plan.unresolved.assign(all_components.begin(), all_components.end());
     const bool has_scattering = settings.kind != PhotonMapKind::volume || scene.has_scattering_media();
-    if (settings.records) {
-        const bool split = scene.has_media() || scene.has_dispersion();
+    const bool split = scene.has_media() || scene.has_dispersion();
+    if (settings.records)
         plan.add("irradiance cache", scene.has_light() && !split,
                  split ? "nothing is gathered in scenes with media or dispersion" : "nothing emits light");
-        plan.add(std::string(pass_eye_paths), true, "");
-        return plan;
-    }
-    plan.add("photon map", scene.has_light() && has_scattering,
-             scene.has_light() ? "no medium scatters light" : "nothing emits light");
-    plan.add(std::string(pass_eye_paths), true, "");
+    else
+        plan.add("photon map", scene.has_light() && has_scattering,
+                 scene.has_light() ? "no medium scatters light" : "nothing emits light");
+    plan.add(pass_eye_paths, "");
     return plan;
 }
 

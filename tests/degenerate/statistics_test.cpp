@@ -11,6 +11,7 @@
 #include "experiments/program/compare.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
+#include "tests/support/csv_reader.h"
 #include "tests/support/driver_fixtures.h"
 
 #include <gmock/gmock.h>

@@ -151,8 +151,10 @@ HardCases load_hard_cases(const std::string& path) {
                    .cases = {}};
     for (const auto& entry : reader.entries(reader.table(root.at("leaves_out"), "leaves_out"))) {
         for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects")) {
-            const auto effect = find_effect(reader.string(value, entry.key));
-            if (!effect) throw InputError(reader.at(value), "there is no such effect");
+            const std::string name = reader.string(value, entry.key);
+            const auto all = Effects::all().list();
+            const auto effect = std::find_if(all.begin(), all.end(), [&](Effect e) { return name_of(e) == name; });
+            if (effect == all.end()) throw InputError(reader.at(value), "there is no such effect");
             file.leaves_out[entry.key].add(*effect);
         }
     }

@@ -141,19 +141,6 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     EXPECT_THAT(render.err, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels"));
 }
 
-TEST_F(MemoryLimitTest, APipeWithoutEndIsRefusedWhereMemoryEnds) {
-#ifdef GIB_SANITIZED
-    GTEST_SKIP() << "the sanitizer's address space has no limit";
-#endif
-    ASSERT_EQ(
-        std::system(("mkfifo '" + path("pipe.xml") + "' && (yes >'" + path("pipe.xml") + "' 2>/dev/null &)").c_str()),
-        0);
-    const AddressSpace limit(rlim_t{2} << 30);
-    const ProgramResult result = run_gibench("plan pipe.xml", path());
-    EXPECT_EQ(result.code, 2);
-    EXPECT_THAT(result.err, refusal("pipe.xml:1:1: the file"));
-}
-
 /// The address space of this process [bytes].
 rlim_t address_space_in_use() {
     std::ifstream statistics("/proc/self/statm");

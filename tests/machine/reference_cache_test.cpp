@@ -144,16 +144,12 @@ TEST_F(ReferenceCacheTest, ValuesThatStillDecodeAreCompared) {
 }
 
 TEST_F(ReferenceCacheTest, FilesThatAreNoReferenceAreMadeAgain) {
-    Reference reference = make(0.05).reference;
-    const std::string good = content_of(reference);
-    reference.components[static_cast<std::size_t>(index_of(Component::direct))]->groups[3].rgb[5] =
-        std::numeric_limits<float>::quiet_NaN();
+    const std::string good = content_of(make(0.05).reference);
     const std::vector<std::function<void()>> damages = {[&] { std::ofstream(path_, std::ios::trunc); },
                                                         [&] { std::ofstream(path_) << "no image\n"; },
                                                         [&] {
                                                             write_exr(path_, {{{"", Image(8, 8)}}, {}});
-                                                        },
-                                                        [&] { write_reference(path_, reference); }};
+                                                        }};
     for (std::size_t i = 0; i < damages.size(); ++i) {
         damages[i]();
         const FinishedReference r = make(0.05);

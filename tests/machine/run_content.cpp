@@ -1,8 +1,8 @@
 #include "tests/machine/run_content.h"
+#include "tests/support/csv_reader.h"
 
 #include "common/core/files.h"
 #include "common/images/image_digest.h"
-#include "experiments/text/csv.h"
 
 #include <filesystem>
 #include <set>

@@ -173,7 +173,7 @@ TEST_F(RunResumeTest, AFailingCellIsSaidAndTheOthersGoOn) {
         CellIdentity identity;
         identity.scene = "tiny";
         identity.method = "path spp=8";
-        return identity.folder_name();
+        return cell_folder_name(identity.scene, identity.method, identity.seed);
     }();
     fs::create_directories(folder_ / ("results/e/cells/" + name + "/final.exr/in-the-way"));
     const ProgramResult result = run();

@@ -1,7 +1,7 @@
 #pragma once
 // Fixtures of the tests of `gibench run`: an experiment that takes a moment, and a program that runs beside the test.
 
-#include "experiments/text/csv.h"
+#include "tests/support/csv_reader.h"
 #include "tests/support/driver_fixtures.h"
 
 #include <gtest/gtest.h>

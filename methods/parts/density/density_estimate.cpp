@@ -32,7 +32,7 @@ struct PhotonSums {
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u)
+           const Vec3& wo, const EyePath& eye, const Vec2& u, std::vector<Neighbour>& neighbours)
         : e_(estimator),
           map_(map),
           rays_(rays),
@@ -41,7 +41,10 @@ public:
           wo_local_(hit.shading.to_local(wo)),
           eye_(eye),
           transmits_(hit.bsdf->traits().transmission),
-          disc_(hit, normal_, u) {}
+          disc_(hit, normal_, u),
+          neighbours_(neighbours) {
+        neighbours_.clear();
+    }
 
     Reflected radiance() {
         Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
@@ -207,8 +210,14 @@ private:
     mutable bool agrees_ = false;                        ///< the answer for that code
     bool near_obstacle_ = false;
     SurfaceDisc disc_;
-    std::vector<Neighbour> neighbours_;
+    std::vector<Neighbour>& neighbours_;
 };
+
+/// The memory of a thread's look-ups, which none of them has to take for itself.
+std::vector<Neighbour>& neighbours_of_thread() {
+    static thread_local std::vector<Neighbour> neighbours;
+    return neighbours;
+}
 
 }  // namespace
 
@@ -222,7 +231,7 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
                                                std::uint32_t dimension) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension)).radiance();
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours_of_thread()).radiance();
 }
 
 }  // namespace gib

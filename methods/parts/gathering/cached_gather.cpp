@@ -42,9 +42,7 @@ std::vector<Parameter> cache_parameters() {
 
 CacheSettings cache_settings_of(const ParameterValues& values) {
     CacheSettings s{.accuracy = static_cast<float>(values.number("accuracy")),
-                    .unit = chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing")),
-                    .least = 0,
-                    .greatest = 0};
+                    .unit = chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing"))};
     const bool in_pixels = s.unit == SpacingUnit::pixels;
     s.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
     s.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;

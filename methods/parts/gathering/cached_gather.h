@@ -25,7 +25,7 @@ inline constexpr std::array<std::string_view, 2> spacing_unit_names = {"pixels",
 struct CacheSettings {
     float accuracy;
     SpacingUnit unit;
-    double least, greatest;  ///< spacing of records, in this unit
+    double least = 0, greatest = 0;  ///< spacing of records, in this unit
 };
 
 /// The parameters accuracy, spacing, min_spacing and max_spacing.

@@ -41,10 +41,10 @@ struct GatheredLight {
     int max_edges;  ///< of whole paths
     bool samples_lights, follows_specular;
 
-    PhotonMap map;  ///< PhotonMapKind::full; empty for `paths`
-    DensityEstimator estimator;
-    PhotonLengths lengths;
-    PrecomputedIrradiance irradiance;
+    PhotonMap map = {};  ///< PhotonMapKind::full; empty for `paths`
+    DensityEstimator estimator = {};
+    PhotonLengths lengths = {};
+    PrecomputedIrradiance irradiance = {};
 
     /// The most edges of a photon's path that count where a gather ray ends. Two edges are taken by the gather ray
     /// and by the ray from the eye to its origin.

@@ -14,6 +14,9 @@ namespace gib {
 struct Neighbour {
     float distance2;
     std::uint32_t index;  ///< in the tree
+
+    Neighbour() {}  // leaves the members as they are, so that to enlarge a buffer costs nothing
+    Neighbour(float squared, std::uint32_t of) : distance2(squared), index(of) {}
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 

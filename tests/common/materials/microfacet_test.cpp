@@ -18,8 +18,8 @@ const std::vector<MicrofacetDistribution> distributions = {
 const std::vector<double> angles = {0, 30, 60, 80, 89, 89.999};
 
 std::string name_of(const MicrofacetDistribution& d, double degrees = 0) {
-    return std::string(microfacet_type_names[static_cast<std::size_t>(d.type)]) + ' ' + std::to_string(d.alpha_u) +
-           ' ' + std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
+    return std::string(d.type == MicrofacetType::ggx ? "ggx " : "beckmann ") + std::to_string(d.alpha_u) + ' ' +
+           std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
 }
 
 /// The integral of g(m) D(m) over all normals m by the midpoint rule in polar coordinates of the stretched slopes:

@@ -16,8 +16,8 @@ RoughConductor mirror(const MicrofacetDistribution& d) { return {{}, d}; }
 RoughDielectric glass(const MicrofacetDistribution& d, float eta = 1.5f) { return {eta, 0.f, d}; }
 
 std::string name_of(const MicrofacetDistribution& d, double degrees) {
-    return std::string(microfacet_type_names[static_cast<std::size_t>(d.type)]) + ' ' + std::to_string(d.alpha_u) +
-           ' ' + std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
+    return std::string(d.type == MicrofacetType::ggx ? "ggx " : "beckmann ") + std::to_string(d.alpha_u) + ' ' +
+           std::to_string(d.alpha_v) + " at " + std::to_string(degrees);
 }
 
 TEST(RoughScattering, SamplesCarryTheirOwnValueAndDensityAndWeighAtMostOne) {

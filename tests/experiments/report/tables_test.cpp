@@ -6,6 +6,7 @@
 #include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"
 #include "experiments/text/numbers.h"
+#include "tests/support/csv_reader.h"
 
 #include <gmock/gmock.h>
 

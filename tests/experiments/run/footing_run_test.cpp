@@ -2,7 +2,7 @@
 
 #include "common/images/image_file.h"
 #include "experiments/results/result_folder.h"
-#include "experiments/text/csv.h"
+#include "tests/support/csv_reader.h"
 #include "tests/support/driver_fixtures.h"
 
 #include <gmock/gmock.h>
