@@ -75,6 +75,13 @@ void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
              scene.has_light() ? "a path of no edges carries no light" : "nothing emits light");
 }
 
+std::string incomplete_components(const Plan& plan, const MethodLabel& label) {
+    std::string names;
+    for (Component c : plan.unresolved)
+        names += (names.empty() ? "" : ", ") + std::string(name_of(c));
+    return names.empty() ? "" : fmt::format("'{}' leaves out light of the components: {}", label.text(), names);
+}
+
 void add_light_sampling(Plan& plan, int max_edges) {
     const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes) ||
                      plan.called_for.has(Effect::participating_media);

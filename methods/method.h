@@ -159,6 +159,8 @@ int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
 /// A plan without steps yet: the effects that the scene calls for, those that are
 /// missing, and the unresolved components.
 Plan described_plan(const Scene& scene, const MethodDescription& method);
+/// A sentence that names the components of which the method leaves out paths; empty if there are none.
+std::string incomplete_components(const Plan& plan, const MethodLabel& label);
 /// The names, in plans and stages, of the passes that several methods share.
 inline constexpr std::string_view pass_eye_paths = "eye paths";
 inline constexpr std::string_view pass_light_sampling = "light sampling";

@@ -85,6 +85,8 @@ int render(const RenderOptions& options, std::ostream& out) {
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
+    if (const auto incomplete = incomplete_components(method->plan(*loaded.scene), chosen.label); !incomplete.empty())
+        progress.message("warning: " + incomplete);
     // Every checkpoint is kept until the next one, because a method may converge and end at any of them.
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {

@@ -130,11 +130,18 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
     };
     const TableRow& closest = **std::min_element(
         rows.begin(), rows.end(), [&](const TableRow* a, const TableRow* b) { return error(a) < error(b); });
-    return fmt::format("No method reached {} %. Closest: a{}", target_names[target],
+    const bool any_reached =
+        std::any_of(rows.begin(), rows.end(), [&](const TableRow* row) { return row->times[target].has_value(); });
+    return fmt::format("No method {}reached {} %. Closest: a{}",
+                       any_reached ? "with all effects of the scene " : "", target_names[target],
                        what_keeps(analysis, methods, closest, target, INFINITY, true));
 }
 
 }  // namespace
+
+bool reaches(const TableRow& row, std::size_t target) {
+    return row.times[target].has_value() && row.effects_missing.empty();
+}
 
 std::string time_text(const TableRow& row, std::size_t target) {
     if (!row.statistics) return "";
@@ -162,7 +169,7 @@ std::vector<PriceAnswer> price_answers(const Analysis& analysis) {
         for (const std::size_t target : asked_targets) {
             std::vector<const TableRow*> reached;
             std::copy_if(rows.begin(), rows.end(), std::back_inserter(reached),
-                         [&](const TableRow* row) { return row->times[target].has_value(); });
+                         [&](const TableRow* row) { return reaches(*row, target); });
             answers.push_back({scene, reached.empty()
                                           ? answer_without_winner(analysis, methods, rows, target)
                                           : answer_with_winner(analysis, methods, rows, std::move(reached), target)});

@@ -17,6 +17,10 @@ inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 /// the method's law holds, "never (floor 2.30 %)" if its floor is above the error, else empty.
 std::string time_text(const TableRow& row, std::size_t target);
 
+/// Whether a method has reached the target with all effects of the scene. One that leaves out an effect is never the
+/// cheapest, however small its share of the error is.
+bool reaches(const TableRow& row, std::size_t target);
+
 /// The answer for one scene and error: which method is cheapest, how much longer the next one takes, and how far the
 /// others are then.
 struct PriceAnswer {

@@ -88,7 +88,7 @@ data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
     for (const std::size_t t : asked_targets) {
         const TableRow* best = nullptr;
         for (const TableRow& row : analysis.rows)
-            if (row.scene == quality.scene && row.component == total_name && row.times[t] &&
+            if (row.scene == quality.scene && row.component == total_name && reaches(row, t) &&
                 (!best || row.times[t]->value < best->times[t]->value))
                 best = &row;
         const bool resolved = is_target_resolved(t, analysis.noise_floor(quality.scene, total_name));

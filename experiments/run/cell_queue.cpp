@@ -171,6 +171,8 @@ void ExperimentRun::plan_methods(const LoadedScene& scene) {
     for (const auto& label : experiment_.methods) {
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
         effects_missing_[{scene.name, label.text()}] = plan.missing.names();
+        if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
+            progress_.message(fmt::format("warning: {}: {}", scene.name, incomplete));
     }
 }
 

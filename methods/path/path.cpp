@@ -99,6 +99,9 @@ public:
         if (has_delta_light(scene) && has_delta_lobe(scene)) {
             if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
             if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
+            const auto& lights = scene.lights();
+            if (plan.called_for.has(Effect::caustics) && std::all_of(lights.begin(), lights.end(), is_delta))
+                plan.missing.add(Effect::caustics);
         }
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);

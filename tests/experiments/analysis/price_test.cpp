@@ -104,6 +104,16 @@ TEST(LastHalving, IsMeasuredWithPreparation) {
     EXPECT_FALSE(row(analysis, "quick").last_halving.has_value());
 }
 
+TEST(PriceAnswers, NeverNameAMethodThatLeavesOutAnEffect) {
+    Analysis analysis = crossing();
+    for (TableRow& row : analysis.rows)
+        if (row.method == "quick") row.effects_missing = "caustics";
+    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("`exact` is the cheapest at 5 %"));
+    for (TableRow& row : analysis.rows)
+        row.effects_missing = "caustics";
+    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("No method with all effects of the scene reached 5 %"));
+}
+
 TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
     Analysis analysis = crossing();
     const auto answers = price_answers(analysis);

@@ -1,0 +1,139 @@
+// Light tracing and bidirectional path tracing against path tracing: whichever techniques make the paths, every
+// component has the same mean.
+
+#include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace gib {
+namespace {
+
+using test::Moments;
+
+struct RoomOptions {
+    std::string light, more = "", sensor = "perspective", sensor_more = "", filter = "box",
+                       ball = "<bsdf type='roughdielectric'><float name='alpha' value='0.3'/></bsdf>";
+};
+
+/// A floor, a wall, a glossy mirror and a ball.
+LoadedScene room(const RoomOptions& o) {
+    const auto wall = [](const std::string& transform, const std::string& bsdf) {
+        return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
+    };
+    const std::string diffuse = "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
+                                "value='0.7, 0.5, 0.3'/></bsdf></bsdf>";
+    return test::scene_of(
+        "<scene version='3.0.0'><sensor type='" + o.sensor + "'>" + o.sensor_more +
+        "<transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>"
+        "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/><rfilter type='" +
+        o.filter + "'/></film></sensor>" +
+        wall("<scale value='2'/><rotate y='1' angle='180'/><translate z='2'/>", diffuse) +
+        wall("<scale value='2'/><rotate x='1' angle='-90'/><translate y='-1'/>", diffuse) +
+        wall("<rotate y='1' angle='60'/><translate x='-1'/>",
+             "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.08'/></bsdf></bsdf>") +
+        "<shape type='sphere'><float name='radius' value='0.4'/>" + o.ball + "</shape>" + o.light + o.more + "</scene>");
+}
+
+const std::string lamp =
+    "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='90'/>"
+    "<translate x='0.6' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5, 4, 3'/></emitter></shape>";
+const std::string shining_ball =
+    "<shape type='sphere'><point name='center' x='0.8' y='0.8' z='-0.5'/><float name='radius' value='0.3'/>"
+    "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='-1'/></emitter>";
+const std::string spot = "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
+                         "<lookat origin='0.8, 1, -1' target='0, 0, 0' up='0, 0, 1'/></transform></emitter>";
+const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
+const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.3, 0.4, 0.5'/></emitter>";
+const std::string fog =
+    "<shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'>"
+    "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.9, 0.8, 0.6'/>"
+    "<phase type='hg'><float name='g' value='0.4'/></phase></medium></shape>";
+const std::string grate = "<shape type='rectangle'><transform name='to_world'><translate z='-0.8' x='0.3'/></transform>"
+                          "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='twosided'>"
+                          "<bsdf type='diffuse'/></bsdf></bsdf></shape>";
+const std::string plastic_ball = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.6'/></bsdf>";
+const std::string glass_ball = "<bsdf type='dielectric'/>";
+
+/// Moments of the mean of each component, by channel, over seeds.
+std::map<std::pair<Component, int>, Moments> moments_of(const LoadedScene& scene, const std::string& label) {
+    constexpr std::uint64_t seeds = 16;
+    std::map<std::pair<Component, int>, Moments> moments;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const ComponentImages image = test::render(scene, label, 256, seed);
+        for (Component c : all_components)
+            for (int k = 0; k < 3; ++k)
+                if (image[c]) moments[{c, k}].add(test::mean_of(*image[c])[k]);
+    }
+    return moments;
+}
+
+/// Expects that both have the same means. Each comparison of at most 15 fails by chance with a probability of 1e-5
+/// (Student's t of 30 degrees of freedom beyond 5.2); a difference of 5 standard errors is about 1 % here.
+void expect_same_means(const LoadedScene& scene, const std::vector<std::string>& labels) {
+    const auto expected = moments_of(scene, labels.front());
+    for (std::size_t i = 1; i < labels.size(); ++i)
+        for (const auto& [key, moments] : moments_of(scene, labels[i])) {
+            const Moments& other = expected.at(key);
+            const double error = std::hypot(moments.standard_error(), other.standard_error());
+            EXPECT_NEAR(moments.mean(), other.mean(), 5.2 * error + 1e-7)
+                << labels[i] << ", " << name_of(key.first) << ' ' << key.second;
+        }
+}
+
+const std::vector<std::string> all_methods = {
+    "path", "bidirectional", "light_tracer", "bidirectional connections=off", "bidirectional camera=off",
+    "bidirectional light_sampling=off", "bidirectional light_sampling=off connections=off camera=off"};
+/// Without a technique that finds delta lights by itself.
+const std::vector<std::string> for_delta_lights = {"path", "bidirectional", "light_tracer",
+                                                   "bidirectional connections=off", "bidirectional camera=off",
+                                                   "bidirectional light_sampling=off"};
+
+TEST(Techniques, AgreeUnderLamps) {
+    expect_same_means(room({.light = lamp}), all_methods);
+    expect_same_means(room({.light = shining_ball}), all_methods);
+}
+TEST(Techniques, AgreeUnderDeltaLights) {
+    for (const auto& light : {point, spot, sun})
+        expect_same_means(room({.light = light, .ball = "<bsdf type='diffuse'/>"}), for_delta_lights);
+}
+TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room({.light = sky + lamp}), all_methods); }
+TEST(Techniques, AgreeInFog) { expect_same_means(room({.light = lamp, .more = fog}), all_methods); }
+TEST(Techniques, AgreeBehindAMask) { expect_same_means(room({.light = lamp, .more = grate}), all_methods); }
+TEST(Techniques, AgreeForEveryCameraAndFilter) {
+    const std::string lens = "<float name='aperture_radius' value='0.2'/><float name='focus_distance' value='2'/>"
+                             "<float name='near_clip' value='0.3'/><float name='far_clip' value='4.5'/>";
+    expect_same_means(room({.light = lamp, .sensor = "thinlens", .sensor_more = lens, .filter = "gaussian"}),
+                      {"path", "bidirectional", "light_tracer"});
+    expect_same_means(room({.light = lamp, .sensor = "orthographic", .filter = "tent"}),
+                      {"path", "bidirectional", "light_tracer"});
+}
+TEST(Techniques, AgreeOnMixedAndSpecularSurfaces) {
+    for (const auto& ball : {plastic_ball, glass_ball})
+        expect_same_means(room({.light = lamp, .ball = ball}),
+                          {"path", "bidirectional", "bidirectional light_sampling=off", "bidirectional connections=off"});
+}
+// Light from a point through glass: path tracing leaves the caustic black and says so, light tracing makes it.
+TEST(Plans, NameTheCausticsThatAreMissing) {
+    const auto scene = room({.light = sun, .ball = glass_ball});
+    const auto plan_of = [&](const std::string& name) {
+        return ConfiguredMethod(MethodLabel::parse(name)).create({})->plan(*scene.scene);
+    };
+    EXPECT_TRUE(plan_of("path").missing.has(Effect::caustics));
+    EXPECT_EQ(incomplete_components(plan_of("path"), MethodLabel::parse("path spp=4")),
+              "'path spp=4' leaves out light of the components: caustic, indirect");
+    EXPECT_FALSE(plan_of("bidirectional").missing.has(Effect::caustics));
+    EXPECT_EQ(plan_of("light_tracer").unresolved.size(), all_components.size());
+    const auto caustic = [&](const std::string& label) {
+        return test::mean_of(*test::render(scene, label, 64)[Component::caustic]).sum();
+    };
+    EXPECT_EQ(caustic("path"), 0);
+    EXPECT_GT(caustic("light_tracer"), 0.01);
+    EXPECT_GT(caustic("bidirectional"), 0.01);
+}
+
+}  // namespace
+}  // namespace gib
