@@ -7,6 +7,9 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gib {
@@ -30,11 +33,17 @@ struct Image {
     std::size_t non_finite_values() const;
 };
 
+/// Names of the images of techniques begin with this.
+inline constexpr std::string_view technique_layer_prefix = "technique_";
+
 /// An image as the sum of its components. A component that the method cannot simulate, or that the scene cannot have,
 /// may be absent.
 struct ComponentImages {
     int width = 0, height = 0;
     std::array<std::optional<Image>, component_count> parts;
+    /// Images of single techniques, by name (technique_layer_prefix), for methods that keep them apart; each is a share
+    /// of the sum, or would be one.
+    std::vector<std::pair<std::string, Image>> techniques = {};
 
     const std::optional<Image>& operator[](Component c) const { return parts[static_cast<std::size_t>(index_of(c))]; }
     std::optional<Image>& operator[](Component c) { return parts[static_cast<std::size_t>(index_of(c))]; }

@@ -174,6 +174,7 @@ LayeredImage layers_of(const ComponentImages& image) {
     file.layers.emplace_back("", image.total());
     for (Component c : all_components)
         if (image[c]) file.layers.emplace_back(std::string(name_of(c)), *image[c]);
+    file.layers.insert(file.layers.end(), image.techniques.begin(), image.techniques.end());
     return file;
 }
 
@@ -184,6 +185,8 @@ ComponentImages components_in(const LayeredImage& image) {
     result.height = image.layers[0].second.height;
     for (Component c : all_components)
         if (const Image* layer = image.find(std::string(name_of(c)))) result[c] = *layer;
+    for (const auto& layer : image.layers)
+        if (layer.first.starts_with(technique_layer_prefix)) result.techniques.push_back(layer);
     return result;
 }
 

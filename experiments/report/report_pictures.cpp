@@ -90,6 +90,8 @@ json parts_of(const ComponentImages& image, int reduction, Store& store) {
     json parts = json::object();
     for (Component c : all_components)
         if (image[c]) parts[std::string(name_of(c))] = store.add(reduced(*image[c], reduction));
+    for (const auto& [name, technique] : image.techniques)
+        parts[name] = store.add(reduced(technique, reduction));
     return parts;
 }
 
@@ -151,6 +153,13 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
     if (all.size() > 1)
         for (const auto& name : all)
             layers.push_back({{"name", name}, {"parts", json::array({name})}});
+    // The techniques of a path of one length stand together, as in the pyramid of Veach (1997), figure 10.3.
+    std::set<std::string> techniques;
+    for (const json& image : images)
+        for (const auto& part : image.at("parts").items())
+            if (part.key().starts_with(technique_layer_prefix)) techniques.insert(part.key());
+    for (const std::string& name : techniques)
+        layers.push_back({{"name", name}, {"parts", json::array({name})}});
     return layers;
 }
 

@@ -6,13 +6,14 @@
 // a light's walk: s = 0, the camera's walk finds the light; s = 1, a point of a light is sampled; s = k, the light's
 // walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
 // Parameters: sampler = sobol (default) | independent; hits, light_sampling, connections, camera = on (default) | off,
-// which turn techniques off: the others take over what they can make, the rest of the light is missing; spp and
-// max_depth as for all methods.
+// which turn techniques off: the others take over what they can make, the rest of the light is missing; techniques = off
+// (default) | on, which keeps an image of each technique (technique_pyramid.h); spp and max_depth as for all methods.
 // Bias: none, for paths that it can sample. It cannot sample the light of point, spot and directional lights that
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
 // A pass: one path from the camera for every pixel, and as many light paths.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/images/splat_film.h"
+#include "methods/bidirectional/technique_pyramid.h"
 #include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/camera_walk.h"
@@ -28,38 +29,51 @@ struct BidirectionalSettings {
     PointSet points;
     int max_edges;
     Techniques used;
+    bool shows_techniques;
 };
 
 /// The estimate of one pixel's sample, which also adds the light paths that reach the camera to the film of splats.
 class BidirectionalEstimate {
 public:
-    BidirectionalEstimate(const Scene& scene, const BidirectionalSettings& settings, SplatFilm& splats)
-        : settings_(settings), paths_(scene), splats_(&splats) {}
+    /// `pyramid` is null if no images of techniques are kept.
+    BidirectionalEstimate(const Scene& scene, const BidirectionalSettings& settings, SplatFilm& splats,
+                          TechniquePyramid* pyramid)
+        : settings_(settings), paths_(scene), splats_(&splats), pyramid_(pyramid) {}
 
-    PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+    PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
         const Techniques& used = settings_.used;
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         light_vertices_.clear();
         walk_from_light(
             rays, light_sampler, settings_.max_edges, paths_.power, used,
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used.camera) splat(connect_to_camera(rays, vertex, paths_.power, paths_.count,
-                                                         {u.light_position(), u.light_choice()}, flights));
+                if (used.camera)
+                    splat(connect_to_camera(rays, vertex, paths_.power, paths_.count,
+                                            {u.light_position(), u.light_choice()}, flights),
+                          vertex.edges + 1);
                 if (used.connections) light_vertices_.push_back(vertex);
             });
 
         PixelSample sample;
-        const auto add = [&](const std::optional<Connection>& path) {
-            if (path) add_weighted(*path, sample);
+        const auto add = [&](int s, int t, const std::optional<Connection>& path) {
+            if (!path) return;
+            add_weighted(*path, sample);
+            if (pyramid_) pyramid_->add(s, t, pixel, *path, 1);
         };
         walk_from_camera(
             rays, eye, sampler, settings_.max_edges, paths_.count, used, sample,
-            [&](const FoundLight& light) { sample[light.path_class.component()] += light.weight * light.radiance; },
+            [&](const FoundLight& light) {
+                Connection path{.light = {}, .weight = light.weight};
+                path.light[light.path_class.component()] = light.radiance;
+                add(0, light.edges + 1, path);
+            },
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used.light_sampling) add(connect_to_light(rays, vertex, u, flights, used));
+                if (used.light_sampling)
+                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, u, flights, used));
                 for (const PathVertex& from_light : light_vertices_)
                     if (vertex.edges + 1 + from_light.edges <= settings_.max_edges)
-                        add(connect(rays, vertex, from_light, paths_.power, flights));
+                        add(from_light.edges + 1, vertex.edges + 1,
+                            connect(rays, vertex, from_light, paths_.power, flights));
             });
         return sample;
     }
@@ -71,8 +85,9 @@ private:
         for (std::size_t c = 0; c < sample.parts.size(); ++c)
             sample.parts[c] += path.weight * path.light.parts[c];
     }
-    void splat(const std::optional<Splat>& splat) {
+    void splat(const std::optional<Splat>& splat, int s) {
         if (!splat) return;
+        if (pyramid_) pyramid_->add(s, 1, splat->pixel, splat->connection, 1 / paths_.count);
         PixelSample weighted;
         add_weighted(splat->connection, weighted);
         splats_->add(splat->pixel, 0, weighted);
@@ -81,16 +96,18 @@ private:
     BidirectionalSettings settings_;
     LightPaths paths_;
     SplatFilm* splats_;
+    TechniquePyramid* pyramid_;
     std::vector<PathVertex> light_vertices_;
 };
 
 class BidirectionalRun final : public Run {
 public:
     BidirectionalRun(const EyeSampling& sampling, const BidirectionalSettings& settings, const ShownComponents& shown)
-        : paths_(sampling.scene),
-          splats_(sampling.scene.sensor().width(), sampling.scene.sensor().height(), shown.accumulated,
-                  paths_.mean_light),
-          eye_(average_eye_samples(sampling, shown, BidirectionalEstimate(sampling.scene, settings, splats_))) {}
+        : size_(sampling.scene.sensor().width(), sampling.scene.sensor().height()),
+          paths_(sampling.scene),
+          splats_(size_.x(), size_.y(), shown.accumulated, paths_.mean_light),
+          eye_(average_eye_samples(sampling, shown,
+                                   BidirectionalEstimate(sampling.scene, settings, splats_, pyramid(settings)))) {}
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
@@ -99,6 +116,7 @@ public:
     ComponentImages image() const override {
         ComponentImages images = eye_->image();
         splats_.add_mean(paths_.count * passes_, images);
+        if (pyramid_) images.techniques = pyramid_->images(passes_);
         return images;
     }
     RunCounts counts() const override {
@@ -108,8 +126,16 @@ public:
     }
 
 private:
+    TechniquePyramid* pyramid(const BidirectionalSettings& settings) {
+        if (settings.shows_techniques)
+            pyramid_ = std::make_unique<TechniquePyramid>(size_.x(), size_.y(), paths_.mean_light / paths_.count);
+        return pyramid_.get();
+    }
+
+    Eigen::Vector2i size_;
     LightPaths paths_;
     SplatFilm splats_;
+    std::unique_ptr<TechniquePyramid> pyramid_;
     std::unique_ptr<Run> eye_;
     std::uint32_t passes_ = 0;
 };
@@ -165,7 +191,9 @@ MethodDescription describe_bidirectional() {
         .parameters = {point_set_parameter(), technique("hits", "paths from the camera find lights by themselves"),
                        technique("light_sampling", "points of lights are sampled from paths from the camera"),
                        technique("connections", "vertices of both paths are connected"),
-                       technique("camera", "vertices of light paths are connected to the camera")},
+                       technique("camera", "vertices of light paths are connected to the camera"),
+                       choice_parameter("techniques", {"off", "on"},
+                                        "keep an image of each technique, weighted and alone, for paths of up to 5 edges")},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
@@ -175,6 +203,7 @@ MethodDescription describe_bidirectional() {
                 point_set_of(values),
                 max_edges_of(values, defaults),
                 {on("hits"), on("light_sampling"), on("connections"), on("camera")},
+                on("techniques"),
             });
         },
     };

@@ -35,7 +35,7 @@ class ReferenceCacheTest : public ::testing::Test {
 protected:
     FinishedReference make(std::optional<double> target, std::optional<double> seconds = std::nullopt) {
         ProgressLine progress(false);
-        return make_reference({scene_, method_, MethodLabel{"fake", {}}, {target, seconds}, 0.01, path_}, progress);
+        return make_reference({scene_, {&method_}, MethodLabel{"fake", {}}, {target, seconds}, 0.01, path_}, progress);
     }
     TemporaryFolder folder_;
     std::string path_ = folder_ / "reference.exr";

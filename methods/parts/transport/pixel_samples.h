@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <type_traits>
 
 namespace gib {
 
@@ -41,8 +42,8 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
 
 /// Adds one sample of every pixel to the film and returns the number of rays traced. The time and the progress are
 /// recorded in `stages` under the name `stage`. `start_block()` returns the sampling function for one block of
-/// pixels, PixelSample(RayQueries&, const TracedRay&, const Sampler&), which may own scratch memory. AnyFilm is Film
-/// or a class with the same function add().
+/// pixels, PixelSample(RayQueries&, const TracedRay&, const Sampler&), which may own scratch memory and may take the
+/// pixel's index as a fourth argument. AnyFilm is Film or a class with the same function add().
 template <typename AnyFilm, typename StartBlock>
 std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, std::uint64_t seed, std::uint32_t pass,
                             StageTimes& stages, std::string_view stage, StartBlock&& start_block) {
@@ -56,7 +57,10 @@ std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, 
         auto sample = start_block();
         for_each_pixel(rays, points, seed, pass, begin, end,
                        [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
-                           film.add(pixel, pass, sample(rays, eye, sampler));
+                           if constexpr (std::is_invocable_v<decltype(sample)&, RayQueries&, const TracedRay&,
+                                                             const Sampler&, std::size_t>)
+                               film.add(pixel, pass, sample(rays, eye, sampler, pixel));
+                           else film.add(pixel, pass, sample(rays, eye, sampler));
                        });
         traced += rays.count();
         progress.add(end - begin);

@@ -1,0 +1,128 @@
+// References that several methods make together.
+
+#include "experiments/measuring/reference_makers.h"
+
+#include "common/sampling/sampler.h"
+#include "experiments/plan/reference_methods.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+using testing::HasSubstr;
+
+/// The groups of a maker: `mean` and uniform noise of this standard deviation in each group, by component. The pixels
+/// of the left half are lacking the share `lacking`.
+struct Made {
+    double direct = 1, direct_noise = 0.1, caustic = 1, caustic_noise = 0.1, lacking = 0;
+};
+std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
+    constexpr int size = 32;
+    std::vector<ComponentImages> groups(reference_groups);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        groups[g].width = groups[g].height = size;
+        for (const auto& [c, mean, noise] : {std::tuple(Component::direct, made.direct, made.direct_noise),
+                                             std::tuple(Component::caustic, made.caustic, made.caustic_noise)}) {
+            groups[g][c] = Image(size, size);
+            for (std::size_t i = 0; i < groups[g][c]->rgb.size(); ++i) {
+                const Sampler u(PointSet::independent, seed, i, static_cast<std::uint32_t>(g));
+                const double uniform = std::sqrt(12.0) * (double{u.get_1d(static_cast<std::uint32_t>(c))} - 0.5);
+                const bool left = i / 3 % size < size / 2;
+                groups[g][c]->rgb[i] = static_cast<float>((left ? 1 - made.lacking : 1) * mean + noise * uniform);
+            }
+        }
+    }
+    return groups;
+}
+
+MakerPilot pilot_of(const Made& made, std::uint64_t seed, double seconds_of_pass = 1) {
+    return {.groups = groups_of(made, seed), .passes = 1, .seconds = reference_groups * seconds_of_pass, .unresolved = {}};
+}
+double weight(const MakerPlan& plan, std::size_t maker, Component c) {
+    return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];
+}
+
+// With variances v of a pass, times t of a pass and n passes, the weights of least variance are in proportion to n / v.
+TEST(MakerPlan, WeighsByPassesAndVariance) {
+    const MakerPlan plan = plan_of_least_variance(
+        {"a", "b"}, {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.4}, 1), pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2)},
+        0.01);
+    const double passes_a = plan.shares[0].passes, passes_b = plan.shares[1].passes;
+    ASSERT_GT(passes_a, 0);
+    ASSERT_GT(passes_b, 0);
+    const double expected = passes_a / 0.01 / (passes_a / 0.01 + passes_b / 0.16);
+    EXPECT_NEAR(weight(plan, 0, Component::direct), expected, 0.01);
+    EXPECT_NEAR(weight(plan, 0, Component::direct) + weight(plan, 1, Component::direct), 1, 1e-12);
+    EXPECT_NEAR(weight(plan, 1, Component::caustic), weight(plan, 0, Component::direct), 0.02);
+}
+
+// One maker is better at both components: it gets all the time. If it takes longer, the other does.
+TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
+    const Made better{.direct_noise = 0.1, .caustic_noise = 0.1}, worse{.direct_noise = 0.2, .caustic_noise = 0.2};
+    const MakerPlan plan = plan_of_least_variance({"a", "b"}, {pilot_of(better, 1), pilot_of(worse, 2)}, 0.01);
+    EXPECT_GT(plan.shares[0].passes, 0u);
+    EXPECT_EQ(plan.shares[1].passes, 0u);
+    EXPECT_EQ(weight(plan, 0, Component::direct), 1);
+    // The predicted squared error of one second: the variances of both components over r^2 + epsilon.
+    EXPECT_NEAR(plan.error2_seconds, 2 * 0.01 / (4 + 0.01), 0.05 * 0.005);
+    const MakerPlan slow = plan_of_least_variance({"a", "b"}, {pilot_of(better, 1, 100), pilot_of(worse, 2)}, 0.01);
+    EXPECT_EQ(slow.shares[0].passes, 0u);
+}
+
+// A maker without noise that lacks light has not found it yet.
+TEST(MakerPlan, TakesLackingLightForVariance) {
+    const MakerPlan plan = plan_of_least_variance(
+        {"blind", "noisy"}, {pilot_of({.caustic_noise = 1e-4, .lacking = 0.9}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
+    EXPECT_LT(weight(plan, 0, Component::caustic), 0.1);
+}
+
+TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
+    MakerPilot blind = pilot_of({.caustic = 0, .caustic_noise = 0}, 1);
+    blind.unresolved = {Component::caustic};
+    const MakerPlan plan = plan_of_least_variance({"blind", "all"}, {blind, pilot_of({}, 2)}, 0.01);
+    EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
+    EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
+}
+
+TEST(MakerPlan, IsReadFromItsText) {
+    const MakerPlan plan = plan_of_least_variance({"a", "b"}, {pilot_of({.direct_noise = 0.3}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
+    const auto read = shares_in(text_of(plan.shares));
+    ASSERT_EQ(read.size(), 2u);
+    for (std::size_t m = 0; m < 2; ++m) {
+        EXPECT_EQ(read[m].method, plan.shares[m].method);
+        EXPECT_EQ(read[m].passes, plan.shares[m].passes);
+        EXPECT_EQ(read[m].weights, plan.shares[m].weights);
+    }
+    EXPECT_TRUE(shares_in("a two").empty());
+}
+
+TEST(MakerAgreement, SaysWhoDisagreesAboutWhatAndWhere) {
+    MakerShare a{"a", 1, {}}, b{"b", 1, {}};
+    a.weights.fill(0.5);
+    b.weights.fill(0.5);
+    MakerAgreement agree(2), differ(2);
+    agree.add(0, groups_of({}, 1), 1);
+    agree.add(1, groups_of({.direct_noise = 0.3}, 2), 1);
+    EXPECT_EQ(agree.disagreement({a, b}), "");
+    differ.add(0, groups_of({}, 1), 1);
+    differ.add(1, groups_of({.lacking = 0.05}, 2), 1);
+    EXPECT_THAT(differ.disagreement({a, b}), HasSubstr("'a' and 'b' disagree about the component direct"));
+    b.weights.fill(0);  // a maker that takes no part is not asked
+    EXPECT_EQ(differ.disagreement({a, b}), "");
+}
+
+TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {
+    std::vector<std::string> names;
+    for (const MethodDescription* method : reference_methods(MethodLabel{"auto", {}}))
+        names.push_back(method->name);
+    EXPECT_EQ(names, (std::vector<std::string>{"path", "light_tracer", "bidirectional"}));
+    EXPECT_EQ(reference_methods(MethodLabel::parse("auto max_depth=3")).size(), 3u);
+    EXPECT_THROW(reference_methods(MethodLabel::parse("auto spp=3")), InputError);
+    EXPECT_THROW(reference_methods(MethodLabel::parse("auto photons=3")), InputError);
+    EXPECT_THROW(reference_methods(MethodLabel::parse("best")), InputError);
+}
+
+}  // namespace
+}  // namespace gib
