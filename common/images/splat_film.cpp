@@ -35,12 +35,11 @@ void FixedPointImage::Sum::add(double units) {
 }
 
 double FixedPointImage::Sum::units() const {
-    return static_cast<double>(static_cast<std::int64_t>(whole.load())) + static_cast<double>(fraction.load()) * 0x1p-64;
+    return static_cast<double>(static_cast<std::int64_t>(whole.load())) +
+           static_cast<double>(fraction.load()) * 0x1p-64;
 }
 
-bool FixedPointImage::holds(const Color& value) const {
-    return ((value.cast<double>() / unit_).abs() < largest).all();
-}
+bool FixedPointImage::holds(const Color& value) const { return ((value.cast<double>() / unit_).abs() < largest).all(); }
 
 void FixedPointImage::add(std::size_t pixel, const Color& value) {
     for (std::size_t k = 0; k < 3; ++k)

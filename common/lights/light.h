@@ -101,7 +101,7 @@ struct EmissionSample {
     /// Emitted power / density [W]: the mean over samples is the light's power; may be black. In double, because a
     /// lamp of 1e-24 m^2 and radiance 1e-20 emits less than a float holds exactly.
     Colord power;
-    Vec3 normal;  ///< geometric normal at the origin; zero for a light without a surface
+    Vec3 normal;              ///< geometric normal at the origin; zero for a light without a surface
     std::uint32_t light = 0;  ///< index among the scene's lights
 };
 

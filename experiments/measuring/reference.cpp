@@ -50,9 +50,8 @@ public:
           agreement_(work.methods.size()) {
         unresolved_.assign(all_components.begin(), all_components.end());
         for (const MethodDescription* method : work.methods) {
-            methods_.push_back(
-                method->create(ParameterValues(all_parameters(*method), {method->name, work.label.values}),
-                               {work.scene.max_edges}));
+            methods_.push_back(method->create(
+                ParameterValues(all_parameters(*method), {method->name, work.label.values}), {work.scene.max_edges}));
             missing_.push_back(methods_.back()->plan(*work.scene.scene).unresolved);
             std::erase_if(unresolved_, [&](Component c) {
                 return std::find(missing_.back().begin(), missing_.back().end(), c) == missing_.back().end();

@@ -20,7 +20,9 @@ constexpr double least_weight = 0.01;         ///< a maker of less weight is not
 constexpr double least_share_of_time = 0.01;  ///< a maker of less is left out
 constexpr double alpha = 0.001;               ///< of all tests of agreement together
 
-bool has(const std::vector<Component>& list, Component c) { return std::find(list.begin(), list.end(), c) != list.end(); }
+bool has(const std::vector<Component>& list, Component c) {
+    return std::find(list.begin(), list.end(), c) != list.end();
+}
 
 /// The means over blocks of pixels.
 Image block_means(const Image& image) {
@@ -30,8 +32,10 @@ Image block_means(const Image& image) {
         Colord sum = Colord::Zero();
         double pixels = 0;
         grid.for_each_in(b, [&](int x, int y) {
-            sum += image.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                            static_cast<std::size_t>(x)).cast<double>();
+            sum += image
+                       .at(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                           static_cast<std::size_t>(x))
+                       .cast<double>();
             ++pixels;
         });
         means.set(b, (sum / pixels).cast<float>());
@@ -147,8 +151,8 @@ private:
         double sum = 0;
         for (std::size_t b = 0; b < grid.size(); ++b)
             grid.for_each_in(b, [&](int x, int y) {
-                const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                   static_cast<std::size_t>(x);
+                const auto pixel =
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
                 for (std::size_t k = 0; k < 3; ++k)
                     sum += moments.variance[3 * pixel + k] / denominators_[3 * b + k];
             });
@@ -344,15 +348,16 @@ std::string MakerAgreement::disagreement(const std::vector<MakerShare>& shares) 
         const ZTestVerdict verdict = verdict_of({{std::string(name_of(pair.c)), z_test(a, b, b.mean)}},
                                                 {.alpha = alpha / static_cast<double>(pairs.size())});
         if (!verdict.differs) continue;
-        const auto worst = std::min_element(
-            verdict.scales.begin(), verdict.scales.end(),
-            [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; });
+        const auto worst =
+            std::min_element(verdict.scales.begin(), verdict.scales.end(),
+                             [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; });
         const BlockTest& block = worst->largest;
-        return fmt::format("'{}' and '{}' disagree about the component {} in the block of pixels x {} to {}, y {} to {}: "
-                           "their means differ by {:.3g}, {:.1f} standard errors",
-                           shares[pair.a].method, shares[pair.b].method, name_of(pair.c), block_edge * block.x,
-                           block_edge * (block.x + block.width) - 1, block_edge * block.y,
-                           block_edge * (block.y + block.height) - 1, block.deviation, block.t);
+        return fmt::format(
+            "'{}' and '{}' disagree about the component {} in the block of pixels x {} to {}, y {} to {}: "
+            "their means differ by {:.3g}, {:.1f} standard errors",
+            shares[pair.a].method, shares[pair.b].method, name_of(pair.c), block_edge * block.x,
+            block_edge * (block.x + block.width) - 1, block_edge * block.y, block_edge * (block.y + block.height) - 1,
+            block.deviation, block.t);
     }
     return "";
 }

@@ -132,9 +132,8 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
         rows.begin(), rows.end(), [&](const TableRow* a, const TableRow* b) { return error(a) < error(b); });
     const bool any_reached =
         std::any_of(rows.begin(), rows.end(), [&](const TableRow* row) { return row->times[target].has_value(); });
-    return fmt::format("No method {}reached {} %. Closest: a{}",
-                       any_reached ? "with all effects of the scene " : "", target_names[target],
-                       what_keeps(analysis, methods, closest, target, INFINITY, true));
+    return fmt::format("No method {}reached {} %. Closest: a{}", any_reached ? "with all effects of the scene " : "",
+                       target_names[target], what_keeps(analysis, methods, closest, target, INFINITY, true));
 }
 
 }  // namespace

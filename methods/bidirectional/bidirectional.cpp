@@ -36,23 +36,22 @@ struct BidirectionalSettings {
 class BidirectionalEstimate {
 public:
     /// `pyramid` is null if no images of techniques are kept.
-    BidirectionalEstimate(const Scene& scene, const BidirectionalSettings& settings, SplatFilm& splats,
+    BidirectionalEstimate(const LightPaths& paths, const BidirectionalSettings& settings, SplatFilm& splats,
                           TechniquePyramid* pyramid)
-        : settings_(settings), paths_(scene), splats_(&splats), pyramid_(pyramid) {}
+        : settings_(settings), paths_(paths), splats_(&splats), pyramid_(pyramid) {}
 
     PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
         const Techniques& used = settings_.used;
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         light_vertices_.clear();
-        walk_from_light(
-            rays, light_sampler, settings_.max_edges, paths_.power, used,
-            [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used.camera)
-                    splat(connect_to_camera(rays, vertex, paths_.power, paths_.count,
-                                            {u.light_position(), u.light_choice()}, flights),
-                          vertex.edges + 1);
-                if (used.connections) light_vertices_.push_back(vertex);
-            });
+        walk_from_light(rays, light_sampler, settings_.max_edges, paths_.power, used,
+                        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                            if (used.camera)
+                                splat(connect_to_camera(rays, vertex, paths_.power, paths_.camera,
+                                                        {u.light_position(), u.light_choice()}, flights),
+                                      vertex.edges + 1);
+                            if (used.connections) light_vertices_.push_back(vertex);
+                        });
 
         PixelSample sample;
         const auto add = [&](int s, int t, const std::optional<Connection>& path) {
@@ -68,8 +67,7 @@ public:
                 add(0, light.edges + 1, path);
             },
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used.light_sampling)
-                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, u, flights, used));
+                if (used.light_sampling) add(1, vertex.edges + 1, connect_to_light(rays, vertex, u, flights, used));
                 for (const PathVertex& from_light : light_vertices_)
                     if (vertex.edges + 1 + from_light.edges <= settings_.max_edges)
                         add(from_light.edges + 1, vertex.edges + 1,
@@ -107,7 +105,7 @@ public:
           paths_(sampling.scene),
           splats_(size_.x(), size_.y(), shown.accumulated, paths_.mean_light),
           eye_(average_eye_samples(sampling, shown,
-                                   BidirectionalEstimate(sampling.scene, settings, splats_, pyramid(settings)))) {}
+                                   BidirectionalEstimate(paths_, settings, splats_, pyramid(settings)))) {}
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
@@ -192,8 +190,9 @@ MethodDescription describe_bidirectional() {
                        technique("light_sampling", "points of lights are sampled from paths from the camera"),
                        technique("connections", "vertices of both paths are connected"),
                        technique("camera", "vertices of light paths are connected to the camera"),
-                       choice_parameter("techniques", {"off", "on"},
-                                        "keep an image of each technique, weighted and alone, for paths of up to 5 edges")},
+                       choice_parameter(
+                           "techniques", {"off", "on"},
+                           "keep an image of each technique, weighted and alone, for paths of up to 5 edges")},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,

@@ -71,11 +71,11 @@ private:
         };
         const Sampler camera_numbers = sampler.split(0, 1, from_camera);
         NumberStream flights(camera_numbers);
-        add(sample_light_from_camera(rays, camera_numbers.at_vertex(0), flights));
+        add(sample_light_from_camera(rays, paths_.camera, camera_numbers.at_vertex(0), flights));
         if (!follows_) return;
         walk_from_light(rays, sampler, max_edges_, paths_.power, to_the_camera,
                         [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
-                            add(connect_to_camera(rays, vertex, paths_.power, paths_.count,
+                            add(connect_to_camera(rays, vertex, paths_.power, paths_.camera,
                                                   {u.light_position(), u.light_choice()}, flights_of_path));
                         });
     }
@@ -109,9 +109,9 @@ public:
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan passes = plan(scene);
-        return std::make_unique<LightTracerRun>(
-            scene, points_, seed, max_edges_, passes,
-            shown_components(scene, passes.called_for, find_method("light_tracer")), stages);
+        return std::make_unique<LightTracerRun>(scene, points_, seed, max_edges_, passes,
+                                                shown_components(scene, passes.called_for, find_method("light_tracer")),
+                                                stages);
     }
 
 private:

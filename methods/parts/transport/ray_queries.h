@@ -67,6 +67,21 @@ public:
         for (std::size_t i = 0; i < rays.size(); ++i)
             pass_own_surfaces(rays[i], found[i]);
     }
+    /// Whether some ray of the camera starts on a surface, by a sample of its rays.
+    bool camera_lies_on_surface() {
+        const Sensor& sensor = scene_.sensor();
+        for (std::uint32_t i = 0; i < 1024; ++i) {
+            const Sampler u(PointSet::sobol, 0, 0, i);
+            const Vec2 at = u.get_2d(dimension::first_vertex);
+            Ray ray = sensor.sample_ray(static_cast<int>(at.x() * static_cast<float>(sensor.width())),
+                                        static_cast<int>(at.y() * static_cast<float>(sensor.height())), u);
+            const Vec3 start = ray.o;
+            std::optional<Intersection> found;
+            trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
+            if (ray.o != start) return true;
+        }
+        return false;
+    }
     /// The share of light that passes from the light's point to the surface: 0 or 1, or a value between if there are
     /// surfaces with holes (masks). Both ends are offset from their surfaces by the bound of their own rounding
     /// errors, so the segment between them needs no epsilon.
@@ -108,12 +123,17 @@ public:
     }
 
     /// The share of light that reaches the camera along its ray from a point at `target` off its surface, by channel.
-    /// As for the rays that leave the camera, surfaces that the camera lies on do not count.
-    Color transmittance_to_camera(Ray ray, const Vec3& target, NumberStream& u) {
+    /// As for the rays that leave the camera, surfaces that the camera lies on do not count; `on_surface`: whether there
+    /// may be any.
+    Color transmittance_to_camera(Ray ray, const Vec3& target, bool on_surface, NumberStream& u) {
         const Vec3 way = target - ray.o;
         const float length = way.norm();
         ray.d = way / length;
         ray.t_max = std::min(ray.t_max, length);
+        if (!on_surface && !scene_.has_holes() && !scene_.has_media()) {
+            note(ray, true);
+            return Color::Constant(scene_.occluded(ray) ? 0.f : 1.f);
+        }
         std::optional<Intersection> found;
         trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
         const auto hit = scene_.surface_hit(ray, found);

@@ -128,7 +128,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     return path;
 }
 
-std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, double light_paths,
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, const ToCamera& camera,
                                        const CameraNumbers& u, NumberStream& flights) {
     const Sensor& sensor = rays.scene().sensor();
     const auto seen = view_of(sensor, light.p, u);
@@ -136,7 +136,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     const Ray& ray = seen->view.ray;
     const Scattered at = scattered_from_light(light, -ray.d);
     if (is_black(at.value.sum())) return std::nullopt;
-    const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), flights);
+    const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), camera.on_surface, flights);
     if (is_black(visible)) return std::nullopt;
 
     const double distance = sensor.is_orthographic() ? 1. : double{seen->view.distance};
@@ -145,12 +145,13 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     add_classes(splat.connection.light, light, light.path_class.preceded_by(LobeKind::diffuse),
                 light.path_class.preceded_by(LobeKind::specular), at.value,
                 light.beta * visible * static_cast<float>(unit * seen->density * per_area));
-    const double step = sensor.ray_density(ray.d) * per_area / light_paths;
+    const double step = sensor.ray_density(ray.d) * per_area / camera.light_paths;
     splat.connection.weight = static_cast<float>(1 / (1 + squared(step) * light.sums.earlier(at.pdf.to_light)));
     return splat;
 }
 
-std::optional<Splat> sample_light_from_camera(RayQueries& rays, const VertexNumbers& u, NumberStream& flights) {
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const ToCamera& camera, const VertexNumbers& u,
+                                              NumberStream& flights) {
     const Scene& scene = rays.scene();
     const Sensor& sensor = scene.sensor();
     if (sensor.is_orthographic()) return std::nullopt;
@@ -159,7 +160,7 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const VertexNumb
     if (!light || light->delta || is_black(light->Le)) return std::nullopt;
     const auto seen = view_of(sensor, light->target, {lens, u.roulette()});
     if (!seen) return std::nullopt;
-    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, flights);
+    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, camera.on_surface, flights);
     if (is_black(visible)) return std::nullopt;
     Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
     splat.connection.light[Component::emission] =

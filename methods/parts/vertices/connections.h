@@ -25,6 +25,12 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
                                   NumberStream& flights);
 
+/// What connections to the camera need to know of the scene's paths.
+struct ToCamera {
+    double light_paths;  ///< for each of the camera's paths of a pixel
+    bool on_surface;     ///< RayQueries::camera_lies_on_surface()
+};
+
 /// The random numbers of a connection to the camera.
 struct CameraNumbers {
     Vec2 lens;
@@ -38,15 +44,16 @@ struct Splat {
 };
 
 /// A vertex of a light's walk and the camera. The light is the pixel's mean radiance [W/(sr m^2)] times the image's
-/// number of pixels, for one light path: the mean over `light_paths` paths for each pixel is to be taken.
+/// number of pixels, for one light path: the mean over all light paths is to be taken.
 ///
 /// A pixel's value is I = integral of h(c) L(c) dc over the film, where h is the density of its filter [1/px^2]. With
 /// dc = rho dw, where rho is Sensor::ray_density(), and dw = cos dA / d^2, a vertex of power P makes the contribution
 /// h rho P f cos / d^2. One of the pixels whose filter covers c is chosen in proportion to h.
-std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, double light_paths,
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, const ToCamera& camera,
                                        const CameraNumbers& u, NumberStream& flights);
 
 /// A point of a light that is sampled from the camera itself, in the unit of the function above.
-std::optional<Splat> sample_light_from_camera(RayQueries& rays, const VertexNumbers& u, NumberStream& flights);
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const ToCamera& camera, const VertexNumbers& u,
+                                              NumberStream& flights);
 
 }  // namespace gib

@@ -9,7 +9,8 @@ namespace gib {
 
 LightPaths::LightPaths(const Scene& scene)
     : count(static_cast<double>(scene.sensor().width()) * scene.sensor().height()),
-      power(scene.emitted_power().maxCoeff()) {
+      power(scene.emitted_power().maxCoeff()),
+      camera{count, RayQueries(scene).camera_lies_on_surface()} {
     // A diffuse ball around the scene of radius r that gives off the power has the radiance power / (4 pi^2 r^2).
     const double radiance = power / (4 * std::numbers::pi * BoundingSphere(scene.bounds()).area());
     mean_light = std::isfinite(radiance) && radiance > 0 ? std::exp2(std::round(std::log2(radiance * count))) : 1;

@@ -3,7 +3,7 @@
 // scene have paths that they cannot make.
 
 #include "methods/method.h"
-#include "methods/parts/vertices/technique_sums.h"
+#include "methods/parts/vertices/connections.h"
 
 namespace gib {
 
@@ -14,10 +14,11 @@ inline constexpr std::string_view pass_connections = "connections";
 struct LightPaths {
     explicit LightPaths(const Scene& scene);
 
-    double count;      ///< of a pass
-    double power;      ///< emitted by the scene [W], the unit of the paths' power
-    double mean_light; ///< a power of 2 near the radiance [W/(sr m^2)] that this power makes in the whole scene: the
-                       ///< unit of sums over pixels, times `count`
+    double count;  ///< of a pass
+    double power;  ///< emitted by the scene [W], the unit of the paths' power
+    ToCamera camera;
+    double mean_light;  ///< a power of 2 near the radiance [W/(sr m^2)] that this power makes in the whole scene: the
+                        ///< unit of sums over pixels, times `count`
 };
 
 /// Whether the scene has a point, spot or directional light, and whether it has a mirror or a smooth interface.

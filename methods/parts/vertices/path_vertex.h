@@ -18,13 +18,13 @@ struct DirectionPdfs {
 struct PathVertex {
     std::optional<SurfaceHit> hit;  ///< empty in a medium
     Vec3 p;
-    Vec3 from;               ///< towards where the walk came from, unit
-    Vec3 from_local;         ///< the same in the shading frame of the hit
-    const Medium* medium;    ///< that the walk arrived in; null: vacuum
-    Color beta;              ///< of the walk on arrival: throughput, or power [W]
-    PathClass path_class;    ///< of the vertices between this one and the walk's start, read from the camera
+    Vec3 from;             ///< towards where the walk came from, unit
+    Vec3 from_local;       ///< the same in the shading frame of the hit
+    const Medium* medium;  ///< that the walk arrived in; null: vacuum
+    Color beta;            ///< of the walk on arrival: throughput, or power [W]
+    PathClass path_class;  ///< of the vertices between this one and the walk's start, read from the camera
     std::optional<int> stratum;
-    int edges;               ///< of the walk up to here
+    int edges;  ///< of the walk up to here
     TechniqueSums sums;
 
     /// A vertex where the walk has arrived, on a surface or in a medium.

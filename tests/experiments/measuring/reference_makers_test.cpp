@@ -38,7 +38,8 @@ std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
 }
 
 MakerPilot pilot_of(const Made& made, std::uint64_t seed, double seconds_of_pass = 1) {
-    return {.groups = groups_of(made, seed), .passes = 1, .seconds = reference_groups * seconds_of_pass, .unresolved = {}};
+    return {
+        .groups = groups_of(made, seed), .passes = 1, .seconds = reference_groups * seconds_of_pass, .unresolved = {}};
 }
 double weight(const MakerPlan& plan, std::size_t maker, Component c) {
     return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];
@@ -46,9 +47,10 @@ double weight(const MakerPlan& plan, std::size_t maker, Component c) {
 
 // With variances v of a pass, times t of a pass and n passes, the weights of least variance are in proportion to n / v.
 TEST(MakerPlan, WeighsByPassesAndVariance) {
-    const MakerPlan plan = plan_of_least_variance(
-        {"a", "b"}, {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.4}, 1), pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2)},
-        0.01);
+    const MakerPlan plan = plan_of_least_variance({"a", "b"},
+                                                  {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.4}, 1),
+                                                   pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2)},
+                                                  0.01);
     const double passes_a = plan.shares[0].passes, passes_b = plan.shares[1].passes;
     ASSERT_GT(passes_a, 0);
     ASSERT_GT(passes_b, 0);
@@ -74,7 +76,8 @@ TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
 // A maker without noise that lacks light has not found it yet.
 TEST(MakerPlan, TakesLackingLightForVariance) {
     const MakerPlan plan = plan_of_least_variance(
-        {"blind", "noisy"}, {pilot_of({.caustic_noise = 1e-4, .lacking = 0.9}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
+        {"blind", "noisy"}, {pilot_of({.caustic_noise = 1e-4, .lacking = 0.9}, 1), pilot_of({.caustic_noise = 0.3}, 2)},
+        0.01);
     EXPECT_LT(weight(plan, 0, Component::caustic), 0.1);
 }
 
@@ -87,7 +90,8 @@ TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
 }
 
 TEST(MakerPlan, IsReadFromItsText) {
-    const MakerPlan plan = plan_of_least_variance({"a", "b"}, {pilot_of({.direct_noise = 0.3}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
+    const MakerPlan plan = plan_of_least_variance(
+        {"a", "b"}, {pilot_of({.direct_noise = 0.3}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
     const auto read = shares_in(text_of(plan.shares));
     ASSERT_EQ(read.size(), 2u);
     for (std::size_t m = 0; m < 2; ++m) {

@@ -23,8 +23,9 @@ LoadedScene room(const RoomOptions& o) {
     const auto wall = [](const std::string& transform, const std::string& bsdf) {
         return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
     };
-    const std::string diffuse = "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
-                                "value='0.7, 0.5, 0.3'/></bsdf></bsdf>";
+    const std::string diffuse =
+        "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
+        "value='0.7, 0.5, 0.3'/></bsdf></bsdf>";
     return test::scene_of(
         "<scene version='3.0.0'><sensor type='" + o.sensor + "'>" + o.sensor_more +
         "<transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>"
@@ -34,27 +35,31 @@ LoadedScene room(const RoomOptions& o) {
         wall("<scale value='2'/><rotate x='1' angle='-90'/><translate y='-1'/>", diffuse) +
         wall("<rotate y='1' angle='60'/><translate x='-1'/>",
              "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.08'/></bsdf></bsdf>") +
-        "<shape type='sphere'><float name='radius' value='0.4'/>" + o.ball + "</shape>" + o.light + o.more + "</scene>");
+        "<shape type='sphere'><float name='radius' value='0.4'/>" + o.ball + "</shape>" + o.light + o.more +
+        "</scene>");
 }
 
 const std::string lamp =
     "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='90'/>"
-    "<translate x='0.6' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5, 4, 3'/></emitter></shape>";
+    "<translate x='0.6' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5, 4, "
+    "3'/></emitter></shape>";
 const std::string shining_ball =
     "<shape type='sphere'><point name='center' x='0.8' y='0.8' z='-0.5'/><float name='radius' value='0.3'/>"
     "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
 const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='-1'/></emitter>";
-const std::string spot = "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
-                         "<lookat origin='0.8, 1, -1' target='0, 0, 0' up='0, 0, 1'/></transform></emitter>";
+const std::string spot =
+    "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
+    "<lookat origin='0.8, 1, -1' target='0, 0, 0' up='0, 0, 1'/></transform></emitter>";
 const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
 const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.3, 0.4, 0.5'/></emitter>";
 const std::string fog =
     "<shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'>"
     "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.9, 0.8, 0.6'/>"
     "<phase type='hg'><float name='g' value='0.4'/></phase></medium></shape>";
-const std::string grate = "<shape type='rectangle'><transform name='to_world'><translate z='-0.8' x='0.3'/></transform>"
-                          "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='twosided'>"
-                          "<bsdf type='diffuse'/></bsdf></bsdf></shape>";
+const std::string grate =
+    "<shape type='rectangle'><transform name='to_world'><translate z='-0.8' x='0.3'/></transform>"
+    "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='twosided'>"
+    "<bsdf type='diffuse'/></bsdf></bsdf></shape>";
 const std::string plastic_ball = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.6'/></bsdf>";
 const std::string glass_ball = "<bsdf type='dielectric'/>";
 
@@ -84,12 +89,19 @@ void expect_same_means(const LoadedScene& scene, const std::vector<std::string>&
         }
 }
 
-const std::vector<std::string> all_methods = {
-    "path", "bidirectional", "light_tracer", "bidirectional connections=off", "bidirectional camera=off",
-    "bidirectional light_sampling=off", "bidirectional light_sampling=off connections=off camera=off"};
+const std::vector<std::string> all_methods = {"path",
+                                              "bidirectional",
+                                              "light_tracer",
+                                              "bidirectional connections=off",
+                                              "bidirectional camera=off",
+                                              "bidirectional light_sampling=off",
+                                              "bidirectional light_sampling=off connections=off camera=off"};
 /// Without a technique that finds delta lights by itself.
-const std::vector<std::string> for_delta_lights = {"path", "bidirectional", "light_tracer",
-                                                   "bidirectional connections=off", "bidirectional camera=off",
+const std::vector<std::string> for_delta_lights = {"path",
+                                                   "bidirectional",
+                                                   "light_tracer",
+                                                   "bidirectional connections=off",
+                                                   "bidirectional camera=off",
                                                    "bidirectional light_sampling=off"};
 
 TEST(Techniques, AgreeUnderLamps) {
@@ -104,8 +116,9 @@ TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room({.light = sky + lamp
 TEST(Techniques, AgreeInFog) { expect_same_means(room({.light = lamp, .more = fog}), all_methods); }
 TEST(Techniques, AgreeBehindAMask) { expect_same_means(room({.light = lamp, .more = grate}), all_methods); }
 TEST(Techniques, AgreeForEveryCameraAndFilter) {
-    const std::string lens = "<float name='aperture_radius' value='0.2'/><float name='focus_distance' value='2'/>"
-                             "<float name='near_clip' value='0.3'/><float name='far_clip' value='4.5'/>";
+    const std::string lens =
+        "<float name='aperture_radius' value='0.2'/><float name='focus_distance' value='2'/>"
+        "<float name='near_clip' value='0.3'/><float name='far_clip' value='4.5'/>";
     expect_same_means(room({.light = lamp, .sensor = "thinlens", .sensor_more = lens, .filter = "gaussian"}),
                       {"path", "bidirectional", "light_tracer"});
     expect_same_means(room({.light = lamp, .sensor = "orthographic", .filter = "tent"}),
@@ -113,8 +126,9 @@ TEST(Techniques, AgreeForEveryCameraAndFilter) {
 }
 TEST(Techniques, AgreeOnMixedAndSpecularSurfaces) {
     for (const auto& ball : {plastic_ball, glass_ball})
-        expect_same_means(room({.light = lamp, .ball = ball}),
-                          {"path", "bidirectional", "bidirectional light_sampling=off", "bidirectional connections=off"});
+        expect_same_means(
+            room({.light = lamp, .ball = ball}),
+            {"path", "bidirectional", "bidirectional light_sampling=off", "bidirectional connections=off"});
 }
 // Light from a point through glass: path tracing leaves the caustic black and says so, light tracing makes it.
 TEST(Plans, NameTheCausticsThatAreMissing) {

@@ -22,7 +22,8 @@ LoadedScene room(const std::string& light, const std::string& more = "", const s
     return test::scene_of(
         "<scene version='3.0.0'><sensor type='" + sensor +
         "'><transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>" +
-        test::box_film(8) + "</sensor>" + wall("<scale value='2'/><translate z='2'/><rotate y='1' angle='180'/>", diffuse) +
+        test::box_film(8) + "</sensor>" +
+        wall("<scale value='2'/><translate z='2'/><rotate y='1' angle='180'/>", diffuse) +
         wall("<rotate x='1' angle='-90'/><scale value='2'/><translate y='-1'/>", diffuse) +
         wall("<rotate y='1' angle='60'/><translate x='-1'/>",
              "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf></bsdf>") +
@@ -34,8 +35,9 @@ LoadedScene room(const std::string& light, const std::string& more = "", const s
 const std::string lamp =
     "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><scale value='0.3'/>"
     "<translate x='0.8' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
-const std::string ball = "<shape type='sphere'><point name='center' x='0.8' y='1' z='0'/><float name='radius' value='0.2'/>"
-                         "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+const std::string ball =
+    "<shape type='sphere'><point name='center' x='0.8' y='1' z='0'/><float name='radius' value='0.2'/>"
+    "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
 const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='0'/></emitter>";
 const std::string sky = "<emitter type='constant'/>";
 const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
@@ -76,8 +78,8 @@ std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
         const PathVertex& at = x[i - 1];
         const Vec3 wo = direction(i, from), wi = direction(i, j);
         if (!at.hit) return double{at.medium->phase().value(wo, wi)};
-        return double{at.hit->bsdf->pdf_w_local(at.hit->shading.to_local(wo), at.hit->shading.to_local(wi), Lobes::all,
-                                                carried)};
+        return double{
+            at.hit->bsdf->pdf_w_local(at.hit->shading.to_local(wo), at.hit->shading.to_local(wi), Lobes::all, carried)};
     };
     std::vector<double> forward(n + 1, 0), backward(n + 1, 0);  // f_i and b_i
     const double cos_light = has_surface ? double{path.start.normal.dot(direction(0, 1))} : 1.;
@@ -128,15 +130,15 @@ void expect_weights(const LoadedScene& loaded) {
                                                            light_sampler.get_2d(dimension::emission_position),
                                                            light_sampler.get_2d(dimension::emission_direction));
         std::vector<PathVertex> from_light, from_camera;
-        walk_from_light(rays, light_sampler, longest, paths.power, all,
-                        [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
-                            from_light.push_back(vertex);
-                            const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
-                            const auto splat = connect_to_camera(rays, vertex, paths.power, paths.count,
-                                                                 {Vec2(0.5f, 0.5f), 0.5f}, flights);
-                            if (splat) check({start, from_light, view->ray.o}, from_light.size() + 1,
-                                             splat->connection.weight);
-                        });
+        walk_from_light(
+            rays, light_sampler, longest, paths.power, all,
+            [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+                from_light.push_back(vertex);
+                const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
+                const auto splat =
+                    connect_to_camera(rays, vertex, paths.power, paths.camera, {Vec2(0.5f, 0.5f), 0.5f}, flights);
+                if (splat) check({start, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
+            });
         const int x = static_cast<int>(i % 8), y = static_cast<int>(i / 8 % 8);
         TracedRay eye{scene.sensor().sample_ray(x, y, sampler)};
         rays.trace(eye);
@@ -148,8 +150,8 @@ void expect_weights(const LoadedScene& loaded) {
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
                     const auto joined = connect(rays, vertex, from_light[s - 1], paths.power, flights);
                     if (!joined) continue;
-                    WholePath path{start, {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)},
-                                   eye.ray.o};
+                    WholePath path{
+                        start, {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)}, eye.ray.o};
                     path.inner.insert(path.inner.end(), from_camera.rbegin(), from_camera.rend());
                     check(path, s + 1, joined->weight);
                 }
