@@ -33,14 +33,14 @@ struct Neighbours {
     float weight;
 };
 
-/// The neighbours of a coordinate, which is 1 for each period.
+/// The neighbours of a coordinate that grows by 1 over one image of the texture.
 inline Neighbours neighbours(float s, int size, Wrap wrap) {
     const float x = reduced(s, wrap) * static_cast<float>(size) - 0.5f;
     const int i = static_cast<int>(std::floor(x));
     return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap), x - static_cast<float>(i)};
 }
 
-/// The cell that holds a coordinate, which is 1 for each period.
+/// The cell that holds a coordinate, measured as for neighbours().
 inline int nearest_cell(float s, int size, Wrap wrap) {
     return wrapped(static_cast<int>(std::floor(reduced(s, wrap) * static_cast<float>(size))), size, wrap);
 }

@@ -17,9 +17,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <limits>
 #include <tuple>
 
 namespace gib {

@@ -67,7 +67,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);
     for (std::size_t t = 0; t < target_errors.size(); ++t)
-        if (sqr(target_errors[t]) > noise_floor) row.times[t] = time_to_error(curves, target_errors[t]);
+        if (is_target_resolved(t, noise_floor)) row.times[t] = time_to_error(curves, target_errors[t]);
     row.footing = equal_footing(images, reference, r_total);
     row.law = price_law_of(replicates.cells, component, noise_floor);
     row.last_halving = last_halving(replicates.cells, component, noise_floor);

@@ -33,7 +33,7 @@ void add_points(const std::string& scene, const std::string& method, const std::
         double seconds = 0, error = 0;
         for (const Cell* cell : cells) {
             const auto& [checkpoint, errors] = cell->checkpoints[i];
-            const auto total = errors.find("total");
+            const auto total = errors.find(total_name);
             if (total == errors.end()) return;
             seconds += checkpoint.seconds;
             error += total->second.rel_mse_corrected;

@@ -1,6 +1,10 @@
 #include "experiments/analysis/table_row.h"
 
+#include "common/core/math.h"
+
 namespace gib {
+
+bool is_target_resolved(std::size_t target, double noise_floor) { return sqr(target_errors[target]) > noise_floor; }
 
 double Analysis::noise_floor(const std::string& scene, const std::string& component) const {
     for (const auto& reference : references)

@@ -19,6 +19,9 @@ namespace gib {
 /// The relative RMSEs for which the tables give the time: in [%] as part of column names, and as fractions.
 inline constexpr std::array<const char*, 5> target_names = {"10", "5", "2", "1", "0.5"};
 inline constexpr std::array<double, 5> target_errors = {0.10, 0.05, 0.02, 0.01, 0.005};
+/// Whether target_errors[target] is above the noise floor [squared relative error], so that the reference can tell that
+/// an image has reached it.
+bool is_target_resolved(std::size_t target, double noise_floor);
 
 struct TableRow {
     std::string scene, method, component;

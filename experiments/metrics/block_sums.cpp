@@ -4,7 +4,6 @@
 #include "experiments/metrics/student_t.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace gib {

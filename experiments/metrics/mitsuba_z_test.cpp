@@ -1,6 +1,5 @@
 #include "experiments/metrics/mitsuba_z_test.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>

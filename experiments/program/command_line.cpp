@@ -22,7 +22,7 @@ namespace gib {
 
 namespace {
 
-constexpr int exit_failed = 1, exit_wrong_input = 2, exit_interrupted = 130;
+constexpr int exit_failed = 1, exit_wrong_input = 2;
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;

@@ -83,11 +83,6 @@ std::vector<const TableRow*> best_of_other_names(const std::vector<const TableRo
     return best;
 }
 
-/// Whether the target is above the noise floor, so that the reference can tell that an image has reached it.
-bool is_target_resolved(const TableRow& row, std::size_t target) {
-    return sqr(target_errors[target]) > row.noise_floor;
-}
-
 std::string answer_with_winner(const Analysis& analysis, const CellsByMethod& methods,
                                const std::vector<const TableRow*>& rows, std::vector<const TableRow*> reached,
                                std::size_t target) {
@@ -115,7 +110,7 @@ std::string answer_with_winner(const Analysis& analysis, const CellsByMethod& me
 
 std::string answer_without_winner(const Analysis& analysis, const CellsByMethod& methods,
                                   const std::vector<const TableRow*>& rows, std::size_t target) {
-    if (!is_target_resolved(*rows.front(), target))
+    if (!is_target_resolved(target, rows.front()->noise_floor))
         return fmt::format("The reference does not resolve {} %, only {} %.", target_names[target],
                            percent_text(std::sqrt(rows.front()->noise_floor)));
     const auto error = [&](const TableRow* row) {
@@ -131,7 +126,7 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
 
 std::string time_text(const TableRow& row, std::size_t target) {
     if (!row.statistics) return "";
-    if (!is_target_resolved(row, target)) return "not resolved";
+    if (!is_target_resolved(target, row.noise_floor)) return "not resolved";
     return row.times[target] ? with_interval(*row.times[target]) : unmeasured_time(row, target_errors[target]);
 }
 

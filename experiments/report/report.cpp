@@ -92,7 +92,7 @@ data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
             if (row.scene == quality.scene && row.component == total_name && row.times[t] &&
                 (!best || row.times[t]->value < best->times[t]->value))
                 best = &row;
-        const bool resolved = sqr(target_errors[t]) > analysis.noise_floor(quality.scene, total_name);
+        const bool resolved = is_target_resolved(t, analysis.noise_floor(quality.scene, total_name));
         cheapest.push_back(best ? object{{"method", best->method}, {"seconds", short_number(best->times[t]->value)}}
                                 : object{{"method", resolved ? "not reached" : "not resolved"}, {"seconds", false}});
     }

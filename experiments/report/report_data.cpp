@@ -4,7 +4,6 @@
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>

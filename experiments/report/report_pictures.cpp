@@ -102,7 +102,7 @@ json reference_entry(const Reference& reference, const Judgement& judgement, int
             any = true;
         }
     json parts = parts_of(image, reduction, store);
-    if (!any) parts["total"] = store.add(reduced(judgement.total().mean, reduction));
+    if (!any) parts[total_name] = store.add(reduced(judgement.total().mean, reduction));
     return {{"method", nullptr}, {"label", "reference"}, {"parts", parts}};
 }
 
@@ -151,7 +151,7 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
         all.push_back(name);
         if (judgement.is_resolved(c)) judged.push_back(name);
     }
-    json layers = json::array({{{"name", "total"}, {"parts", judged}}});
+    json layers = json::array({{{"name", total_name}, {"parts", judged}}});
     if (!reference.unresolved.empty()) layers.push_back({{"name", "all, judged or not"}, {"parts", all}});
     if (all.size() > 1)
         for (const auto& name : all)

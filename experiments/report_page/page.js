@@ -60,9 +60,7 @@
     const attributes = {role: "group", "aria-label": "methods in the charts"};
     return element("div", {className: "control methods", attributes},
       ...methods.map((method) => {
-        const swatch = element("span", {className: "swatch"});
-        swatch.style.background = `var(--method-${method % 10})`;
-        return controls.toggle([swatch, data.methods[method]], true, (shown) => {
+        return controls.toggle([swatch(`var(--method-${method % 10})`), data.methods[method]], true, (shown) => {
           if (shown) state.hidden.delete(method);
           else state.hidden.add(method);
           redraw();
@@ -92,7 +90,6 @@
     chooseRows(section, state.component);
     charts.draw();
     report.onScheme(() => charts.draw());
-    section.charts = charts;
     // Images are unpacked when their scene comes into view, because a page may have many scenes.
     new IntersectionObserver((seen, observer) => {
       if (!seen.some((s) => s.isIntersecting)) return;

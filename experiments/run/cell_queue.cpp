@@ -23,7 +23,6 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <thread>
 
 namespace gib {

@@ -20,7 +20,7 @@ namespace gib {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int exit_failed = 1, exit_interrupted = 130;
+constexpr int exit_failed = 1;
 
 /// The path of a folder with its name at the end and no slash after it. "." and ".." are resolved, because "-repeat"
 /// cannot be appended to them.

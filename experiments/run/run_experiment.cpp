@@ -7,16 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <iostream>
 
 namespace gib {
-
-namespace {
-
-constexpr int exit_interrupted = 130;
-
-}  // namespace
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;

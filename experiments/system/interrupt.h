@@ -7,7 +7,10 @@
 
 namespace gib {
 
-/// Thrown where an interrupted computation cannot go on. The program then exits with code 130.
+/// The exit code of a program that Ctrl-C ended.
+inline constexpr int exit_interrupted = 130;
+
+/// Thrown where an interrupted computation cannot go on. The program then exits with exit_interrupted.
 class Interrupted : public RunError {
 public:
     Interrupted() : RunError("interrupted") {}

@@ -201,8 +201,8 @@ private:
     PhotonMapperSettings settings_;
 };
 
-/// Refuses parameters that the others leave without effect. The length of paths and the scene may do so too; these are
-/// no mistakes, and the plan tells.
+/// Refuses parameters that other parameters leave without effect. Parameters that max_depth or the scene leaves without
+/// effect are no mistakes; the plan says why a pass is skipped.
 void refuse_without_effect(const ParameterValues& values, const PhotonMapperSettings& s) {
     if (s.photons == 0) values.refuse({"radius"}, "photons=0");
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");

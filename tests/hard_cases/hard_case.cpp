@@ -21,6 +21,16 @@ namespace {
 /// by at most 2^-24.
 constexpr double rounding = 1e-5;
 
+/// The value of a key, or `otherwise` if the key is missing. Throws InputError if the value has another type.
+template <typename T>
+T given_or(const TomlReader& reader, const toml::table& table, const char* key, T otherwise) {
+    const auto* node = table.get(key);
+    if (!node) return otherwise;
+    const auto value = node->value<T>();
+    if (!value) throw InputError(reader.at(*node), fmt::format("'{}' has the wrong type", key));
+    return *value;
+}
+
 void read_answer(const TomlReader& reader, const toml::table& table, HardCase& hard) {
     int answers = 0;
     const auto is_given = [&](const char* key, Relation relation) {
@@ -34,9 +44,12 @@ void read_answer(const TomlReader& reader, const toml::table& table, HardCase& h
     if (is_given("at_most", Relation::at_most))
         hard.expected = reader.positive_number(*table.get("at_most"), "at_most");
     if (is_given("refused", Relation::refused)) hard.refusal = reader.string(*table.get("refused"), "refused");
-    is_given("black", Relation::black);
+    if (is_given("black", Relation::black) && !given_or(reader, table, "black", true))
+        throw InputError(reader.at(table), "'black' can only be true");
     if (answers != 1) throw InputError(reader.at(table), "a [[case]] has one answer");
-    hard.at_least = table["at_least"].value_or(0.0);
+    hard.at_least = given_or(reader, table, "at_least", 0.0);
+    if (table.contains("at_least") && hard.relation != Relation::at_most)
+        throw InputError(reader.at(table), "'at_least' needs 'at_most'");
 }
 
 /// One case for each value of each list among the parameters. Such values stand in the names.
@@ -75,17 +88,18 @@ std::vector<HardCase> read_case(const TomlReader& reader, const toml::table& tab
                       {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
                        "reason", "passes", "seeds", "every_pixel", "without"});
     HardCase hard;
-    const std::filesystem::path scene(table["scene"].value_or(std::string()));
+    const std::filesystem::path scene(reader.string(table.at("scene"), "scene"));
     hard.scene = (std::filesystem::path(file).parent_path() / scene).lexically_normal().string();
-    hard.name = table["name"].value_or(scene.stem().string());
+    hard.name = given_or(reader, table, "name", scene.stem().string());
     read_answer(reader, table, hard);
-    hard.accuracy = table["accuracy"].value_or(rounding);
-    hard.reason = table["reason"].value_or(std::string());
-    hard.passes = table["passes"].value_or(16u);
-    hard.seeds = table["seeds"].value_or(seeds);
-    hard.every_pixel = table["every_pixel"].value_or(false);
+    hard.accuracy = given_or(reader, table, "accuracy", rounding);
+    hard.reason = given_or(reader, table, "reason", std::string());
+    hard.passes = given_or(reader, table, "passes", 16u);
+    hard.seeds = given_or(reader, table, "seeds", seeds);
+    hard.every_pixel = given_or(reader, table, "every_pixel", false);
     hard.without = texts_of(reader, table.get("without"));
-    return with_parameters(reader, hard, table["set"].as_table());
+    const auto* set = table.get("set");
+    return with_parameters(reader, hard, set ? &reader.table(*set, "set") : nullptr);
 }
 
 /// Adds the statistics of one seed's image.
@@ -135,10 +149,13 @@ HardCases load_hard_cases(const std::string& path) {
                    .methods = texts_of(reader, root.get("methods")),
                    .leaves_out = {},
                    .cases = {}};
-    for (const auto& entry : reader.entries(reader.table(root.at("leaves_out"), "leaves_out")))
-        for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects"))
-            for (const Effect effect : Effects::all().list())
-                if (reader.string(value, entry.key) == name_of(effect)) file.leaves_out[entry.key].add(effect);
+    for (const auto& entry : reader.entries(reader.table(root.at("leaves_out"), "leaves_out"))) {
+        for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects")) {
+            const auto effect = find_effect(reader.string(value, entry.key));
+            if (!effect) throw InputError(reader.at(value), "there is no such effect");
+            file.leaves_out[entry.key].add(*effect);
+        }
+    }
     for (const auto& node : reader.filled_array(root.at("case"), "case", "[[case]] tables"))
         for (auto& hard : read_case(reader, reader.table(node, "case"), path, root["seeds"].value<int>().value()))
             file.cases.push_back(std::move(hard));
@@ -149,10 +166,7 @@ HardCaseImages render(const HardCase& hard, const std::string& label) {
     HardCaseImages images;
     try {
         const LoadedScene loaded = load_scene(hard.scene, {hard.parameters, std::nullopt});
-        const MethodLabel parsed = MethodLabel::parse(label);
-        const MethodDescription& description = find_method(parsed.name);
-        const auto method =
-            description.create(ParameterValues(all_parameters(description), parsed), {loaded.max_edges});
+        const auto method = ConfiguredMethod(MethodLabel::parse(label)).create({loaded.max_edges});
         images.missing = method->plan(*loaded.scene).missing;
         if (!images.missing.empty()) return images;
         with_threads(1, [&] {

@@ -29,10 +29,7 @@ inline const std::vector<HardMethod>& hard_methods() {
 
 /// Whether the method simulates every effect that the scene calls for.
 inline bool simulates(const std::string& label, const Scene& scene) {
-    const MethodLabel parsed = MethodLabel::parse(label);
-    const MethodDescription& description = find_method(parsed.name);
-    return description.create(ParameterValues(all_parameters(description), parsed), {})->plan(scene).missing ==
-           Effects();
+    return ConfiguredMethod(MethodLabel::parse(label)).create({})->plan(scene).missing == Effects();
 }
 
 inline std::string exact(double x) {

@@ -26,7 +26,8 @@ enum class PhotonMapKind {
 };
 
 /// The balance of a walk's emitted power [W]. Absorption is counted as its expectation at every hit, power (1 -
-/// albedo), so the parts sum to the emitted power only if the roulette and its rescaling are right.
+/// albedo), so the parts sum to the emitted power only if the roulette and its rescaling are right, and only where
+/// normals are not interpolated (scattered_ray.h).
 struct PowerBalance {
     Colord emitted = Colord::Zero();  ///< with a projection map: only the power emitted through its bins
     Colord absorbed = Colord::Zero();

@@ -139,7 +139,7 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
         }
 }
 
-TEST_F(Bitmaps, APlaceThatIsNotFiniteIsTheFirstOne) {
+TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
     const FloatTrapsPaused paused;
     BitmapTexture bitmap = texture_of(picture(5, 3, 3));
     for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {

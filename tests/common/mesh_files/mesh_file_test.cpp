@@ -7,7 +7,6 @@
 
 #include <gmock/gmock.h>
 #include <bit>
-#include <ctime>
 
 namespace gib {
 namespace {

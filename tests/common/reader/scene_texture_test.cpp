@@ -9,7 +9,6 @@
 #include "tests/support/texture_fixtures.h"
 
 #include <gmock/gmock.h>
-#include <fstream>
 
 namespace gib {
 namespace {
