@@ -10,8 +10,7 @@ namespace gib {
 
 /// Whether a ray just above the surface meets nothing between two points of a side of a flat chart. `reach` is the
 /// size of the patch there [scene units], to which the ray's height is in proportion.
-bool way_is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchSide& side, const Vec2d& from, const Vec2d& to,
-                  double reach);
+bool way_is_clear(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& to, double reach);
 
 /// Halves the leaves that something stands on, as long as their radius is above `least` [scene units]. Adds the rays
 /// traced to `rays`.

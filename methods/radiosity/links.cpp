@@ -61,15 +61,16 @@ public:
                     pairs.push_back(halves);
             return;
         }
-        if (!faces(p, q) || !faces(q, p)) return;
+        if (p.dark || q.dark || !faces(p, q) || !faces(q, p)) return;
         const bool can_split = !p.is_leaf() || !q.is_leaf();
         const Errors errors = can_split ? errors_of(pair) : Errors{};
         if (pair.visible < 0) {
             if (errors.light > 1) return split(pair, pairs);
             const std::uint64_t key = combine_keys(combine_keys(settings_.seed, pair.p), pair.q);
-            double visible = visibility_between(rays, mesh_, p, q, can_split ? more_rays : few_rays, key);
+            double visible =
+                visibility_between(rays, mesh_, light_, pair.p, pair.q, can_split ? more_rays : few_rays, key);
             if (!can_split && visible > 0 && visible < 1)
-                visible = visibility_between(rays, mesh_, p, q, more_rays, mix64(key));
+                visible = visibility_between(rays, mesh_, light_, pair.p, pair.q, more_rays, mix64(key));
             if (visible == 0) return;
             if (visible < 1 && errors.shadow > 1) return split(pair, pairs);
             pair.visible = static_cast<float>(visible);
@@ -127,7 +128,7 @@ private:
 
     double unoccluded(const PatchNode& p, const PatchNode& q) const {
         if (p.is_cluster() || q.is_cluster()) return 1 / (std::numbers::pi * (q.center - p.center).squaredNorm());
-        return p.area * polygon_form_factor(p.polygon, q.polygon);
+        return p.area * polygon_form_factor(p.polygon, q.polygon) * q.uncovered();
     }
 
     const PatchMesh& mesh_;
@@ -138,7 +139,7 @@ private:
 
 }  // namespace
 
-double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to) {
+double passing(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& to) {
     const Vec3 target = shadow_ray_target(to, from.p);
     const Vec3 way = target - from.p;
     const float distance = way.norm();
@@ -156,7 +157,7 @@ double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to) {
     return static_cast<double>(rays.visibility(start, end));
 }
 
-double light_between(const SurfaceHit& from, const SurfaceHit& to, double area) {
+double light_between(const SurfacePoint& from, const SurfacePoint& to, double area) {
     const Vec3d way = (to.p - from.p).cast<double>();
     const double distance2 = way.squaredNorm();
     const double cosines =
@@ -165,36 +166,33 @@ double light_between(const SurfaceHit& from, const SurfaceHit& to, double area) 
     return cosines > 0 ? cosines / (distance2 * (distance2 + least_distance2 * area)) : 0;
 }
 
-namespace {
-
-/// A uniform point on a node: the number that chooses a half of a cluster by its area is used again below.
-SurfaceHit point_of(const PatchMesh& mesh, const PatchNode& top, double choice, const Vec2d& s) {
-    const PatchNode* node = &top;
-    while (node->is_cluster()) {
-        const PatchNode* half = &mesh.nodes()[node->child];
-        const double share = half[0].area / (half[0].area + half[1].area);
-        const bool first = choice < share;
-        choice = first ? choice / share : std::min((choice - share) / (1 - share), 1.0);
-        node = first ? half : half + 1;
+PatchLight::Choice PatchLight::point_of(const PatchMesh& mesh, std::uint32_t node, double u) const {
+    const auto& nodes = mesh.nodes();
+    // The number that chooses a half by its area is used again in that half.
+    while (nodes[node].child < first_point.size()) {
+        const std::uint32_t child = nodes[node].child;
+        const double share = nodes[child].area / (nodes[child].area + nodes[child + 1].area);
+        const bool first = u < share;
+        u = first ? u / share : (u - share) / (1 - share);
+        node = first ? child : child + 1;
     }
-    return mesh.point_on(*node, s);
+    const auto i = std::min(static_cast<std::uint32_t>(u * samples), samples - 1);
+    return {node, points[first_point[node] + i]};
 }
 
-}  // namespace
-
-double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
-                          std::uint32_t n, std::uint64_t key) {
+double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchLight& light, std::uint32_t p,
+                          std::uint32_t q, std::uint32_t n, std::uint64_t key) {
+    const double area = std::min(mesh.nodes()[p].area, mesh.nodes()[q].area);
     double total = 0, passed = 0;
     bool all = true;
     // Points that do not face each other cost no ray. More are tried if only small parts of the nodes
     // face each other.
     for (std::uint32_t i = 0; i < n || (i < most_tries * n && total == 0); ++i) {
-        const Sampler u(PointSet::sobol, key, 0, i);
-        const Vec2d choice = u.get_2d(2).cast<double>();
-        const SurfaceHit from = point_of(mesh, p, choice.x(), u.get_2d(0).cast<double>()),
-                         to = point_of(mesh, q, choice.y(), u.get_2d(1).cast<double>());
-        const double weight = light_between(from, to, std::min(p.area, q.area));
-        if (!(weight > 0)) continue;
+        const Vec2d u = Sampler(PointSet::sobol, key, 0, i).get_2d(0).cast<double>();
+        const auto [first, from] = light.point_of(mesh, p, u.x());
+        const auto [second, to] = light.point_of(mesh, q, u.y());
+        const double weight = light_between(from, to, area);
+        if (!(weight > 0) || mesh.nodes()[first].dark || mesh.nodes()[second].dark) continue;
         const double share = passing(rays, from, to);
         all &= share == 1;
         total += weight;

@@ -214,12 +214,25 @@ void PatchMesh::split(std::uint32_t index) {
     nodes_.push_back(second);
 }
 
+void PatchMesh::set_exposure(const std::vector<bool>& dark, const std::vector<double>& uncovered) {
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        const std::uint32_t a = nodes_[i].child;
+        nodes_[i].dark = a == no_node ? dark[i] : nodes_[a].dark && nodes_[a + 1].dark;
+        nodes_[i].area = a == no_node ? uncovered[i] * nodes_[i].area : nodes_[a].area + nodes_[a + 1].area;
+    }
+}
+
 Vec2d PatchMesh::middle_of(const PatchNode& node) const {
     const auto count = static_cast<std::size_t>(node.corner_count());
     Vec2d sum = Vec2d::Zero();
     for (std::size_t i = 0; i < count; ++i)
         sum += uv_of(node.corners[i]) / static_cast<double>(count);
     return sum;
+}
+
+SurfaceHit PatchMesh::inside_corner(const PatchNode& node, int corner, double inset) const {
+    const Vec2d uv = uv_of(node.corners[static_cast<std::size_t>(corner)]);
+    return point_of_side(sides_[node.side], uv + inset * (middle_of(node) - uv));
 }
 
 SurfaceHit PatchMesh::point_of_side(const PatchSide& side, const Vec2d& uv) const {
