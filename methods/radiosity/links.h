@@ -68,8 +68,10 @@ public:
     struct Entry {
         std::uint32_t other;
         float exchange, visible;
+        Vec3 towards;  ///< unit, from the node to the other if one of the two is a cluster; else zero
+        bool has_cluster() const { return !towards.isZero(0); }
     };
-    LinkTable(const std::vector<PatchLink>& links, std::size_t nodes);
+    LinkTable(const std::vector<PatchLink>& links, const std::vector<PatchNode>& nodes);
     std::span<const Entry> of(std::uint32_t node) const {
         return {entries_.data() + begin_[node], begin_[node + 1] - begin_[node]};
     }

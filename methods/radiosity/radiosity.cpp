@@ -124,7 +124,7 @@ MethodDescription describe_radiosity() {
         .sentence = "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
         .parameters =
             {
-                number_parameter("patch", "0.04", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
+                number_parameter("patch", "0.03", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
                 choice_parameter(
                     "solver", strings(radiosity_solver_names),
                     "hierarchical: links between groups of patches, solved by conjugate gradients; the others solve "
