@@ -1,8 +1,8 @@
 #pragma once
 // Contacts are places where a surface stands on a patch. A patch has one radiosity, but its part under a box is dark
 // and exchanges light with the inside of the box only. Without more halvings both parts would send out the mean of
-// both, and what the covered part sends would be lost. Patches are therefore halved along contacts; the light that is
-// still lost is of first order in the size of the patches there.
+// both, and what the covered part sends would be lost. Patches are therefore halved along contacts, and covered points
+// are left out of the smallest of them (light.cpp).
 
 #include "methods/radiosity/mesh.h"
 

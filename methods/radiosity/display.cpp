@@ -24,7 +24,7 @@ constexpr double least_shown = 0.125;
 constexpr double shown_stray_weight = 200;
 
 /// The form factor from a point to a patch. If a patch is small and lies above the horizon, it is the kernel at its
-/// centre plus the term of second order for a square: 1/24 of the area times the Laplacian of the kernel over the plane.
+/// centre plus the term of second order for a square: area / 24 times the Laplacian of the kernel over its plane.
 double factor_of(const Vec3d& p, const Vec3d& n, const PatchNode& patch) {
     constexpr double small = 0.15;  // radius over distance
     const Vec3d way = patch.center - p;

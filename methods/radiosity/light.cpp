@@ -97,7 +97,7 @@ std::vector<bool> dark_leaves(const PatchMesh& mesh, const PatchLight& light, st
 /// Returns the share of points that are left.
 double leave_out_covered(RayQueries& rays, const PatchNode& leaf, std::span<SurfacePoint> points,
                          std::span<const Colord> irradiance) {
-    std::size_t brightest = 0, left = 0;
+    std::size_t brightest = 0;
     for (std::size_t k = 0; k < points.size(); ++k)
         if (irradiance[k].sum() > irradiance[brightest].sum()) brightest = k;
     if (!(irradiance[brightest].sum() > 0)) return 1;
@@ -105,7 +105,7 @@ double leave_out_covered(RayQueries& rays, const PatchNode& leaf, std::span<Surf
     for (std::size_t k = 0; k < points.size(); ++k)
         if (irradiance[k].sum() > 0 || way_is_clear(rays, points[brightest], points[k], leaf.radius))
             uncovered.push_back(points[k]);
-    left = uncovered.size();
+    const std::size_t left = uncovered.size();
     if (left < points.size())
         for (std::size_t k = 0; k < points.size(); ++k)
             points[k] = uncovered[k * left / points.size()];

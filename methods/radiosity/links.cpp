@@ -18,9 +18,9 @@ constexpr std::uint32_t few_rays = 4, more_rays = 16;
 constexpr std::uint32_t sure_rays = 48;
 /// Number of tries, times the number of rays, to find points that face each other.
 constexpr std::uint32_t most_tries = 16;
-/// Weight of the standard deviation of radiosity over a source against the error that a link may make; between clusters,
-/// for shadows. With 400 instead of 64, cornell-box.xml took twice as many links, and its mean indirect light changed by
-/// 0.1 %.
+/// Weights of the standard deviation of radiosity over a source against the error that a link may make; the second one
+/// is for shadows between clusters. With 400 instead of 64, cornell-box.xml took twice as many links, and its mean
+/// indirect light changed by 0.1 %.
 constexpr double stray_weight = 64, cluster_stray_weight = 4;
 /// The largest size of a cluster and what it is linked to, over their distance: all sides of the cluster must see the
 /// other end in nearly one direction.

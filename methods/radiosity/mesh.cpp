@@ -1,6 +1,8 @@
 #include "methods/radiosity/mesh.h"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace gib {
 
@@ -355,26 +357,16 @@ void PatchVertices::bind(const PatchMesh& mesh, const std::vector<VertexIndex>& 
             }
         }
     }
-    // Both ends of a vertex's edge are put before the vertex. Each step leads to a longer edge, so the loop ends.
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t i = 0; i < hanging.size(); ++i) {
-        stack.push_back(i);
-        while (!stack.empty()) {
-            Bound& bound = hanging[stack.back()];
-            const auto waits_for = [&](std::uint32_t end) { return hanging[end].vertex != no_node; };
-            if (bound.vertex == no_node) {
-                stack.pop_back();
-            } else if (waits_for(bound.first)) {
-                stack.push_back(bound.first);
-            } else if (waits_for(bound.second)) {
-                stack.push_back(bound.second);
-            } else {
-                bound_.push_back(bound);
-                bound.vertex = no_node;
-                stack.pop_back();
-            }
-        }
-    }
+    // Both ends of a vertex's edge are put before the vertex. Each step leads to a longer edge, so the recursion ends.
+    const std::function<void(std::uint32_t)> settle = [&](std::uint32_t vertex) {
+        const Bound bound = std::exchange(hanging[vertex], {no_node, 0, 0});
+        if (bound.vertex == no_node) return;
+        settle(bound.first);
+        settle(bound.second);
+        bound_.push_back(bound);
+    };
+    for (std::uint32_t i = 0; i < hanging.size(); ++i)
+        settle(i);
 }
 
 }  // namespace gib
