@@ -5,6 +5,7 @@
 #include "methods/parts/transport/direct_light.h"
 #include "methods/radiosity/contacts.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 
@@ -92,19 +93,19 @@ std::vector<bool> dark_leaves(const PatchMesh& mesh, const PatchLight& light, st
     return dark;
 }
 
-/// Leaves out the points of a flat leaf that what stands on it separates from the brightest point, if they have no
-/// direct light: they lie under a block. What is left has the radiosity, and is seen, as if it were all of the leaf.
-/// Returns the share of points that are left.
+/// Leaves out the points of a flat leaf that have no direct light and that what stands on the leaf separates from all
+/// points with direct light: they lie under a block. What is left has the radiosity, and is seen, as if it were all of
+/// the leaf. Returns the share of points that are left.
 double leave_out_covered(RayQueries& rays, const PatchNode& leaf, std::span<SurfacePoint> points,
                          std::span<const Colord> irradiance) {
-    std::size_t brightest = 0;
+    std::vector<SurfacePoint> lit, uncovered;
     for (std::size_t k = 0; k < points.size(); ++k)
-        if (irradiance[k].sum() > irradiance[brightest].sum()) brightest = k;
-    if (!(irradiance[brightest].sum() > 0)) return 1;
-    std::vector<SurfacePoint> uncovered;
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if (irradiance[k].sum() > 0 || way_is_clear(rays, points[brightest], points[k], leaf.radius))
-            uncovered.push_back(points[k]);
+        if (irradiance[k].sum() > 0) lit.push_back(points[k]);
+    if (lit.empty() || lit.size() == points.size()) return 1;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const auto reaches = [&](const SurfacePoint& from) { return way_is_clear(rays, from, points[k], leaf.radius); };
+        if (irradiance[k].sum() > 0 || std::any_of(lit.begin(), lit.end(), reaches)) uncovered.push_back(points[k]);
+    }
     const std::size_t left = uncovered.size();
     if (left < points.size())
         for (std::size_t k = 0; k < points.size(); ++k)
