@@ -17,29 +17,25 @@ constexpr double inset = 0.02;
 
 /// Tests the edges and the diagonals of a leaf: what stands across the patch crosses one of them.
 bool is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchNode& leaf) {
-    const PatchSide& side = mesh.sides()[leaf.side];
-    const Vec2d middle = mesh.middle_of(leaf);
-    const auto count = static_cast<std::size_t>(leaf.corner_count());
-    const auto corner = [&](std::size_t i) {
-        const Vec2d uv = uv_of(leaf.corners[i]);
-        return Vec2d(uv + inset * (middle - uv));
-    };
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = i + 1; k < count; ++k)
-            if (!way_is_clear(rays, mesh, side, corner(i), corner(k), leaf.radius)) return false;
+    std::array<SurfacePoint, 4> points;
+    for (int i = 0; i < leaf.corner_count(); ++i) {
+        points[static_cast<std::size_t>(i)] = mesh.inside_corner(leaf, i, inset);
+        for (int k = 0; k < i; ++k)
+            if (!way_is_clear(rays, points[static_cast<std::size_t>(i)], points[static_cast<std::size_t>(k)],
+                              leaf.radius))
+                return false;
+    }
     return true;
 }
 
 }  // namespace
 
-bool way_is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchSide& side, const Vec2d& from, const Vec2d& to,
-                  double reach) {
-    const auto lifted = [&](const Vec2d& uv) {
-        const SurfaceHit hit = mesh.point_of_side(side, uv);
-        return Vec3(hit.p + (hit.offset + lift * static_cast<float>(reach)) * hit.ng);
+bool way_is_clear(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& to, double reach) {
+    const auto lifted = [&](const SurfacePoint& point) {
+        return Vec3(point.p + (point.offset + lift * static_cast<float>(reach)) * point.ng);
     };
-    const Vec3 origin = lifted(from), end = lifted(to);
-    return !rays.intersect({.o = origin, .d = end - origin, .t_max = 1.f});
+    const Vec3 origin = lifted(from);
+    return !rays.intersect({.o = origin, .d = lifted(to) - origin, .t_max = 1.f});
 }
 
 void halve_at_contacts(PatchMesh& mesh, double least, std::uint64_t& rays) {

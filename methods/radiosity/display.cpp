@@ -23,6 +23,20 @@ constexpr double least_shown = 0.125;
 /// Weight of the standard deviation of radiosity over a node against the error that a link may make.
 constexpr double shown_stray_weight = 200;
 
+/// The form factor from a point to a patch. If a patch is small and lies above the horizon, it is the kernel at its
+/// centre plus the term of second order for a square: area / 24 times the Laplacian of the kernel over its plane.
+double factor_of(const Vec3d& p, const Vec3d& n, const PatchNode& patch) {
+    constexpr double small = 0.15;  // radius over distance
+    const Vec3d way = patch.center - p;
+    const double distance2 = way.squaredNorm(), height = n.dot(way), front = -patch.polygon.normal.dot(way);
+    if (sqr(patch.radius) > sqr(small) * distance2 || std::abs(height) < patch.radius)
+        return patch.uncovered() * point_form_factor(p, n, patch.polygon);
+    if (!(height > 0 && front > 0)) return 0;
+    const double second = height * (1 - 3 * sqr(front) / distance2) - n.dot(patch.polygon.normal) * front;
+    return patch.area * front / (std::numbers::pi * sqr(distance2)) *
+           (height + patch.polygon.area / (3 * distance2) * second);
+}
+
 }  // namespace
 
 RadiosityDisplay::RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& system, const PatchLight& light,
@@ -30,7 +44,7 @@ RadiosityDisplay::RadiosityDisplay(PatchMesh& mesh, const RadiositySystem& syste
     : mesh_(mesh),
       system_(system),
       light_(light),
-      links_(seen, mesh.nodes().size()),
+      links_(seen, mesh.nodes()),
       settings_(settings),
       areas_shown_(system.sent(links_, PatchColors(mesh.nodes().size(), Colord::Ones()))),
       known_(mesh.sides().size()) {
@@ -46,7 +60,7 @@ std::uint32_t RadiosityDisplay::solved_patch(std::uint32_t leaf) const {
 double RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std::uint32_t node, double visible,
                                    std::vector<Term>& row) const {
     const PatchNode& patch = mesh_.nodes()[node];
-    const double factor = point_form_factor(from.p, from.n, patch.polygon);
+    const double factor = factor_of(from.p, from.n, patch);
     if (!(factor > 0)) return 0;
     const double nearness = std::min(1.0, patch.radius / (patch.center - from.p).norm());
     const double stray = shown_stray_weight * factor * nearness * light_.spread[node];
@@ -56,7 +70,7 @@ double RadiosityDisplay::add_terms(RayQueries& rays, const Viewpoint& from, std:
     // Seen from a place that is moved by as much as the middle of the light lies off the centre, the patch has the
     // factor with which its light arrives, up to terms of second order in its size.
     const Vec3d lean = light_.middle[node] - patch.center;
-    const double leant = lean.isZero(0) ? factor : point_form_factor(from.p - lean, from.n, patch.polygon);
+    const double leant = lean.isZero(0) ? factor : factor_of(from.p - lean, from.n, patch);
     row.push_back({node, static_cast<float>(visible * leant)});
     return visible * factor;
 }
@@ -69,17 +83,8 @@ double RadiosityDisplay::add_rays(RayQueries& rays, const Viewpoint& from, std::
     const std::size_t first = row.size();
     double total = 0, passed = 0;
     for (std::uint32_t i = 0; i < rays_to_patch; ++i) {
-        Vec2d s = Sampler(PointSet::sobol, key, 0, i).get_2d(0).cast<double>();
-        std::uint32_t leaf = node;
-        // The number that chooses a half by its area is used again in that half.
-        while (mesh_.nodes()[leaf].child < system_.node_count()) {
-            const std::uint32_t child = mesh_.nodes()[leaf].child;
-            const double share = mesh_.nodes()[child].area / mesh_.nodes()[leaf].area;
-            const bool low = s.x() < share;
-            s.x() = low ? s.x() / share : std::min((s.x() - share) / (1 - share), 1.0);
-            leaf = low ? child : child + 1;
-        }
-        const SurfaceHit to = mesh_.point_on(mesh_.nodes()[leaf], s);
+        const auto [leaf, to] =
+            light_.point_of(mesh_, node, static_cast<double>(Sampler(PointSet::sobol, key, 0, i).get_1d(0)));
         const double weight = light_between(from.hit, to, mesh_.nodes()[node].area);
         if (!(weight > 0)) continue;
         total += weight;
@@ -102,6 +107,7 @@ double RadiosityDisplay::irradiance_row(RayQueries& rays, const PatchVertex& ver
                          .n = point.ns.cast<double>(),
                          .key = combine_keys(combine_keys(settings_.seed, nodes[vertex.leaf].side), key_of(vertex.at))};
     row.clear();
+    if (nodes[solved_patch(vertex.leaf)].dark) return 0;
     double sum = 0;
     for (std::uint32_t node = solved_patch(vertex.leaf); node != no_node; node = nodes[node].parent)
         for (const LinkTable::Entry& link : links_.of(node)) {
@@ -134,17 +140,13 @@ void RadiosityDisplay::look_at_corners() {
         RayQueries rays(mesh_.charts().scene());
         for (std::size_t i = first + begin; i < first + end; ++i) {
             if (!nodes[i].is_leaf()) continue;
-            const PatchSide& side = mesh_.sides()[nodes[i].side];
             seen_corners_[i] = 15;
-            if (mesh_.charts()[side.chart].curved) continue;  // a curved leaf may block the ray itself
+            if (mesh_.chart_of(nodes[i]).curved) continue;  // a curved leaf may block the ray itself
             seen_corners_[i] = 0;
-            const Vec2d middle = mesh_.middle_of(nodes[i]);
-            for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
-                const Vec2d corner = uv_of(nodes[i].corners[k]);
-                const Vec2d inside = corner + corner_inset * (middle - corner);
-                if (way_is_clear(rays, mesh_, side, middle, inside, nodes[i].radius))
+            const SurfaceHit middle = mesh_.inside_corner(nodes[i], 0, 1);
+            for (int k = 0; k < nodes[i].corner_count(); ++k)
+                if (way_is_clear(rays, middle, mesh_.inside_corner(nodes[i], k, corner_inset), nodes[i].radius))
                     seen_corners_[i] = static_cast<std::uint8_t>(seen_corners_[i] | (1u << k));
-            }
             if (seen_corners_[i] == 0) seen_corners_[i] = 15;
         }
         traced += rays.count();

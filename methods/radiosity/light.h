@@ -11,8 +11,9 @@ Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo);
 
 /// Direct irradiance and mean reflectance of all leaves. Irradiance is estimated for each patch by `samples` shadow
 /// rays and as many rays sampled by the bsdf, combined by the power heuristic (Veach 1997, chapter 9); the mean
-/// reflectance of textured patches is taken over as many points. Adds the rays traced to `rays`.
-PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
+/// reflectance of textured patches is taken over as many points. Adds the rays traced to `rays`. Finds the dark nodes
+/// and the covered areas of `mesh`.
+PatchLight patch_light(PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
                        const StageTimes* stages = nullptr);
 
 }  // namespace gib

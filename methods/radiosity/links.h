@@ -25,6 +25,18 @@ struct PatchLight {
     std::vector<double> spread;  ///< standard deviation of `expected` over the leaves of a node [W/m^2]
     std::vector<Vec3d> middle;   ///< mean position over the leaves of a node, weighted by `expected` [scene units]
     double mean_irradiance = 0;  ///< over all patches, including that estimate [W/m^2]
+    /// Of leaves: points that are evenly distributed, `samples` for each. Direct light was sampled there, and rays that
+    /// test visibility start and end there.
+    std::vector<SurfacePoint> points;
+    std::vector<std::uint32_t> first_point;  ///< by node
+    std::uint32_t samples = 0;
+
+    /// A point of a node, chosen evenly by the number u in [0, 1), and the leaf that it lies on.
+    struct Choice {
+        std::uint32_t leaf;
+        const SurfacePoint& point;
+    };
+    Choice point_of(const PatchMesh& mesh, std::uint32_t node, double u) const;
 };
 
 struct PatchLink {
@@ -56,8 +68,10 @@ public:
     struct Entry {
         std::uint32_t other;
         float exchange, visible;
+        Vec3 towards;  ///< unit, from the node to the other if one of the two is a cluster; else zero
+        bool has_cluster() const { return !towards.isZero(0); }
     };
-    LinkTable(const std::vector<PatchLink>& links, std::size_t nodes);
+    LinkTable(const std::vector<PatchLink>& links, const std::vector<PatchNode>& nodes);
     std::span<const Entry> of(std::uint32_t node) const {
         return {entries_.data() + begin_[node], begin_[node + 1] - begin_[node]};
     }
@@ -71,13 +85,13 @@ private:
 
 /// The share V of the light between two nodes that nothing blocks, estimated by n rays. `key` seeds
 /// their random numbers.
-double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchNode& p, const PatchNode& q,
-                          std::uint32_t n, std::uint64_t key);
+double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchLight& light, std::uint32_t p,
+                          std::uint32_t q, std::uint32_t n, std::uint64_t key);
 /// The share of light that passes between two points.
-double passing(RayQueries& rays, const SurfaceHit& from, const SurfaceHit& to);
+double passing(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& to);
 /// The light between two points in proportion to other points: the kernel of form factors, with a bound without which
 /// one pair of many could decide. `area` is that of the smaller patch [scene units^2]. Where patches touch, most light
 /// takes the shortest ways.
-double light_between(const SurfaceHit& from, const SurfaceHit& to, double area);
+double light_between(const SurfacePoint& from, const SurfacePoint& to, double area);
 
 }  // namespace gib

@@ -1,6 +1,8 @@
 #include "methods/radiosity/mesh.h"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace gib {
 
@@ -214,12 +216,25 @@ void PatchMesh::split(std::uint32_t index) {
     nodes_.push_back(second);
 }
 
+void PatchMesh::set_exposure(const std::vector<bool>& dark, const std::vector<double>& uncovered) {
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        const std::uint32_t a = nodes_[i].child;
+        nodes_[i].dark = a == no_node ? dark[i] : nodes_[a].dark && nodes_[a + 1].dark;
+        nodes_[i].area = a == no_node ? uncovered[i] * nodes_[i].area : nodes_[a].area + nodes_[a + 1].area;
+    }
+}
+
 Vec2d PatchMesh::middle_of(const PatchNode& node) const {
     const auto count = static_cast<std::size_t>(node.corner_count());
     Vec2d sum = Vec2d::Zero();
     for (std::size_t i = 0; i < count; ++i)
         sum += uv_of(node.corners[i]) / static_cast<double>(count);
     return sum;
+}
+
+SurfaceHit PatchMesh::inside_corner(const PatchNode& node, int corner, double inset) const {
+    const Vec2d uv = uv_of(node.corners[static_cast<std::size_t>(corner)]);
+    return point_of_side(sides_[node.side], uv + inset * (middle_of(node) - uv));
 }
 
 SurfaceHit PatchMesh::point_of_side(const PatchSide& side, const Vec2d& uv) const {
@@ -342,26 +357,16 @@ void PatchVertices::bind(const PatchMesh& mesh, const std::vector<VertexIndex>& 
             }
         }
     }
-    // Both ends of a vertex's edge are put before the vertex. Each step leads to a longer edge, so the loop ends.
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t i = 0; i < hanging.size(); ++i) {
-        stack.push_back(i);
-        while (!stack.empty()) {
-            Bound& bound = hanging[stack.back()];
-            const auto waits_for = [&](std::uint32_t end) { return hanging[end].vertex != no_node; };
-            if (bound.vertex == no_node) {
-                stack.pop_back();
-            } else if (waits_for(bound.first)) {
-                stack.push_back(bound.first);
-            } else if (waits_for(bound.second)) {
-                stack.push_back(bound.second);
-            } else {
-                bound_.push_back(bound);
-                bound.vertex = no_node;
-                stack.pop_back();
-            }
-        }
-    }
+    // Both ends of a vertex's edge are put before the vertex. Each step leads to a longer edge, so the recursion ends.
+    const std::function<void(std::uint32_t)> settle = [&](std::uint32_t vertex) {
+        const Bound bound = std::exchange(hanging[vertex], {no_node, 0, 0});
+        if (bound.vertex == no_node) return;
+        settle(bound.first);
+        settle(bound.second);
+        bound_.push_back(bound);
+    };
+    for (std::uint32_t i = 0; i < hanging.size(); ++i)
+        settle(i);
 }
 
 }  // namespace gib

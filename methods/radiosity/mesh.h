@@ -20,16 +20,19 @@ struct PatchNode {
     std::uint32_t child = no_node;           ///< the first of two; none: a leaf
     std::array<ChartPoint, 4> corners = {};  ///< a triangle has three
     PatchPolygon polygon = {};               ///< its front is the side's; a cluster has no vertices
-    double area = 0;                         ///< of a cluster: the sum over its sides [scene units^2]
-    Vec3d center = Vec3d::Zero();            ///< of the polygon, or the mean of the sides' centres
-    double radius = 0;                       ///< largest distance of a vertex from `center` [scene units]
-    std::uint8_t across = 0, along = 0;      ///< halvings of u and v so far
+    double area = 0;                     ///< that is not covered; of a cluster: the sum over its sides [scene units^2]
+    Vec3d center = Vec3d::Zero();        ///< of the polygon, or the mean of the sides' centres
+    double radius = 0;                   ///< largest distance of a vertex from `center` [scene units]
+    std::uint8_t across = 0, along = 0;  ///< halvings of u and v so far
+    bool dark = false;                   ///< no light gets there: inside a closed block
 
     bool is_leaf() const { return child == no_node; }
     bool is_cluster() const { return polygon.count == 0; }
     int corner_count() const { return polygon.count; }
+    /// The share of a patch that is not covered.
+    double uncovered() const { return area / polygon.area; }
     /// The area that is seen from far away in the direction `w`; of a patch.
-    double area_towards(const Vec3d& w) const { return area * std::max(0.0, polygon.normal.dot(w)); }
+    double area_towards(const Vec3d& w) const { return dark ? 0 : area * std::max(0.0, polygon.normal.dot(w)); }
 };
 
 struct PatchSide {
@@ -65,6 +68,12 @@ public:
     /// The point at uv of the side's chart, with normals on that side.
     SurfaceHit point_of_side(const PatchSide& side, const Vec2d& uv) const;
     Vec2d middle_of(const PatchNode& node) const;
+    /// The point at a node's corner, moved by the share `inset` of the way to its middle.
+    SurfaceHit inside_corner(const PatchNode& node, int corner, double inset) const;
+
+    /// Says of each leaf whether it is dark, and which share of it is not covered by what stands on it. Areas become
+    /// those of the uncovered parts. An inner node is dark if both halves are.
+    void set_exposure(const std::vector<bool>& dark, const std::vector<double>& uncovered);
 
     /// Halves a leaf; its children are the last two nodes.
     void split(std::uint32_t node);

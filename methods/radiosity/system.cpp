@@ -18,7 +18,7 @@ constexpr double scaled_enough = 1e-7;
 
 RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                                  bool normalise)
-    : mesh_(mesh), light_(light), table_(links, mesh.nodes().size()) {
+    : mesh_(mesh), light_(light), table_(links, mesh.nodes()) {
     for (const PatchNode& node : mesh.nodes()) {
         if (node.is_leaf()) leaves_.push_back(static_cast<std::uint32_t>(children_.size()));
         children_.push_back(node.child);
@@ -68,20 +68,27 @@ void RadiositySystem::pull(PatchColors& X) const {
 
 PatchColors RadiositySystem::sent(const LinkTable& links, const PatchColors& X) const {
     const auto& nodes = mesh_.nodes();
+    struct Side {
+        Vec3d area;  ///< along the normal
+        Colord X;
+    };
+    std::vector<Side> sides;
+    for (const PatchSide& side : mesh_.sides()) {
+        const PatchNode& root = nodes[side.root];
+        sides.push_back({(root.dark ? 0 : root.area) * root.polygon.normal, X[side.root]});
+    }
     PatchColors sent(links.size(), Colord::Zero());
     parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i)
             for (const LinkTable::Entry& link : links.of(static_cast<std::uint32_t>(i))) {
+                if (!link.has_cluster()) continue;
                 const PatchNode& other = nodes[link.other];
-                if (!other.is_cluster() && !nodes[i].is_cluster()) continue;
-                const Vec3d w = (nodes[i].center - other.center).normalized();
+                const Vec3d w = -link.towards.cast<double>();
                 Colord& sum = sent[links.number_of(link)];
                 if (!other.is_cluster()) sum = other.area_towards(w) * X[link.other];
                 else
-                    for (std::uint32_t side = other.side; side < other.side_end; ++side) {
-                        const std::uint32_t root = mesh_.sides()[side].root;
-                        sum += nodes[root].area_towards(w) * X[root];
-                    }
+                    for (std::uint32_t side = other.side; side < other.side_end; ++side)
+                        sum += std::max(0.0, sides[side].area.dot(w)) * sides[side].X;
             }
     });
     return sent;
@@ -101,14 +108,16 @@ PatchColors RadiositySystem::irradiance(PatchColors X) const {
         for (std::size_t i = begin; i < end; ++i) {
             const PatchNode& patch = nodes[i];
             if (patch.is_cluster()) continue;
+            const Vec3d n = patch.dark ? Vec3d(Vec3d::Zero()) : patch.polygon.normal;
             const auto add = [&](std::uint32_t node) {
                 for (const LinkTable::Entry& link : table_.of(node)) {
-                    const PatchNode& other = nodes[link.other];
                     const auto exchange = static_cast<double>(link.exchange);
-                    if (nodes[node].is_cluster() || other.is_cluster())
-                        E[i] += exchange * patch.area_towards((other.center - nodes[node].center).normalized()) /
-                                patch.area * sent[table_.number_of(link)];
-                    else E[i] += exchange / patch.area * X[link.other];
+                    if (!link.has_cluster()) {
+                        E[i] += exchange / patch.area * X[link.other];
+                        continue;
+                    }
+                    const double cosine = n.dot(link.towards.cast<double>());
+                    if (cosine > 0) E[i] += exchange * cosine * sent[table_.number_of(link)];
                 }
             };
             add(static_cast<std::uint32_t>(i));

@@ -29,8 +29,8 @@ using PatchColors = std::vector<Colord>;
 
 class RadiositySystem {
 public:
-    /// `mesh` and `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise` says that the
-    /// scene is closed. A row of K then sums up to 1 except for errors of visibility and quadrature, which a
+    /// `mesh` and `light` must outlive this; later halvings of the mesh's leaves do not change it. `normalise` says that
+    /// the scene is closed. A row of K then sums up to 1 except for errors of visibility and quadrature, which a
     /// symmetric scaling removes.
     RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
                     bool normalise);

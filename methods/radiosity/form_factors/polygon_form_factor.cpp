@@ -143,13 +143,18 @@ double refined(const Region& inner, const Vec3d& start, const Vec3d& way, double
 /// both contours (Goral et al. 1984; Schroeder and Hanrahan 1993, "On the Form Factor between Two Polygons"). The
 /// inner integral has a closed form, which is finite where the contours touch. `area` is that of the smaller polygon.
 double contour_integral(const Region& outer, const Region& inner, double area) {
-    constexpr double tolerance = 1e-4;
+    // The tolerance is a share of the factor, but at least of 1e-3, below which little light is carried.
+    constexpr double tolerance = 1e-4, least_factor = 1e-3;
     constexpr int most_halvings = 12;
-    double sum = 0;
+    std::array<double, 6> wholes;
+    double estimate = 0, sum = 0;
     for (std::size_t i = 0; i < outer.count; ++i) {
-        const Vec3d way = outer.after(i) - outer[i];
-        sum += refined(inner, outer[i], way, along_section(inner, outer[i], way), tolerance * area, most_halvings);
+        wholes[i] = along_section(inner, outer[i], outer.after(i) - outer[i]);
+        estimate += wholes[i];
     }
+    const double allowed = tolerance * std::clamp(std::abs(estimate), least_factor * area, area);
+    for (std::size_t i = 0; i < outer.count; ++i)
+        sum += refined(inner, outer[i], outer.after(i) - outer[i], wholes[i], allowed, most_halvings);
     return sum / (2 * std::numbers::pi);
 }
 

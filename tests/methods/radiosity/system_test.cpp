@@ -264,6 +264,38 @@ TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     EXPECT_NEAR(reflectance_of(board), 0.5, 0.05);
 }
 
+// The walls of a closed block have patches on both sides. Those inside are dark, and no others.
+TEST(PatchLight, FindsThatNoLightGetsIntoAClosedBlock) {
+    const PatchedScene scene(hollow_cube(grey(0.5)) +
+                                 "<shape type='cube'><transform name='to_world'><scale value='0.3'/></transform>" +
+                                 diffuse(0.5) + "</shape>" + point_light("0.3 0.2 0.8", 1),
+                             0.51);
+    int dark = 0;
+    for (const std::uint32_t leaf : scene.system.leaves()) {
+        const PatchNode& node = scene.mesh.nodes()[leaf];
+        const bool inside = scene.mesh.chart_of(node).shape == 1 && node.polygon.normal.dot(node.center) < 0;
+        EXPECT_EQ(node.dark, inside) << node.center.transpose();
+        dark += node.dark ? 1 : 0;
+    }
+    EXPECT_GT(dark, 0);
+}
+
+// A block stands in the middle of four patches and covers 9 % of each. The 16 points of a patch lie in 4 x 4 equal cells,
+// one of which is covered; three others are covered in part.
+TEST(PatchLight, LeavesOutWhatABlockCovers) {
+    const PatchedScene scene("<shape type='rectangle'>" + grey(0.5) +
+                                 "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate "
+                                 "z='0.3'/></transform>" +
+                                 grey(0.5) + "</shape>" + point_light("0 0 3", 1),
+                             1.01, 0, false);
+    for (const std::uint32_t leaf : scene.system.leaves()) {
+        const PatchNode& node = scene.mesh.nodes()[leaf];
+        if (scene.mesh.chart_of(node).shape != 0) continue;
+        EXPECT_LE(node.uncovered(), 15.0 / 16);
+        EXPECT_GE(node.uncovered(), 12.0 / 16);
+    }
+}
+
 TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
     const std::string walls = hollow_cube(grey(0.5));
     const auto links_with = [&](const std::string& position) {
