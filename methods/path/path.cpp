@@ -100,7 +100,8 @@ public:
             if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
             if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
             const auto& lights = scene.lights();
-            if (plan.called_for.has(Effect::caustics) && std::all_of(lights.begin(), lights.end(), is_delta))
+            if (plan.called_for.has(Effect::caustics) && !plan.called_for.has(Effect::glossy_lobes) &&
+                std::all_of(lights.begin(), lights.end(), is_delta))
                 plan.missing.add(Effect::caustics);
         }
         add_eye_paths(plan, scene, max_edges_);

@@ -1,6 +1,7 @@
 // Light tracing and bidirectional path tracing against path tracing: whichever techniques make the paths, every
 // component has the same mean.
 
+#include "tests/support/lit_rooms.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
 
@@ -11,57 +12,10 @@
 namespace gib {
 namespace {
 
+using namespace test::lit_rooms;
 using test::Moments;
-
-struct RoomOptions {
-    std::string light, more = "", sensor = "perspective", sensor_more = "", filter = "box",
-                       ball = "<bsdf type='roughdielectric'><float name='alpha' value='0.3'/></bsdf>";
-};
-
-/// A floor, a wall, a glossy mirror and a ball.
-LoadedScene room(const RoomOptions& o) {
-    const auto wall = [](const std::string& transform, const std::string& bsdf) {
-        return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
-    };
-    const std::string diffuse =
-        "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
-        "value='0.7, 0.5, 0.3'/></bsdf></bsdf>";
-    return test::scene_of(
-        "<scene version='3.0.0'><sensor type='" + o.sensor + "'>" + o.sensor_more +
-        "<transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>"
-        "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/><rfilter type='" +
-        o.filter + "'/></film></sensor>" +
-        wall("<scale value='2'/><rotate y='1' angle='180'/><translate z='2'/>", diffuse) +
-        wall("<scale value='2'/><rotate x='1' angle='-90'/><translate y='-1'/>", diffuse) +
-        wall("<rotate y='1' angle='60'/><translate x='-1'/>",
-             "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.08'/></bsdf></bsdf>") +
-        "<shape type='sphere'><float name='radius' value='0.4'/>" + o.ball + "</shape>" + o.light + o.more +
-        "</scene>");
-}
-
-const std::string lamp =
-    "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='90'/>"
-    "<translate x='0.6' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5, 4, "
-    "3'/></emitter></shape>";
-const std::string shining_ball =
-    "<shape type='sphere'><point name='center' x='0.8' y='0.8' z='-0.5'/><float name='radius' value='0.3'/>"
-    "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
-const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='-1'/></emitter>";
-const std::string spot =
-    "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
-    "<lookat origin='0.8, 1, -1' target='0, 0, 0' up='0, 0, 1'/></transform></emitter>";
-const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
-const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.3, 0.4, 0.5'/></emitter>";
-const std::string fog =
-    "<shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'>"
-    "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.9, 0.8, 0.6'/>"
-    "<phase type='hg'><float name='g' value='0.4'/></phase></medium></shape>";
-const std::string grate =
-    "<shape type='rectangle'><transform name='to_world'><translate z='-0.8' x='0.3'/></transform>"
-    "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='twosided'>"
-    "<bsdf type='diffuse'/></bsdf></bsdf></shape>";
-const std::string plastic_ball = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.6'/></bsdf>";
-const std::string glass_ball = "<bsdf type='dielectric'/>";
+using test::room;
+using test::RoomOptions;
 
 /// Moments of the mean of each component, by channel, over seeds.
 std::map<std::pair<Component, int>, Moments> moments_of(const LoadedScene& scene, const std::string& label) {
@@ -132,7 +86,7 @@ TEST(Techniques, AgreeOnMixedAndSpecularSurfaces) {
 }
 // Light from a point through glass: path tracing leaves the caustic black and says so, light tracing makes it.
 TEST(Plans, NameTheCausticsThatAreMissing) {
-    const auto scene = room({.light = sun, .ball = glass_ball});
+    const auto scene = room({.light = sun, .glossy_wall = "", .ball = glass_ball});
     const auto plan_of = [&](const std::string& name) {
         return ConfiguredMethod(MethodLabel::parse(name)).create({})->plan(*scene.scene);
     };

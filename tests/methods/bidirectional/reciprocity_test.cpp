@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
                     NamedBsdf{"mask",
                               "<bsdf type='mask'><float name='opacity' value='0.6'/><bsdf type='twosided'>"
                               "<bsdf type='diffuse'/></bsdf></bsdf>"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
 }  // namespace gib

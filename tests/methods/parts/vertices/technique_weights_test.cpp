@@ -4,7 +4,7 @@
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/path_counts.h"
-#include "tests/support/scene_fixtures.h"
+#include "tests/support/lit_rooms.h"
 
 #include <gtest/gtest.h>
 
@@ -13,38 +13,8 @@
 namespace gib {
 namespace {
 
-/// A room without delta lobes, so that the walks visit all vertices of their paths.
-LoadedScene room(const std::string& light, const std::string& more = "", const std::string& sensor = "perspective") {
-    const auto wall = [](const std::string& transform, const std::string& bsdf) {
-        return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
-    };
-    const std::string diffuse = "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>";
-    return test::scene_of(
-        "<scene version='3.0.0'><sensor type='" + sensor +
-        "'><transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>" +
-        test::box_film(8) + "</sensor>" +
-        wall("<scale value='2'/><translate z='2'/><rotate y='1' angle='180'/>", diffuse) +
-        wall("<rotate x='1' angle='-90'/><scale value='2'/><translate y='-1'/>", diffuse) +
-        wall("<rotate y='1' angle='60'/><translate x='-1'/>",
-             "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf></bsdf>") +
-        "<shape type='sphere'><float name='radius' value='0.4'/><bsdf type='roughdielectric'>"
-        "<float name='alpha' value='0.4'/></bsdf></shape>" +
-        light + more + "</scene>");
-}
-
-const std::string lamp =
-    "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><scale value='0.3'/>"
-    "<translate x='0.8' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
-const std::string ball =
-    "<shape type='sphere'><point name='center' x='0.8' y='1' z='0'/><float name='radius' value='0.2'/>"
-    "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
-const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='0'/></emitter>";
-const std::string sky = "<emitter type='constant'/>";
-const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
-const std::string fog =
-    "<shape type='cube'><scale value='1'/><bsdf type='null'/><medium name='interior' type='homogeneous'>"
-    "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.8'/><phase type='hg'><float name='g' value='0.4'/>"
-    "</phase></medium></shape>";
+using namespace test::lit_rooms;
+using test::room;
 
 /// A path from a light's start to the camera, with its inner vertices x_1 ... x_{k-1} in this order.
 struct WholePath {
@@ -124,7 +94,7 @@ void expect_weights(const LoadedScene& loaded) {
         EXPECT_NEAR(double{weight}, expected, 1e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
-    for (std::uint32_t i = 0; i < 400 && !testing::Test::HasFailure(); ++i) {
+    for (std::uint32_t i = 0; i < 2000 && !testing::Test::HasFailure(); ++i) {
         const Sampler sampler(PointSet::independent, 3, i, 0), light_sampler = sampler.split(0, 1, 1);
         const EmissionSample start = scene.sample_emission(light_sampler.get_1d(dimension::emission_light),
                                                            light_sampler.get_2d(dimension::emission_position),
@@ -157,22 +127,22 @@ void expect_weights(const LoadedScene& loaded) {
                 }
             });
     }
-    EXPECT_GT(checked, 300u);
+    EXPECT_GT(checked, 200u);
 }
 
 // Breaking any factor of the recursion or of a connection's weight makes one of these fail.
 TEST(TechniqueWeights, OfLightsWithASurfaceAreThoseOfTheDensities) {
-    expect_weights(room(lamp));
-    expect_weights(room(ball));
+    expect_weights(room({.light = lamp}));
+    expect_weights(room({.light = shining_ball}));
 }
 TEST(TechniqueWeights, OfDeltaLightsAreThoseOfTheDensities) {
-    expect_weights(room(point));
-    expect_weights(room(sun));
+    expect_weights(room({.light = point}));
+    expect_weights(room({.light = sun}));
 }
-TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room(sky)); }
-TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room(lamp, fog)); }
+TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room({.light = sky})); }
+TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room({.light = lamp, .more = fog})); }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
-    expect_weights(room(lamp, "", "orthographic"));
+    expect_weights(room({.light = lamp, .sensor = "orthographic"}));
 }
 
 }  // namespace
