@@ -37,6 +37,7 @@ std::string ball(const std::string& bsdf) { return "<shape type='sphere'>" + bsd
 // A convex diffuse body of albedo rho under a sky of radiance L has the radiance rho L,
 // whatever its shape. With rho = 1 it vanishes.
 TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
     const std::string label = method().name + " max_depth=3";  // a convex ball does not light itself
@@ -59,6 +60,7 @@ TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
 
 // Lossless bodies under a sky of radiance 1 all have radiance 1, also where one is seen in or through another.
 TEST_P(EveryMethodUnderTheSky, LosslessBodiesVanish) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!simulates_sky() || !method().simulates.has(Effect::caustics)) GTEST_SKIP();
     const std::string glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
@@ -79,6 +81,7 @@ TEST_P(EveryMethodUnderTheSky, LosslessBodiesVanish) {
 
 // Light that comes from the sky by a specular chain alone is emission: E S* L.
 TEST_P(EveryMethodUnderTheSky, TheSkyInAMirrorIsEmission) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!simulates_sky() || !method().simulates.has(Effect::specular_reflection)) GTEST_SKIP();
     const auto scene = test::scene_of(scene_xml(sensor + constant_sky + ball("<bsdf type='conductor'/>")));
     const auto image = render(scene, method().name, 4);
@@ -101,6 +104,7 @@ double floor_radiance(const MethodDescription& method, const std::string& light,
 }
 
 TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     // E cos(theta) rho / pi with cos = 0.8.
     EXPECT_NEAR(floor_radiance(method(),
@@ -122,6 +126,7 @@ TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
 // The map has a sun and a black half. Light sampling and bsdf sampling together give
 // the integral of L cos over the hemisphere.
 TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
     const Image image = image_of(16, 9, [](int x, int y) {
@@ -139,6 +144,7 @@ TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
 
 // A plate hides lights at infinity from the floor, as it hides near ones.
 TEST_P(EveryMethodUnderTheSky, PlatesHideLightsAtInfinity) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string plate =
         "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><translate z='2'/></transform>" +

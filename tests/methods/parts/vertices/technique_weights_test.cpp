@@ -88,10 +88,11 @@ void expect_weights(const LoadedScene& loaded) {
     constexpr int longest = 6;
     RayQueries rays(scene);
     std::size_t checked = 0;
-    // A weight is the quotient of products of up to a dozen densities in float.
+    // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
+    // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
         const double expected = weights_of(scene, path)[s];
-        EXPECT_NEAR(double{weight}, expected, 1e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
+        EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
     for (std::uint32_t i = 0; i < 2000 && !testing::Test::HasFailure(); ++i) {
