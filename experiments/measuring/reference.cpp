@@ -30,7 +30,7 @@ constexpr double save_interval = 15;
 constexpr double heavy_tail_share = 0.5;
 /// No target counts as met before each group has this many passes. While rare bright paths are still missing, the
 /// estimated error is too small; stopping at its first small value would favour exactly those moments.
-constexpr std::uint64_t fewest_passes = 8;
+constexpr std::uint32_t fewest_passes = 8;
 /// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds.
 constexpr double pilot_share = 0.03;
 constexpr std::uint32_t most_pilot_rounds = 10;
@@ -64,9 +64,9 @@ public:
     FinishedReference make() {
         require_memory_for_groups();
         open();
-        if (methods_.size() > 1 && !good_enough() && !take_stored_shares()) run_pilot();
-        result_.warnings.clear();  // good_enough() says them again
-        while (!good_enough()) {
+        bool done = good_enough();
+        if (!done && methods_.size() > 1 && !take_stored_shares()) run_pilot();
+        while (!done) {
             try {
                 add_round();
             } catch (const Interrupted&) {
@@ -74,6 +74,7 @@ public:
                 throw;
             }
             if (now() - saved_at_ > save_interval) save();
+            done = good_enough();
         }
         if (unsaved_) save();
         warn_about_quality();
@@ -121,10 +122,18 @@ private:
                 fmt::format("the reference of '{}' by '{}' is not finite", work_.scene.name, work_.label.text()));
     }
 
+    /// The number of units in which some maker makes fewest_passes.
+    std::uint64_t fewest_units() const {
+        std::uint32_t most = 1;
+        for (const MakerShare& share : shares_)
+            most = std::max(most, share.passes);
+        return (fewest_passes + most - 1) / most;
+    }
+
     bool good_enough() {
         if (groups_.rounds == 0) return false;
         const auto& goal = work_.goal;
-        if (goal.target && result_.relative_error <= *goal.target && groups_.passes >= fewest_passes) return true;
+        if (goal.target && result_.relative_error <= *goal.target && groups_.passes >= fewest_units()) return true;
         if (!goal.seconds || groups_.seconds < *goal.seconds) return false;
         if (goal.target)
             result_.warnings.push_back(
@@ -138,7 +147,7 @@ private:
     double passes_needed() const {
         const double ratio = result_.relative_error / *work_.goal.target;
         const auto done = static_cast<double>(groups_.passes);
-        return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_passes) - done});
+        return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_units()) - done});
     }
 
     std::uint32_t next_passes() const {

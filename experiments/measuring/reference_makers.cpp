@@ -228,7 +228,7 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
         most = std::max(most, rates[m]);
     }
     // Whole numbers of passes in about these proportions.
-    const double scale = (most < 4 * least ? 3 : 1) / least;
+    const double scale = (most < 2 * least ? 2 : 1) / least;
     MakerPlan plan;
     double unit_seconds = 0;
     for (std::size_t m = 0; m < makers; ++m) {

@@ -78,14 +78,15 @@ private:
                 account(at_.beta, result_.balance.escaped);
                 return;
             }
+            const Vec3 wo = walk_.wo(), wo_local = hit->shading.to_local(wo);
             // The photon is stored before it may pass a hole, as an eye path decides for itself
             // whether the surface is there.
-            if (stores_on_surfaces() && hit->bsdf->traits_at(hit->shading.to_local(walk_.wo()).z()).diffuse)
-                result_.photons.emplace_back(hit->p, at_.beta, walk_.wo(), normal_towards(*hit, walk_.wo()),
-                                             at_.vertex + 1, at_.path_class.in_medium, at_.stratum);
+            if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
+                result_.photons.emplace_back(hit->p, at_.beta, wo, normal_towards(*hit, wo), at_.vertex + 1,
+                                             at_.path_class.in_medium, at_.stratum);
             if (walk_.passes_through(*hit)) continue;
             walk_.disperse(*hit, dimension::photon_stratum);
-            if (!scatter(*hit)) return;
+            if (!scatter(*hit, wo_local)) return;
         }
     }
 
@@ -136,8 +137,7 @@ private:
     /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
     /// scaled by (d_c + s_c) / P_r in each channel. Returns false if the photon ends here.
-    bool scatter(const SurfaceHit& hit) {
-        const Vec3 wo_local = hit.shading.to_local(walk_.wo());
+    bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
         account(at_.beta * (1.f - albedo), result_.balance.absorbed);
