@@ -58,7 +58,7 @@ std::optional<Value> value_for(const std::map<std::string, Value>& by_part, cons
 /// The result of rendering one case by one method with several seeds.
 struct HardCaseImages {
     std::string refusal;           ///< message of the error if scene or method was refused; the rest is then unused
-    Effects missing;               ///< effects of the scene that the method leaves out; if any, nothing is rendered
+    Effects missing;               ///< effects that the method leaves out; if any, only cases of black are rendered
     std::vector<double> means;     ///< of each seed's image, over pixels and channels [W/(sr m^2)]
     double smallest = infinity;    ///< smallest mean over the channels of any pixel [W/(sr m^2)]
     double largest = -infinity;    ///< largest one
