@@ -170,7 +170,7 @@ HardCaseImages render(const HardCase& hard, const std::string& label) {
         const LoadedScene loaded = load_scene(hard.scene, {hard.parameters, std::nullopt});
         const auto method = ConfiguredMethod(MethodLabel::parse(label)).create({loaded.max_edges});
         images.missing = method->plan(*loaded.scene).missing;
-        if (!images.missing.empty() && hard.relation != Relation::black) return images;
+        if (is_left_out(hard, images.missing)) return images;
         with_threads(1, [&] {
             for (int seed = 1; seed <= hard.seeds; ++seed) {
                 StageTimes stages;

@@ -58,13 +58,18 @@ std::optional<Value> value_for(const std::map<std::string, Value>& by_part, cons
 /// The result of rendering one case by one method with several seeds.
 struct HardCaseImages {
     std::string refusal;           ///< message of the error if scene or method was refused; the rest is then unused
-    Effects missing;               ///< effects that the method leaves out; if any, only cases of black are rendered
+    Effects missing;               ///< effects that the method leaves out; nothing is rendered if is_left_out()
     std::vector<double> means;     ///< of each seed's image, over pixels and channels [W/(sr m^2)]
     double smallest = infinity;    ///< smallest mean over the channels of any pixel [W/(sr m^2)]
     double largest = -infinity;    ///< largest one
     std::uint64_t not_finite = 0;  ///< number of such image values and of dropped samples
     std::uint64_t negative = 0;    ///< number of such image values
 };
+/// Whether a method without these effects cannot be held to the answer. What is black stays black without some of the
+/// light, but not without the medium that absorbs it.
+inline bool is_left_out(const HardCase& hard, Effects missing) {
+    return !missing.empty() && (hard.relation != Relation::black || missing.has(Effect::participating_media));
+}
 HardCaseImages render(const HardCase& hard, const std::string& label);
 
 struct Verdict {
