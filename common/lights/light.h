@@ -89,7 +89,7 @@ struct LightSample {
     Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< only light sampling finds this light
-    /// Of the angle at the light, between its normal and the way to the point; 1 for a light without a surface.
+    /// The cosine of the angle at the light between its normal and the way to the point; 1 without a surface.
     float cos_light = 1.f;
     std::uint32_t light = 0;  ///< index among the scene's lights
     Vec3 target;  ///< the end of the shadow ray: in front of the light's surface, or past the scene's surfaces

@@ -1,6 +1,5 @@
 #include "experiments/measuring/reference_makers.h"
 
-#include "common/core/number_text.h"
 #include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/z_statistic.h"
 

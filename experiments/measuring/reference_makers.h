@@ -23,7 +23,7 @@
 
 namespace gib {
 
-/// What one maker does in each unit of a reference's work.
+/// The part of one maker in each unit of a reference's work.
 struct MakerShare {
     std::string method;
     std::uint32_t passes = 1;

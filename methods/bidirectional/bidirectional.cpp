@@ -35,10 +35,10 @@ struct BidirectionalSettings {
 /// The estimate of one pixel's sample, which also adds the light paths that reach the camera to the film of splats.
 class BidirectionalEstimate {
 public:
-    /// `pyramid` is null if no images of techniques are kept.
-    BidirectionalEstimate(const LightPaths& paths, const BidirectionalSettings& settings, SplatFilm& splats,
-                          TechniquePyramid* pyramid)
-        : settings_(settings), paths_(paths), splats_(&splats), pyramid_(pyramid) {}
+    /// `passes` counts the passes that have begun. `pyramid` is null if no images of techniques are kept.
+    BidirectionalEstimate(const LightPaths& paths, const BidirectionalSettings& settings, const std::uint32_t& passes,
+                          SplatFilm& splats, TechniquePyramid* pyramid)
+        : settings_(settings), paths_(paths), passes_(&passes), splats_(&splats), pyramid_(pyramid) {}
 
     PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
         const Techniques& used = settings_.used;
@@ -88,11 +88,12 @@ private:
         if (pyramid_) pyramid_->add(s, 1, splat->pixel, splat->connection, 1 / paths_.count);
         PixelSample weighted;
         add_weighted(splat->connection, weighted);
-        splats_->add(splat->pixel, 0, weighted);
+        splats_->add(splat->pixel, *passes_ - 1, weighted);
     }
 
     BidirectionalSettings settings_;
     LightPaths paths_;
+    const std::uint32_t* passes_;
     SplatFilm* splats_;
     TechniquePyramid* pyramid_;
     std::vector<PathVertex> light_vertices_;
@@ -105,7 +106,7 @@ public:
           paths_(sampling.scene),
           splats_(size_.x(), size_.y(), shown.accumulated, paths_.mean_light),
           eye_(average_eye_samples(sampling, shown,
-                                   BidirectionalEstimate(paths_, settings, splats_, pyramid(settings)))) {}
+                                   BidirectionalEstimate(paths_, settings, passes_, splats_, pyramid(settings)))) {}
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;

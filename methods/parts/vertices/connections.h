@@ -25,7 +25,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
                                   NumberStream& flights);
 
-/// What connections to the camera need to know of the scene's paths.
+/// The facts about a scene's paths that connections to the camera need.
 struct ToCamera {
     double light_paths;  ///< for each of the camera's paths of a pixel
     bool on_surface;     ///< RayQueries::camera_lies_on_surface()

@@ -1,5 +1,5 @@
 #pragma once
-// What the methods of light paths share: how many paths there are, the units of their light, and which components of a
+// Shared by the methods of light paths: how many paths there are, the units of their light, and which components of a
 // scene have paths that they cannot make.
 
 #include "methods/method.h"

@@ -60,7 +60,7 @@ struct PathVertex {
     }
 };
 
-/// What a vertex does with light that comes from `to_light` and leaves towards `to_camera`.
+/// The scattering at a vertex of light that comes from `to_light` and leaves towards `to_camera`.
 struct Scattered {
     /// f |cos| by kind of lobe [1/sr], to be multiplied by radiance from to_light; in a medium the phase function, in
     /// both of which the kind is of no account, as `diffuse`.

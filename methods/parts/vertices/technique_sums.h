@@ -24,7 +24,7 @@
 
 namespace gib {
 
-/// What the power heuristic makes of a ratio of densities.
+/// The power heuristic of exponent 2 takes the square of every ratio of densities.
 inline double squared(double ratio) { return ratio * ratio; }
 
 /// Which kinds of techniques are in use; those that are not are neither tried nor weighed.

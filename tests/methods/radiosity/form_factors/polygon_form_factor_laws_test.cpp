@@ -72,7 +72,7 @@ TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
         const PatchPolygon from = random.polygon(distance * random.direction());
         const PatchPolygon whole = rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0.2, 1, 0});
         const double factor = polygon_form_factor(from, whole);
-        // Of polygons that hardly see each other, the three points on each triangle leave up to 0.7 %.
+        // The three points on each triangle leave up to 0.7 % of polygons that hardly see each other.
         EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * tolerance * factor + 2e-6) << i;
     }
 }
