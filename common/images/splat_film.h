@@ -22,6 +22,12 @@ public:
     /// Whether add() can hold the value: it is finite and not too large.
     bool holds(const Color& value) const;
     void add(std::size_t pixel, const Color& value);
+    /// Fetches what add() will need.
+    void prefetch(std::size_t pixel) const {
+        if (empty()) return;
+        __builtin_prefetch(&sums_[3 * pixel], 1);
+        __builtin_prefetch(&sums_[3 * pixel + 2], 1);
+    }
     /// The sums divided by `count`.
     Image mean(double count) const;
 
@@ -47,6 +53,10 @@ public:
     /// Adds light to a pixel. Light that is not finite, or larger than the sums hold, is counted and dropped. Throws
     /// std::logic_error for light in a component that is not accumulated.
     void add(std::size_t pixel, std::uint32_t pass, const PixelSample& light);
+    /// Fetches what add() will need, long before it is called: sums in memory take longer than all else there.
+    void prefetch(std::size_t pixel, Component component) const {
+        sums_[static_cast<std::size_t>(index_of(component))].prefetch(pixel);
+    }
     /// Adds the sums divided by `count` to the images.
     void add_mean(double count, ComponentImages& images) const;
     NonFinite non_finite() const;

@@ -33,7 +33,7 @@ constexpr double heavy_tail_share = 0.5;
 constexpr std::uint32_t fewest_passes = 8;
 /// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds.
 constexpr double pilot_share = 0.03;
-constexpr std::uint32_t most_pilot_rounds = 10;
+constexpr std::uint32_t most_pilot_rounds = 11;
 /// The pilot's batches are numbered from here.
 constexpr std::uint32_t first_pilot_batch = 0x80000000;
 constexpr double infinity_seconds = std::numeric_limits<double>::infinity();
@@ -179,7 +179,7 @@ private:
             names.push_back(shares_[m].method);
         }
         double seconds = 0;
-        for (std::uint32_t round = 0, passes = 2;; ++round, passes *= 2) {
+        for (std::uint32_t round = 0, passes = 1;; ++round, passes *= 2) {
             for (std::size_t m = 0; m < methods_.size(); ++m) {
                 const double start = now();
                 std::vector<ComponentImages> groups;

@@ -1,13 +1,11 @@
 #include "experiments/measuring/reference_makers.h"
 
-#include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/z_statistic.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 namespace gib {
@@ -196,68 +194,78 @@ std::vector<double> shares_of_time(const std::vector<std::vector<double>>& costs
     return shares;
 }
 
-}  // namespace
-
-MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 double epsilon) {
-    const Costs costs(pilots, epsilon);
-    const std::size_t makers = methods.size();
-    std::vector<Component> components;
-    std::vector<std::vector<double>> judged;  // costs of the components that some maker samples
+/// The costs that decide the shares: of the components that some maker samples and whose pilot has shown noise.
+std::vector<std::vector<double>> judged_costs(const Costs& costs) {
+    std::vector<std::vector<double>> judged;
     for (Component c : all_components) {
-        if (costs.of(c).empty()) continue;
-        components.push_back(c);
-        auto of_component = costs.of(c);
-        const double largest = std::accumulate(of_component.begin(), of_component.end(), 0.0, [](double a, double b) {
-            return std::isfinite(b) ? std::max(a, b) : a;
-        });
+        std::vector<double> of_component = costs.of(c);
+        double largest = 0;
+        for (const double cost : of_component)
+            if (std::isfinite(cost)) largest = std::max(largest, cost);
         if (!(largest > 0)) continue;
         for (double& cost : of_component)
             cost = std::max(cost, 1e-9 * largest);  // a component may have no noise at all
         judged.push_back(of_component);
     }
-    std::vector<double> time = shares_of_time(judged, makers);
-    for (double& share : time)
-        if (share < least_share_of_time) share = 0;
+    return judged;
+}
+
+/// Whole numbers of passes of a unit, in about the proportions of these shares of time.
+std::vector<std::uint32_t> passes_of_unit(const std::vector<double>& time, const Costs& costs) {
     std::vector<double> rates;  // passes a second of the reference's time
     double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (std::size_t m = 0; m < makers; ++m) {
-        rates.push_back(time[m] / costs.seconds_of_pass(m));
+    for (std::size_t m = 0; m < time.size(); ++m) {
+        rates.push_back(time[m] < least_share_of_time ? 0 : time[m] / costs.seconds_of_pass(m));
         if (rates[m] > 0) least = std::min(least, rates[m]);
         most = std::max(most, rates[m]);
     }
-    // Whole numbers of passes in about these proportions.
     const double scale = (most < 2 * least ? 2 : 1) / least;
+    std::vector<std::uint32_t> passes;
+    for (const double rate : rates)
+        passes.push_back(static_cast<std::uint32_t>(std::round(std::min(rate * scale, 1e6))));
+    return passes;
+}
+
+/// Sets the weights of component c and returns the precision of the shares' sum, 1 / variance. Where no maker samples
+/// the component, or it is black so far, the busiest one makes it, and the result is 0.
+double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
+    const auto i = static_cast<std::size_t>(index_of(c));
+    double precision = 0, busiest = 0;
+    std::size_t first = 0;
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+        const double seconds = shares[m].passes * costs.seconds_of_pass(m);
+        shares[m].weights[i] = seconds / std::max(costs.of(c)[m], 1e-300);
+        precision += shares[m].weights[i];
+        if (seconds > busiest) {
+            busiest = seconds;
+            first = m;
+        }
+    }
+    const bool is_judged = precision > 0 && std::isfinite(precision);
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+        double& weight = shares[m].weights[i];
+        weight = is_judged ? weight / precision : m == first ? 1 : 0;
+    }
+    return is_judged ? precision : 0;
+}
+
+}  // namespace
+
+MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
+                                 double epsilon) {
+    const Costs costs(pilots, epsilon);
+    const std::vector<double> time = shares_of_time(judged_costs(costs), methods.size());
+    const std::vector<std::uint32_t> passes = passes_of_unit(time, costs);
     MakerPlan plan;
     double unit_seconds = 0;
-    for (std::size_t m = 0; m < makers; ++m) {
-        const auto passes = static_cast<std::uint32_t>(std::round(std::min(rates[m] * scale, 1e6)));
-        plan.shares.push_back({methods[m], passes, {}});
-        unit_seconds += passes * costs.seconds_of_pass(m);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+        plan.shares.push_back({methods[m], passes[m], {}});
+        unit_seconds += passes[m] * costs.seconds_of_pass(m);
     }
-    for (Component c : components) {
-        const auto i = static_cast<std::size_t>(index_of(c));
-        double precision = 0, busiest = 0;
-        std::size_t first = 0;
-        for (std::size_t m = 0; m < makers; ++m) {
-            const double seconds = plan.shares[m].passes * costs.seconds_of_pass(m);
-            plan.shares[m].weights[i] = seconds / std::max(costs.of(c)[m], 1e-300);
-            precision += plan.shares[m].weights[i];
-            if (seconds > busiest) {
-                busiest = seconds;
-                first = m;
-            }
-        }
-        // Where no maker samples the component, or it is black so far, the busiest one makes it.
-        if (!(precision > 0) || !std::isfinite(precision)) {
-            for (MakerShare& share : plan.shares)
-                share.weights[i] = 0;
-            plan.shares[first].weights[i] = 1;
-            continue;
-        }
-        for (MakerShare& share : plan.shares)
-            share.weights[i] /= precision;
-        plan.error2_seconds += unit_seconds / precision;
+    for (Component c : all_components) {
+        if (costs.of(c).empty()) continue;
+        const double precision = weigh(c, costs, plan.shares);
+        if (precision > 0) plan.error2_seconds += unit_seconds / precision;
     }
     return plan;
 }
@@ -310,6 +318,7 @@ void MakerAgreement::add(std::size_t maker, const std::vector<ComponentImages>& 
     auto& kept = groups_[maker];
     if (kept.empty()) kept.resize(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
+        pixels_ = Grid::with_edge(groups[g].width, groups[g].height, block_edge);
         const ComponentImages means = block_means(groups[g]);
         for (Component c : all_components) {
             if (!means[c]) continue;
@@ -354,9 +363,9 @@ std::string MakerAgreement::disagreement(const std::vector<MakerShare>& shares) 
         return fmt::format(
             "'{}' and '{}' disagree about the component {} in the block of pixels x {} to {}, y {} to {}: "
             "their means differ by {:.3g}, {:.1f} standard errors",
-            shares[pair.a].method, shares[pair.b].method, name_of(pair.c), block_edge * block.x,
-            block_edge * (block.x + block.width) - 1, block_edge * block.y, block_edge * (block.y + block.height) - 1,
-            block.deviation, block.t);
+            shares[pair.a].method, shares[pair.b].method, name_of(pair.c), pixels_.columns.begin(block.x),
+            pixels_.columns.begin(block.x + block.width) - 1, pixels_.rows.begin(block.y),
+            pixels_.rows.begin(block.y + block.height) - 1, block.deviation, block.t);
     }
     return "";
 }

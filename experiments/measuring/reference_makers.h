@@ -13,6 +13,7 @@
 // sample of n has found has a variance of at least n L^2 a sample.
 
 #include "common/reader/scene_file.h"
+#include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"
@@ -66,6 +67,7 @@ public:
 private:
     std::vector<std::vector<ComponentImages>> groups_;  ///< by maker, the mean of each group over blocks
     std::vector<std::uint64_t> passes_;
+    Grid pixels_;  ///< the pixels of each block
 };
 
 }  // namespace gib

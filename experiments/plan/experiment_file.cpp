@@ -74,7 +74,7 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
 }
 
 void read_reference(const TomlReader& reader, const toml::node* node, Experiment& experiment) {
-    MethodLabel label{"path", {}};
+    MethodLabel label{std::string(auto_reference), {}};
     const toml::table empty;
     const auto& table = node ? reader.table(*node, "reference") : empty;
     SourceLocation where = node ? reader.at(*node) : SourceLocation{experiment.path};

@@ -120,8 +120,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option(
         "--method", options->method,
-        "name and parameters of the method, without spp (default \"path\"); \"auto\" combines all unbiased "
-        "methods");
+        "name and parameters of the method, without spp (default \"auto\", which combines all unbiased methods)");
     command->add_option("--target", options->target,
                         "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");

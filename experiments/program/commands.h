@@ -24,7 +24,7 @@ int render(const RenderOptions& options, std::ostream& out);
 
 struct ReferenceOptions {
     std::string scene;
-    std::string method = "path";
+    std::string method = "auto";
     std::optional<std::string> target;
     std::optional<double> seconds;
     double epsilon = default_epsilon;

@@ -19,7 +19,9 @@ report.panel = (() => {
       this.makeControls();
       this.values = element("div", {className: "values", attributes: {role: "status", "aria-live": "polite"}});
       this.legend = element("div", {className: "map-legend", hidden: true});
-      place.replaceChildren(this.top(), this.stage.heading, this.stage.place, this.bottom());
+      this.pyramids = report.pyramid.pyramidsOf(images, () => this.state.stops, (index, name) => this.choose(index, name));
+      place.replaceChildren(this.top(), this.stage.heading, this.stage.place, this.bottom(),
+        ...this.pyramids.map((pyramid) => pyramid.place));
       report.gestures.listen(this.stage, this.state, {
         flip: () => this.flip(),
         setSplit: (split) => this.setSplit(split),
@@ -100,6 +102,19 @@ report.panel = (() => {
       else this.state.stops = this.baseStops + stops;
       this.showLegend();
       this.stage.expose();
+      for (const pyramid of this.pyramids) pyramid.draw();
+    }
+
+    /** Shows the layer `name` of an image as A. */
+    choose(index, name) {
+      this.state.a = index;
+      this.state.layer = this.sources.layers.findIndex((layer) => layer.name === name);
+      this.state.side = 0;
+      this.a.set(index);
+      this.layer.set(this.state.layer);
+      this.showMode();
+      this.changed();
+      this.stage.place.scrollIntoView({block: "nearest"});
     }
 
     exposeBy(stops) {

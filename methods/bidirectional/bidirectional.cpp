@@ -14,12 +14,13 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/images/splat_film.h"
 #include "methods/bidirectional/technique_pyramid.h"
+#include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"
-#include "methods/parts/vertices/path_counts.h"
 
 namespace gib {
 
@@ -38,20 +39,23 @@ public:
     /// `passes` counts the passes that have begun. `pyramid` is null if no images of techniques are kept.
     BidirectionalEstimate(const LightPaths& paths, const BidirectionalSettings& settings, const std::uint32_t& passes,
                           SplatFilm& splats, TechniquePyramid* pyramid)
-        : settings_(settings), paths_(paths), passes_(&passes), splats_(&splats), pyramid_(pyramid) {}
+        : settings_(settings), paths_(&paths), passes_(&passes), splats_(&splats), pyramid_(pyramid) {}
 
     PixelSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
         const Techniques& used = settings_.used;
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         light_vertices_.clear();
-        walk_from_light(rays, light_sampler, settings_.max_edges, paths_.power, used,
-                        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                            if (used.camera)
-                                splat(connect_to_camera(rays, vertex, paths_.power, paths_.camera,
-                                                        {u.light_position(), u.light_choice()}, flights),
-                                      vertex.edges + 1);
-                            if (used.connections) light_vertices_.push_back(vertex);
-                        });
+        if (const auto start = paths_->emission.sample(light_sampler)) {
+            LightWalk(rays, light_sampler, settings_.max_edges, *paths_, used, *start,
+                      [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                          if (used.camera)
+                              splat(connect_to_camera(rays, vertex, *paths_, *splats_,
+                                                      {u.light_position(), u.light_choice()}, flights),
+                                    vertex.edges + 1);
+                          if (used.connections) light_vertices_.push_back(vertex);
+                      })
+                .follow();
+        }
 
         PixelSample sample;
         const auto add = [&](int s, int t, const std::optional<Connection>& path) {
@@ -59,20 +63,22 @@ public:
             add_weighted(*path, sample);
             if (pyramid_) pyramid_->add(s, t, pixel, *path, 1);
         };
-        walk_from_camera(
-            rays, eye, sampler, settings_.max_edges, paths_.count, used, sample,
+        CameraWalk(
+            rays, eye, sampler, settings_.max_edges, *paths_, used, sample,
             [&](const FoundLight& light) {
                 Connection path{.light = {}, .weight = light.weight};
                 path.light[light.path_class.component()] = light.radiance;
                 add(0, light.edges + 1, path);
             },
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used.light_sampling) add(1, vertex.edges + 1, connect_to_light(rays, vertex, u, flights, used));
+                if (used.light_sampling)
+                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, *paths_, u, flights, used));
                 for (const PathVertex& from_light : light_vertices_)
                     if (vertex.edges + 1 + from_light.edges <= settings_.max_edges)
                         add(from_light.edges + 1, vertex.edges + 1,
-                            connect(rays, vertex, from_light, paths_.power, flights));
-            });
+                            connect(rays, vertex, from_light, *paths_, flights));
+            })
+            .follow();
         return sample;
     }
 
@@ -81,18 +87,18 @@ private:
 
     static void add_weighted(const Connection& path, PixelSample& sample) {
         for (std::size_t c = 0; c < sample.parts.size(); ++c)
-            sample.parts[c] += path.weight * path.light.parts[c];
+            if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
     }
     void splat(const std::optional<Splat>& splat, int s) {
         if (!splat) return;
-        if (pyramid_) pyramid_->add(s, 1, splat->pixel, splat->connection, 1 / paths_.count);
+        if (pyramid_) pyramid_->add(s, 1, splat->pixel, splat->connection, 1 / paths_->count);
         PixelSample weighted;
         add_weighted(splat->connection, weighted);
         splats_->add(splat->pixel, *passes_ - 1, weighted);
     }
 
     BidirectionalSettings settings_;
-    LightPaths paths_;
+    const LightPaths* paths_;
     const std::uint32_t* passes_;
     SplatFilm* splats_;
     TechniquePyramid* pyramid_;
@@ -101,10 +107,11 @@ private:
 
 class BidirectionalRun final : public Run {
 public:
-    BidirectionalRun(const EyeSampling& sampling, const BidirectionalSettings& settings, const ShownComponents& shown)
+    BidirectionalRun(const EyeSampling& sampling, const Plan& plan, const BidirectionalSettings& settings,
+                     const ShownComponents& shown)
         : size_(sampling.scene.sensor().width(), sampling.scene.sensor().height()),
-          paths_(sampling.scene),
-          splats_(size_.x(), size_.y(), shown.accumulated, paths_.mean_light),
+          paths_(sampling.scene, plan, sampling.stages),
+          splats_(size_.x(), size_.y(), shown.accumulated, paths_.sum_unit),
           eye_(average_eye_samples(sampling, shown,
                                    BidirectionalEstimate(paths_, settings, passes_, splats_, pyramid(settings)))) {}
 
@@ -127,7 +134,7 @@ public:
 private:
     TechniquePyramid* pyramid(const BidirectionalSettings& settings) {
         if (settings.shows_techniques)
-            pyramid_ = std::make_unique<TechniquePyramid>(size_.x(), size_.y(), paths_.mean_light / paths_.count);
+            pyramid_ = std::make_unique<TechniquePyramid>(size_.x(), size_.y(), paths_.sum_unit / paths_.count);
         return pyramid_.get();
     }
 
@@ -146,12 +153,9 @@ public:
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("bidirectional"));
         const Techniques& used = settings_.used;
-        if (!(used.hits && used.light_sampling && used.connections && used.camera)) {
-            plan.unresolved = find_method("bidirectional").components;
-        } else if (has_delta_light(scene) && has_delta_lobe(scene)) {
-            if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
-            if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
-        }
+        const bool uses_all = used.hits && used.light_sampling && used.connections && used.camera;
+        plan.unresolved =
+            uses_all ? components_of_delta_paths(scene, plan.called_for) : find_method("bidirectional").components;
         add_light_paths(plan, scene, settings_.max_edges);
         add_eye_paths(plan, scene, settings_.max_edges);
         add_light_sampling(plan, settings_.max_edges);
@@ -171,7 +175,7 @@ public:
                         .seed = seed,
                         .stages = stages,
                         .runs = passes.runs(pass_eye_paths)},
-            settings, shown_components(scene, passes.called_for, find_method("bidirectional")));
+            passes, settings, shown_components(scene, passes.called_for, find_method("bidirectional")));
     }
 
 private:

@@ -10,10 +10,11 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/core/parallel.h"
 #include "common/images/splat_film.h"
+#include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"
-#include "methods/parts/vertices/path_counts.h"
 
 #include <atomic>
 
@@ -34,9 +35,9 @@ public:
           max_edges_(max_edges),
           lit_(scene.has_light()),
           follows_(plan.runs(pass_light_paths)),
-          paths_(scene),
+          paths_(scene, plan, stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
-          splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.mean_light),
+          splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}
 
     Progress advance(std::uint32_t pass) override {
@@ -71,13 +72,15 @@ private:
         };
         const Sampler camera_numbers = sampler.split(0, 1, from_camera);
         NumberStream flights(camera_numbers);
-        add(sample_light_from_camera(rays, paths_.camera, camera_numbers.at_vertex(0), flights));
-        if (!follows_) return;
-        walk_from_light(rays, sampler, max_edges_, paths_.power, to_the_camera,
-                        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
-                            add(connect_to_camera(rays, vertex, paths_.power, paths_.camera,
-                                                  {u.light_position(), u.light_choice()}, flights_of_path));
-                        });
+        add(sample_light_from_camera(rays, paths_, splats_, camera_numbers.at_vertex(0), flights));
+        const auto start = follows_ ? paths_.emission.sample(sampler) : std::nullopt;
+        if (!start) return;
+        LightWalk(rays, sampler, max_edges_, paths_, to_the_camera, *start,
+                  [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
+                      add(connect_to_camera(rays, vertex, paths_, splats_, {u.light_position(), u.light_choice()},
+                                            flights_of_path));
+                  })
+            .follow();
     }
 
     static constexpr std::uint64_t from_camera = 1;  ///< tag of the numbers for lights sampled from the camera

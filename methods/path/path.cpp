@@ -12,10 +12,10 @@
 #include "methods/path/path.h"
 
 #include "methods/method.h"
+#include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/path_walk.h"
 #include "methods/parts/transport/point_set_parameter.h"
-#include "methods/parts/vertices/path_counts.h"
 
 #include <algorithm>
 
@@ -94,16 +94,12 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A vertex is connected to a point, spot or directional light by a straight line, never through a mirror:
-        // paths that end in D S+ L are missing, whether they are caustics or the ends of longer paths.
-        if (has_delta_light(scene) && has_delta_lobe(scene)) {
-            if (plan.called_for.has(Effect::caustics)) plan.unresolved = {Component::caustic, Component::indirect};
-            if (plan.called_for.has(Effect::participating_media)) plan.unresolved.push_back(Component::volume);
-            const auto& lights = scene.lights();
-            if (plan.called_for.has(Effect::caustics) && !plan.called_for.has(Effect::glossy_lobes) &&
-                std::all_of(lights.begin(), lights.end(), is_delta))
-                plan.missing.add(Effect::caustics);
-        }
+        // A vertex is connected to a point, spot or directional light by a straight line, never through a mirror.
+        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        const auto& lights = scene.lights();
+        if (!plan.unresolved.empty() && plan.called_for.has(Effect::caustics) &&
+            !plan.called_for.has(Effect::glossy_lobes) && std::all_of(lights.begin(), lights.end(), is_delta))
+            plan.missing.add(Effect::caustics);
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);
         return plan;

@@ -35,9 +35,7 @@ public:
         for (const OfLight& light : lights)
             total += light.power;
         for (std::size_t i = 0; i < lights.size(); ++i) {
-            const auto* area = std::get_if<AreaLight>(&scene.lights()[i]);
-            const bool blind = area && cannot_see_itself(*area, scene.shapes());
-            except_.push_back(blind ? area->shape : ProjectionTargets::no_shape);
+            except_.push_back(own_shape_of(scene.lights()[i], scene.shapes()));
             Growing bin{{{}, static_cast<std::uint32_t>(i)}, lights[i].power / total};
             if (lights[i].power > 0 && look(bin)) bins_.push_back(bin);
         }
@@ -251,6 +249,7 @@ EmissionSample ProjectionMap::sample_emission(const Scene& scene, std::uint32_t 
         scene.lights()[light], scene.shapes(), Vec2(within(box, 0, u_position.x()), within(box, 1, u_position.y())),
         Vec2(within(box, 2, u_direction.x()), within(box, 3, u_direction.y())));
     sample.power *= double{lights_[light].scale};
+    sample.light = light;
     return sample;
 }
 

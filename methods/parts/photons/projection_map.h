@@ -51,6 +51,9 @@ public:
     /// of its power.
     double kept(std::size_t light) const { return lights_[light].kept; }
 
+    /// P_l / V_l: the density of x in the light's bins.
+    double density(std::size_t light) const { return 1 / double{lights_[light].scale}; }
+
 private:
     struct OfLight {
         double power = 0;   ///< [W] mean of the channels

@@ -2,6 +2,7 @@
 // The walk from the camera: its vertices, and the lights that it finds by itself.
 
 #include "common/images/film.h"
+#include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/path_vertex.h"
 
 #include <algorithm>
@@ -16,86 +17,128 @@ struct FoundLight {
     int edges;  ///< of the path
 };
 
-/// Follows the path of the traced ray `eye`. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers,
-/// flights) at every vertex where another walk could end, before the path is scattered there. `light_paths`: the
-/// number of light paths for each of the camera's paths of a pixel. A throughput that is not finite ends the path and is
-/// added to the class's component of `lost`, for the film to count it.
+/// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers, flights)
+/// at every vertex where another walk could end, before the path is scattered there.
 template <typename Found, typename Visit>
-void walk_from_camera(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, int max_edges, double light_paths,
-                      const Techniques& used, PixelSample& lost, Found&& found, Visit&& visit) {
-    constexpr int first_roulette_vertex = 3;  // as in path tracing
-    const Scene& scene = rays.scene();
-    PathWalk walk(rays, sampler, eye, scene.camera_medium());
-    PathState& path = walk.at;
-    TechniqueSums sums = TechniqueSums::at_camera(scene.sensor().ray_density(eye.ray.d), light_paths, used);
+class CameraWalk {
+public:
+    /// `eye` has been traced. `paths` are the light paths for each of the camera's paths of a pixel. A throughput that is
+    /// not finite ends the path and is added to the class's component of `lost`, for the film to count it.
+    CameraWalk(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, int max_edges, const LightPaths& paths,
+               const Techniques& used, PixelSample& lost, Found found, Visit visit)
+        : scene_(rays.scene()),
+          max_edges_(max_edges),
+          paths_(paths),
+          used_(used),
+          lost_(lost),
+          found_(std::move(found)),
+          visit_(std::move(visit)),
+          walk_(rays, sampler, eye, scene_.camera_medium()),
+          sums_(TechniqueSums::at_camera(scene_.sensor().ray_density(eye.ray.d), paths.count, used)) {}
 
-    const auto arrive = [&](const Vec3& p, double cosine) {
-        const bool parallel = path.vertex == 0 && scene.sensor().is_orthographic();
-        sums.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
-                    path.vertex == 0 || used.connections);
-    };
-    // The weight of a light that has been found in direction w: the density of this find by light sampling is
-    // `sampling`, in the unit of TechniqueSums::other_than_hit(), and the emission's is `emission`. Light that the camera
-    // sees without scattering is found by the camera's walk alone.
-    const auto find = [&](const Color& Le, double sampling, double emission) {
-        if (is_black(Le)) return;
-        const double others = path.vertex == 0 ? 0 : sums.other_than_hit(sampling, emission, used);
-        found(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
-    };
-    const auto survives = [&](float most, const VertexNumbers& u) {
-        return path.vertex < first_roulette_vertex ||
-               walk.survives(most, u.roulette(), lost[path.path_class.component()]);
-    };
-
-    while (path.vertex < max_edges) {
-        const bool is_last = path.vertex + 1 >= max_edges;
-        const Flight flight = walk.fly();
-        if (flight.is_black) return;
-        const VertexNumbers u = sampler.at_vertex(path.vertex);
-        if (const auto& p = flight.scattering_at) {
-            if (is_last) return;
-            arrive(*p, 1);
-            visit(PathVertex(walk, *p, path.path_class, sums), u, walk.flights);
-            path.path_class.in_medium = true;
-            const Vec3 from = walk.wo();
-            const Vec3 to = walk.scatter_in_medium(u, true);
-            sums.scatter(double{path.pdf_w}, double{path.medium->phase().value(to, from)}, 1);
-            if (!survives(most_survival(path.vertex), u)) return;
-            walk.go_on(*p, to);
-            continue;
+    void follow() {
+        bool goes_on = true;
+        while (goes_on && walk_.at.vertex < max_edges_) {
+            const Flight flight = walk_.fly();
+            if (flight.is_black) return;
+            const VertexNumbers u = walk_.sampler.at_vertex(walk_.at.vertex);
+            goes_on = flight.scattering_at ? scatters_in_medium(*flight.scattering_at, u) : leaves_surface(u);
         }
-        auto hit = walk.surface_hit();
-        if (!hit) {
-            if (!used.hits || !scene.environment()) return;
-            const Vec3& w = walk.ray.ray.d;
-            find(scene.environment_radiance(w), double{scene.environment_pdf_w(path.previous, w)},
-                 scene.emission_pdf(scene.environment_index(), -w, 1.f));
-            return;
-        }
-        const double cosine = std::abs(double{walk.wo().dot(hit->ng)});
-        const TechniqueSums before = sums;
-        arrive(hit->p, cosine);
-        if (used.hits && hit->emitter) {
-            const double per_area = cosine / double{(hit->p - path.previous).squaredNorm()};
-            find(hit->Le(walk.wo()), double{scene.light_pdf_w(path.previous, *hit)} * per_area,
-                 scene.emission_pdf(hit->light, walk.wo(), static_cast<float>(cosine)));
-        }
-        if (walk.passes_through(*hit)) {
-            sums = before;
-            continue;
-        }
-        if (is_last) return;
-
-        walk.disperse(*hit, dimension::stratum);
-        const PathVertex vertex(walk, *hit, path.path_class, sums);
-        const LobeTraits& lobes = hit->bsdf->traits_at(vertex.from_local.z());
-        if (!hit->delta_only && (lobes.diffuse || lobes.glossy)) visit(vertex, u, walk.flights);
-        const auto next = walk.scatter(*hit, vertex.from_local, u, Transport::radiance, true);
-        if (!next) return;
-        step(sums, vertex, *next, Transport::power);
-        if (!survives(next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u)) return;
-        walk.go_on(*hit, next->wi);
     }
-}
+
+private:
+    static constexpr int first_roulette_vertex = 3;  // as in path tracing
+
+    bool is_last() const { return walk_.at.vertex + 1 >= max_edges_; }
+
+    /// The event at p in the medium. Returns whether the path goes on.
+    bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
+        if (is_last()) return false;
+        PathState& path = walk_.at;
+        arrive(p, 1);
+        visit_(PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights);
+        path.path_class.in_medium = true;
+        const Vec3 from = walk_.wo();
+        const Vec3 to = walk_.scatter_in_medium(u, true);
+        sums_.scatter(double{path.pdf_w}, double{path.medium->phase().value(to, from)}, 1);
+        if (!survives(most_survival(path.vertex), u)) return false;
+        walk_.go_on(p, to);
+        return true;
+    }
+
+    /// The surface at the end of the ray, or the environment. Returns whether the path goes on.
+    bool leaves_surface(const VertexNumbers& u) {
+        auto hit = walk_.surface_hit();
+        if (!hit) {
+            find_environment();
+            return false;
+        }
+        const TechniqueSums before = sums_;
+        const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
+        arrive(hit->p, cosine);
+        find_emitter(*hit, cosine);
+        if (walk_.passes_through(*hit)) {
+            sums_ = before;
+            return true;
+        }
+        if (is_last()) return false;
+
+        PathState& path = walk_.at;
+        walk_.disperse(*hit, dimension::stratum);
+        const PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
+        if (vertex.can_be_joined()) visit_(vertex, u, walk_.flights);
+        const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
+        if (!next) return false;
+        step(sums_, vertex, *next, Transport::power);
+        if (!survives(next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u)) return false;
+        walk_.go_on(*vertex.hit, next->wi);
+        return true;
+    }
+
+    void arrive(const Vec3& p, double cosine) {
+        const PathState& path = walk_.at;
+        const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
+        sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
+                     path.vertex == 0 || used_.connections);
+    }
+
+    void find_environment() {
+        if (!used_.hits || !scene_.environment()) return;
+        const Vec3& w = walk_.ray.ray.d;
+        find(scene_.environment_radiance(w), double{scene_.environment_pdf_w(walk_.at.previous, w)},
+             paths_.emission.density(scene_.environment_index(), walk_.at.previous, -w, 1.f));
+    }
+    void find_emitter(const SurfaceHit& hit, double cosine) {
+        if (!used_.hits || !hit.emitter) return;
+        const Vec3& from = walk_.at.previous;
+        const double per_area = cosine / double{(hit.p - from).squaredNorm()};
+        find(hit.Le(walk_.wo()), double{scene_.light_pdf_w(from, hit)} * per_area,
+             paths_.emission.density(hit.light, hit.p, walk_.wo(), static_cast<float>(cosine)));
+    }
+    /// A light of radiance Le is found. The density of this find by light sampling is `sampling`, in the unit of
+    /// TechniqueSums::other_than_hit(), and the emission's is `emission`. Light that the camera sees without scattering
+    /// is found by the camera's walk alone.
+    void find(const Color& Le, double sampling, double emission) {
+        if (is_black(Le)) return;
+        const PathState& path = walk_.at;
+        const double others = path.vertex == 0 ? 0 : sums_.other_than_hit(sampling, emission, used_);
+        found_(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
+    }
+
+    bool survives(float most, const VertexNumbers& u) {
+        return walk_.at.vertex < first_roulette_vertex ||
+               walk_.survives(most, u.roulette(), lost_[walk_.at.path_class.component()]);
+    }
+
+    const Scene& scene_;
+    int max_edges_;
+    const LightPaths& paths_;
+    const Techniques& used_;
+    PixelSample& lost_;
+    Found found_;
+    Visit visit_;
+    PathWalk walk_;
+    TechniqueSums sums_;
+};
 
 }  // namespace gib

@@ -77,41 +77,45 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 
 }  // namespace
 
-std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const VertexNumbers& u,
-                                           NumberStream& flights, const Techniques& used) {
+std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
+                                           const VertexNumbers& u, NumberStream& flights, const Techniques& used) {
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.p, u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
-    const Scattered at = scattered_to_camera(eye, light->wi);
-    if (is_black(at.value.sum())) return std::nullopt;
+    const LobeValues scattered = scattered_to_camera(eye, light->wi);
+    if (is_black(scattered.sum())) return std::nullopt;
     const Segment way{eye.origin(light->wi), light->target, light->wi, light->distance};
     const Color visible = transmitted(rays, way, eye.medium_towards(scene, light->wi), flights);
     if (is_black(visible)) return std::nullopt;
 
     Connection path;
     add_classes(path.light, eye, eye.path_class.after(LobeKind::diffuse), eye.path_class.after(LobeKind::specular),
-                at.value, eye.beta * light->Le * visible / light->pdf_w);
+                scattered, eye.beta * light->Le * visible / light->pdf_w);
+    const DirectionPdfs pdf = direction_pdfs(eye, eye.from, light->wi);
     const bool is_point = light->delta && std::isfinite(light->distance);
     const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
-    const double emission = scene.emission_pdf(light->light, -light->wi, light->cos_light);
-    const double by_hit = light->delta || !used.hits ? 0 : squared(at.pdf.to_light / sampling);
-    const double step = emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light});
-    const double by_light_walk = squared(step) * eye.sums.earlier(at.pdf.to_camera);
+    const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
+    const double emission = paths.emission.density(light->light, emitting, -light->wi, light->cos_light);
+    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);
+    // Across the light's surface both the emission and its cosine are 0.
+    const double step =
+        emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
+    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);
     path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));
     return path;
 }
 
-std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
-                                  NumberStream& flights) {
+std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
+                                  const LightPaths& paths, NumberStream& flights) {
     if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
     const Vec3 between = light.p - eye.p;
     const double distance2 = double{between.squaredNorm()};
-    if (!(distance2 > 0)) return std::nullopt;
+    if (!(distance2 > 0) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
     const Vec3 w = between.normalized();
-    const Scattered at_eye = scattered_to_camera(eye, w);
-    if (is_black(at_eye.value.sum())) return std::nullopt;
-    const Scattered at_light = scattered_from_light(light, -w);
-    if (is_black(at_light.value.sum())) return std::nullopt;
+    const LobeValues at_eye = scattered_to_camera(eye, w);
+    if (is_black(at_eye.sum())) return std::nullopt;
+    const LobeValues at_light = scattered_from_light(light, -w);
+    if (is_black(at_light.sum())) return std::nullopt;
     const Vec3 origin = eye.origin(w);
     const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
@@ -119,39 +123,43 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
 
     const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
     Connection path;
-    add_classes(path.light, eye, at_eye.value, light, at_light.value,
+    add_classes(path.light, eye, at_eye, light, at_light,
                 eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
-                    static_cast<float>(unit * to_light));
-    const double by_camera = squared(at_eye.pdf.to_light * to_light) * light.sums.earlier(at_light.pdf.to_light);
-    const double by_light = squared(at_light.pdf.to_camera * to_eye) * eye.sums.earlier(at_eye.pdf.to_camera);
+                    static_cast<float>(paths.power * to_light));
+    const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from, w), light_pdf = direction_pdfs(light, -w, light.from);
+    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);
+    const double by_light = squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera);
     path.weight = static_cast<float>(1 / (1 + by_camera + by_light));
     return path;
 }
 
-std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, const ToCamera& camera,
-                                       const CameraNumbers& u, NumberStream& flights) {
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, const LightPaths& paths,
+                                       const SplatFilm& film, const CameraNumbers& u, NumberStream& flights) {
     const Sensor& sensor = rays.scene().sensor();
     const auto seen = view_of(sensor, light.p, u);
     if (!seen) return std::nullopt;
     const Ray& ray = seen->view.ray;
-    const Scattered at = scattered_from_light(light, -ray.d);
-    if (is_black(at.value.sum())) return std::nullopt;
-    const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), camera.on_surface, flights);
+    const LobeValues scattered = scattered_from_light(light, -ray.d);
+    if (is_black(scattered.sum())) return std::nullopt;
+    const PathClass diffuse = light.path_class.preceded_by(LobeKind::diffuse);
+    film.prefetch(seen->pixel, diffuse.component());
+    const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), paths.camera_on_surface, flights);
     if (is_black(visible)) return std::nullopt;
 
     const double distance = sensor.is_orthographic() ? 1. : double{seen->view.distance};
     const double per_area = double{light.cosine(ray.d)} / (distance * distance);
     Splat splat{.pixel = seen->pixel, .connection = {}};
-    add_classes(splat.connection.light, light, light.path_class.preceded_by(LobeKind::diffuse),
-                light.path_class.preceded_by(LobeKind::specular), at.value,
-                light.beta * visible * static_cast<float>(unit * seen->density * per_area));
-    const double step = sensor.ray_density(ray.d) * per_area / camera.light_paths;
-    splat.connection.weight = static_cast<float>(1 / (1 + squared(step) * light.sums.earlier(at.pdf.to_light)));
+    add_classes(splat.connection.light, light, diffuse, light.path_class.preceded_by(LobeKind::specular), scattered,
+                light.beta * visible * static_cast<float>(paths.power * seen->density * per_area));
+    if (!light.sums.has_others()) return splat;
+    const double step = sensor.ray_density(ray.d) * per_area / paths.count;
+    const double others = squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);
+    splat.connection.weight = static_cast<float>(1 / (1 + others));
     return splat;
 }
 
-std::optional<Splat> sample_light_from_camera(RayQueries& rays, const ToCamera& camera, const VertexNumbers& u,
-                                              NumberStream& flights) {
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths& paths, const SplatFilm& film,
+                                              const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const Sensor& sensor = scene.sensor();
     if (sensor.is_orthographic()) return std::nullopt;
@@ -160,7 +168,8 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const ToCamera& 
     if (!light || light->delta || is_black(light->Le)) return std::nullopt;
     const auto seen = view_of(sensor, light->target, {lens, u.roulette()});
     if (!seen) return std::nullopt;
-    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, camera.on_surface, flights);
+    film.prefetch(seen->pixel, Component::emission);
+    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, paths.camera_on_surface, flights);
     if (is_black(visible)) return std::nullopt;
     Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
     splat.connection.light[Component::emission] =

@@ -6,7 +6,8 @@
 // the weight of this technique (technique_sums.h). The vertices at its ends scatter by lobes of both kinds, so the
 // path belongs to up to four classes.
 
-#include "common/images/film.h"
+#include "common/images/splat_film.h"
+#include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/path_vertex.h"
 
 namespace gib {
@@ -14,22 +15,16 @@ namespace gib {
 /// The light of a path that one technique has made.
 struct Connection {
     PixelSample light;  ///< by component, unweighted
-    float weight;
+    float weight = 1.f;
 };
 
 /// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
-std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const VertexNumbers& u,
-                                           NumberStream& flights, const Techniques& used);
+std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
+                                           const VertexNumbers& u, NumberStream& flights, const Techniques& used);
 
-/// A vertex of the camera's walk and one of a light's, whose power is in units of `unit` [W]. Radiance [W/(sr m^2)].
-std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light, double unit,
-                                  NumberStream& flights);
-
-/// The facts about a scene's paths that connections to the camera need.
-struct ToCamera {
-    double light_paths;  ///< for each of the camera's paths of a pixel
-    bool on_surface;     ///< RayQueries::camera_lies_on_surface()
-};
+/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)].
+std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
+                                  const LightPaths& paths, NumberStream& flights);
 
 /// The random numbers of a connection to the camera.
 struct CameraNumbers {
@@ -49,11 +44,12 @@ struct Splat {
 /// A pixel's value is I = integral of h(c) L(c) dc over the film, where h is the density of its filter [1/px^2]. With
 /// dc = rho dw, where rho is Sensor::ray_density(), and dw = cos dA / d^2, a vertex of power P makes the contribution
 /// h rho P f cos / d^2. One of the pixels whose filter covers c is chosen in proportion to h.
-std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, double unit, const ToCamera& camera,
-                                       const CameraNumbers& u, NumberStream& flights);
+/// The pixel's place in `film` is fetched while the ray to it is traced.
+std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, const LightPaths& paths,
+                                       const SplatFilm& film, const CameraNumbers& u, NumberStream& flights);
 
 /// A point of a light that is sampled from the camera itself, in the unit of the function above.
-std::optional<Splat> sample_light_from_camera(RayQueries& rays, const ToCamera& camera, const VertexNumbers& u,
-                                              NumberStream& flights);
+std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths& paths, const SplatFilm& film,
+                                              const VertexNumbers& u, NumberStream& flights);
 
 }  // namespace gib

@@ -5,6 +5,7 @@
 #include "methods/parts/vertices/technique_sums.h"
 
 #include <optional>
+#include <utility>
 
 namespace gib {
 
@@ -28,10 +29,10 @@ struct PathVertex {
     TechniqueSums sums;
 
     /// A vertex where the walk has arrived, on a surface or in a medium.
-    PathVertex(const PathWalk& walk, const SurfaceHit& surface, const PathClass& inner, const TechniqueSums& carried)
+    PathVertex(const PathWalk& walk, SurfaceHit&& surface, const PathClass& inner, const TechniqueSums& carried)
         : PathVertex(walk, surface.p, inner, carried) {
-        hit = surface;
-        from_local = surface.shading.to_local(from);
+        hit = std::move(surface);
+        from_local = hit->shading.to_local(from);
     }
     PathVertex(const PathWalk& walk, const Vec3& in_medium, const PathClass& inner, const TechniqueSums& carried)
         : p(in_medium),
@@ -44,8 +45,21 @@ struct PathVertex {
           edges(walk.at.vertex + 1),
           sums(carried) {}
 
+    /// Whether some lobe is no delta, so that light from another walk's vertex can be scattered here.
+    bool can_be_joined() const {
+        if (!hit) return true;
+        const LobeTraits& lobes = hit->bsdf->traits_at(from_local.z());
+        return !hit->delta_only && (lobes.diffuse || lobes.glossy);
+    }
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
+    /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
+    /// face, the one on its outer and the other on its inner side, would see each other through it.
+    bool is_level_with(const PathVertex& other) const {
+        if (!hit) return false;
+        const float rounding = hit->offset + (other.hit ? other.hit->offset : 0.f) + rounding_of_connection(p, other.p);
+        return std::abs((other.p - p).dot(hit->ng)) <= rounding;
+    }
     /// Where a segment that leaves the vertex in direction w starts.
     Vec3 origin(const Vec3& w) const { return hit ? offset_origin(*hit, w) : p; }
     /// Where a segment that arrives from `start` ends, which is farther off the surface by the segment's own rounding.
@@ -60,51 +74,48 @@ struct PathVertex {
     }
 };
 
-/// The scattering at a vertex of light that comes from `to_light` and leaves towards `to_camera`.
-struct Scattered {
-    /// f |cos| by kind of lobe [1/sr], to be multiplied by radiance from to_light; in a medium the phase function, in
-    /// both of which the kind is of no account, as `diffuse`.
-    LobeValues value;
-    DirectionPdfs pdf;
-};
-
-/// For a vertex of the camera's walk, joined in direction w. f |cos| has the shading normal's cosine.
-inline Scattered scattered_to_camera(const PathVertex& at, const Vec3& w) {
-    if (!at.hit) {
-        const float phase = at.medium->phase().value(at.from, w);
-        return {.value = {.diffuse = Color::Constant(phase)}, .pdf = {phase, phase}};
-    }
+/// The scattering at a vertex of the camera's walk of light from direction w: f |cos| of the shading normal by kind of
+/// lobe [1/sr], to be multiplied by radiance. In a medium it is the phase function, as `diffuse`, because the kind is of
+/// no account there.
+inline LobeValues scattered_to_camera(const PathVertex& at, const Vec3& w) {
+    if (!at.hit) return {.diffuse = Color::Constant(at.medium->phase().value(at.from, w))};
     const SurfaceHit& hit = *at.hit;
     if (!hit.normals_agree_about(w)) return {};
     const Vec3 w_local = hit.shading.to_local(w);
-    LobeValues f = hit.bsdf->f_local(at.from_local, w_local, Transport::radiance);
-    if (is_black(f.sum())) return {};
+    const LobeValues f = hit.bsdf->f_local(at.from_local, w_local, Transport::radiance);
     const float cosine = std::abs(w_local.z());
-    return {.value = {f.diffuse * cosine, f.specular * cosine},
-            .pdf = {hit.bsdf->pdf_w_local(at.from_local, w_local, Lobes::all, Transport::radiance),
-                    hit.bsdf->pdf_w_local(w_local, at.from_local, Lobes::all, Transport::power)}};
+    return {f.diffuse * cosine, f.specular * cosine};
 }
 
-/// For a vertex of a light's walk, joined in direction w. The power that has arrived is a flux through the geometric
-/// surface, so the factor is f |cos| of the shading normal over |cos| of the geometric one, both of the light's
-/// direction (Veach 1997, section 5.3).
-inline Scattered scattered_from_light(const PathVertex& at, const Vec3& w) {
+/// The same at a vertex of a light's walk, of its light into direction w. The power that has arrived is a flux through
+/// the geometric surface, so the factor is f |cos| of the shading normal over |cos| of the geometric one, both of the
+/// light's direction (Veach 1997, section 5.3).
+inline LobeValues scattered_from_light(const PathVertex& at, const Vec3& w) {
     if (!at.hit) return scattered_to_camera(at, w);
     const SurfaceHit& hit = *at.hit;
-    if (!hit.normals_agree_about(w)) return {};
-    const Vec3 w_local = hit.shading.to_local(w);
-    LobeValues f = hit.bsdf->f_local(w_local, at.from_local, Transport::radiance);
     const float arriving = std::abs(at.from.dot(hit.ng));
-    if (is_black(f.sum()) || !(arriving > 0.f)) return {};
+    if (!hit.normals_agree_about(w) || !(arriving > 0.f)) return {};
+    const LobeValues f = hit.bsdf->f_local(hit.shading.to_local(w), at.from_local, Transport::radiance);
     const float factor = std::abs(at.from_local.z()) / arriving;
-    return {.value = {f.diffuse * factor, f.specular * factor},
-            .pdf = {hit.bsdf->pdf_w_local(w_local, at.from_local, Lobes::all, Transport::radiance),
-                    hit.bsdf->pdf_w_local(at.from_local, w_local, Lobes::all, Transport::power)}};
+    return {f.diffuse * factor, f.specular * factor};
+}
+
+/// The densities of both walks at a vertex whose neighbours on the path lie in these directions.
+inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera, const Vec3& to_light) {
+    if (!at.hit) {
+        const double phase{at.medium->phase().value(to_camera, to_light)};
+        return {phase, phase};
+    }
+    const SurfaceHit& hit = *at.hit;
+    const Vec3 camera_local = hit.shading.to_local(to_camera), light_local = hit.shading.to_local(to_light);
+    return {double{hit.bsdf->pdf_w_local(camera_local, light_local, Lobes::all, Transport::radiance)},
+            double{hit.bsdf->pdf_w_local(light_local, camera_local, Lobes::all, Transport::power)}};
 }
 
 /// Takes the sums past a surface at which the walk has been scattered in direction `next`; `other` is what the other
 /// walk carries.
 inline void step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other) {
+    if (!sums.has_others()) return;
     const SurfaceHit& hit = *at.hit;
     const double cosine = std::abs(double{next.wi.dot(hit.ng)});
     if (next.delta) return sums.scatter_specularly(cosine);

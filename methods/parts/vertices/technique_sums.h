@@ -61,6 +61,9 @@ public:
         return sums;
     }
 
+    /// Whether there is any technique but the connection of a light's walk to the camera; if not, its weight is 1.
+    bool has_others() const { return has_others_; }
+
     /// The walk has reached its next vertex: converts densities per solid angle into densities per area there.
     /// `distance2` is 1 for an edge whose rays are parallel, `cosine` is 1 in a medium. `connects`: whether a technique
     /// in use connects the edge that has been walked.
@@ -99,13 +102,16 @@ public:
 
 private:
     explicit TechniqueSums(const Techniques& used)
-        : merging_(squared(used.merging)), connecting_(used.merging > 0 ? 1 / squared(used.merging) : 0) {}
+        : merging_(squared(used.merging)),
+          connecting_(used.merging > 0 ? 1 / squared(used.merging) : 0),
+          has_others_(used.hits || used.light_sampling || used.connections || used.merging > 0) {}
 
     double vcm_ = 0;  ///< (1 / density of the last direction)^2: for the technique that connects the last edge
     double vc_ = 0;   ///< for all techniques on earlier edges, relative to connecting
     double vm_ = 0;   ///< the same, relative to merging
     double merging_, connecting_;  ///< weights of merging against connecting, and of connecting against merging
     bool connects_ = true;
+    bool has_others_;
 };
 
 }  // namespace gib

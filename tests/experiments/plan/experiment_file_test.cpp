@@ -75,7 +75,7 @@ TEST_F(ExperimentFileTest, DefaultsHold) {
     EXPECT_EQ(e.epsilon, 0.01);
     EXPECT_EQ(e.seeds, 1);
     EXPECT_EQ(e.name, "e");
-    EXPECT_EQ(e.reference_method.text(), "path");
+    EXPECT_EQ(e.reference_method.text(), "auto");
     EXPECT_EQ(e.scenes[0].goal.target, 0.01);
     EXPECT_FALSE(e.scenes[0].goal.seconds);
 }

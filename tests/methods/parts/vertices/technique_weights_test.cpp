@@ -3,7 +3,7 @@
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_walk.h"
-#include "methods/parts/vertices/path_counts.h"
+#include "methods/parts/vertices/light_paths.h"
 #include "tests/support/lit_rooms.h"
 
 #include <gtest/gtest.h>
@@ -101,20 +101,21 @@ void expect_weights(const LoadedScene& loaded) {
                                                            light_sampler.get_2d(dimension::emission_position),
                                                            light_sampler.get_2d(dimension::emission_direction));
         std::vector<PathVertex> from_light, from_camera;
-        walk_from_light(
-            rays, light_sampler, longest, paths.power, all,
-            [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
-                from_light.push_back(vertex);
-                const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
-                const auto splat =
-                    connect_to_camera(rays, vertex, paths.power, paths.camera, {Vec2(0.5f, 0.5f), 0.5f}, flights);
-                if (splat) check({start, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
-            });
+        LightWalk(rays, light_sampler, longest, paths.power, all,
+                  [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+                      from_light.push_back(vertex);
+                      const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
+                      const auto splat = connect_to_camera(rays, vertex, paths.power, paths.camera,
+                                                           SplatFilm(8, 8, {}, 1), {Vec2(0.5f, 0.5f), 0.5f}, flights);
+                      if (splat)
+                          check({start, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
+                  })
+            .follow();
         const int x = static_cast<int>(i % 8), y = static_cast<int>(i / 8 % 8);
         TracedRay eye{scene.sensor().sample_ray(x, y, sampler)};
         rays.trace(eye);
         PixelSample lost;
-        walk_from_camera(
+        CameraWalk(
             rays, eye, sampler, longest, paths.count, all, lost, [](const FoundLight&) {},
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
@@ -126,7 +127,8 @@ void expect_weights(const LoadedScene& loaded) {
                     path.inner.insert(path.inner.end(), from_camera.rbegin(), from_camera.rend());
                     check(path, s + 1, joined->weight);
                 }
-            });
+            })
+            .follow();
     }
     EXPECT_GT(checked, 200u);
 }
