@@ -31,9 +31,11 @@ constexpr double heavy_tail_share = 0.5;
 /// No target counts as met before each group has this many passes. While rare bright paths are still missing, the
 /// estimated error is too small; stopping at its first small value would favour exactly those moments.
 constexpr std::uint32_t fewest_passes = 8;
-/// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds.
+/// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds. It makes
+/// few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
+/// them a pixel gets.
 constexpr double pilot_share = 0.03;
-constexpr std::uint32_t most_pilot_rounds = 11;
+constexpr std::uint32_t most_pilot_rounds = 10, pilot_groups = 4, first_pilot_passes = 4;
 /// The pilot's batches are numbered from here.
 constexpr std::uint32_t first_pilot_batch = 0x80000000;
 constexpr double infinity_seconds = std::numeric_limits<double>::infinity();
@@ -169,8 +171,8 @@ private:
         return true;
     }
 
-    /// Measures the makers and decides their shares. It goes on, with twice the passes each time, until it has taken
-    /// a few per cent of the time that the reference is predicted to take.
+    /// Measures the makers and decides their shares by the last round. Each round has twice the passes of the one before,
+    /// until a few per cent of the time are taken that the reference is predicted to take.
     void run_pilot() {
         std::vector<MakerPilot> pilots(methods_.size());
         std::vector<std::string> names;
@@ -179,20 +181,19 @@ private:
             names.push_back(shares_[m].method);
         }
         double seconds = 0;
-        for (std::uint32_t round = 0, passes = 1;; ++round, passes *= 2) {
+        for (std::uint32_t round = 0, passes = first_pilot_passes;; ++round, passes *= 2) {
             for (std::size_t m = 0; m < methods_.size(); ++m) {
                 const double start = now();
-                std::vector<ComponentImages> groups;
-                for (std::uint32_t g = 0; g < reference_groups; ++g) {
+                pilots[m].groups.clear();
+                for (std::uint32_t g = 0; g < pilot_groups; ++g) {
                     progress_.update(0, std::nullopt,
                                      fmt::format("reference of {}: trying {}", work_.scene.name, names[m]));
-                    const std::uint32_t batch = first_pilot_batch + round * reference_groups + g;
-                    groups.push_back(run_batch(m, batch, passes, groups_.dropped));
+                    const std::uint32_t batch = first_pilot_batch + round * pilot_groups + g;
+                    pilots[m].groups.push_back(run_batch(m, batch, passes, groups_.dropped));
                 }
-                agreement_.add(m, groups, passes);
-                add_to_pilot(pilots[m], groups, passes);
-                pilots[m].seconds += now() - start;
-                seconds += now() - start;
+                pilots[m].passes = passes;
+                pilots[m].seconds = now() - start;
+                seconds += pilots[m].seconds;
             }
             const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
             shares_ = plan.shares;
@@ -201,14 +202,6 @@ private:
             if (seconds > pilot_share * predicted || round + 1 == most_pilot_rounds) break;
         }
         groups_.seconds += seconds;
-    }
-
-    static void add_to_pilot(MakerPilot& pilot, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
-        ReferenceGroups sum;  // the running means of groups
-        if (pilot.passes > 0) sum.add_round(pilot.groups, pilot.passes);
-        sum.add_round(groups, passes);
-        pilot.groups = sum.groups();
-        pilot.passes += passes;
     }
 
     void add_round() {

@@ -2,8 +2,8 @@
 
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/light_paths.h"
+#include "methods/parts/vertices/light_walk.h"
 #include "tests/support/lit_rooms.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ struct WholePath {
 };
 
 /// p_s^2 over the sum of p_j^2 by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
+std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, const WholePath& path) {
     const auto& x = path.inner;
     const std::size_t n = x.size();
     const Light& light = scene.lights()[path.start.light];
@@ -53,7 +53,8 @@ std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
     };
     std::vector<double> forward(n + 1, 0), backward(n + 1, 0);  // f_i and b_i
     const double cos_light = has_surface ? double{path.start.normal.dot(direction(0, 1))} : 1.;
-    const double emission = scene.emission_pdf(path.start.light, direction(0, 1), static_cast<float>(cos_light));
+    const double emission =
+        paths.emission.density(path.start.light, position(0), direction(0, 1), static_cast<float>(cos_light));
     forward[1] = emission * per_area(0, 1);  // times f_0
     for (std::size_t i = 2; i <= n; ++i)
         forward[i] = pdf_w(i - 2, i - 1, i, Transport::power) * per_area(i - 1, i);
@@ -72,7 +73,7 @@ std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
             density *= forward[i];
         for (std::size_t i = s; i <= n; ++i)
             density *= backward[i];
-        if (s == n + 1) density *= LightPaths(scene).count;
+        if (s == n + 1) density *= paths.count;
         p.push_back(squared(density));
     }
     const double sum = std::accumulate(p.begin(), p.end(), 0.0);
@@ -83,47 +84,51 @@ std::vector<double> weights_of(const Scene& scene, const WholePath& path) {
 
 void expect_weights(const LoadedScene& loaded) {
     const Scene& scene = *loaded.scene;
-    const LightPaths paths(scene);
     const Techniques all;
     constexpr int longest = 6;
+    Plan plan = described_plan(scene, find_method("bidirectional"));
+    add_light_paths(plan, scene, longest);
+    StageTimes stages;
+    const LightPaths paths(scene, plan, stages);
     RayQueries rays(scene);
     std::size_t checked = 0;
     // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
     // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
-        const double expected = weights_of(scene, path)[s];
+        const double expected = weights_of(scene, paths, path)[s];
         EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
     for (std::uint32_t i = 0; i < 2000 && !testing::Test::HasFailure(); ++i) {
         const Sampler sampler(PointSet::independent, 3, i, 0), light_sampler = sampler.split(0, 1, 1);
-        const EmissionSample start = scene.sample_emission(light_sampler.get_1d(dimension::emission_light),
-                                                           light_sampler.get_2d(dimension::emission_position),
-                                                           light_sampler.get_2d(dimension::emission_direction));
+        const auto start = paths.emission.sample(light_sampler);
+        if (!start) continue;
         std::vector<PathVertex> from_light, from_camera;
-        LightWalk(rays, light_sampler, longest, paths.power, all,
-                  [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
-                      from_light.push_back(vertex);
-                      const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
-                      const auto splat = connect_to_camera(rays, vertex, paths.power, paths.camera,
-                                                           SplatFilm(8, 8, {}, 1), {Vec2(0.5f, 0.5f), 0.5f}, flights);
-                      if (splat)
-                          check({start, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
-                  })
+        LightWalk(
+            rays, light_sampler, longest, paths, all, *start,
+            [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+                from_light.push_back(vertex);
+                const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
+                const auto splat =
+                    connect_to_camera(rays, vertex, paths, SplatFilm(8, 8, {}, 1), {Vec2(0.5f, 0.5f), 0.5f}, flights);
+                if (splat)
+                    check({start->sample, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
+            })
             .follow();
         const int x = static_cast<int>(i % 8), y = static_cast<int>(i / 8 % 8);
         TracedRay eye{scene.sensor().sample_ray(x, y, sampler)};
         rays.trace(eye);
         PixelSample lost;
         CameraWalk(
-            rays, eye, sampler, longest, paths.count, all, lost, [](const FoundLight&) {},
+            rays, eye, sampler, longest, paths, all, lost, [](const FoundLight&) {},
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
-                    const auto joined = connect(rays, vertex, from_light[s - 1], paths.power, flights);
+                    const auto joined = connect(rays, vertex, from_light[s - 1], paths, flights);
                     if (!joined) continue;
-                    WholePath path{
-                        start, {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)}, eye.ray.o};
+                    WholePath path{start->sample,
+                                   {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)},
+                                   eye.ray.o};
                     path.inner.insert(path.inner.end(), from_camera.rbegin(), from_camera.rend());
                     check(path, s + 1, joined->weight);
                 }
