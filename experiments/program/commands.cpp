@@ -39,6 +39,8 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
     }
     for (Effect e : plan.missing.list())
         out << "missing: " << name_of(e) << "\n";
+    for (Component c : plan.unresolved)
+        out << "unresolved: " << name_of(c) << "\n";
 }
 
 void warn_of(const std::vector<std::string>& damage) {

@@ -8,6 +8,18 @@ namespace {
 
 constexpr float aimed_share = 0.5f;  ///< of the starts
 constexpr std::size_t most_bins = 1 << 12;
+/// A map that keeps more than this share of the lights' power does not make up for the ordinary starts that it takes.
+constexpr double most_kept = 0.35;
+
+double kept_power(const Scene& scene, const ProjectionMap& map) {
+    double kept = 0, all = 0;
+    for (std::size_t i = 0; i < scene.lights().size(); ++i) {
+        const double power = power_of(scene.lights()[i]).mean();
+        kept += map.kept(i) * power;
+        all += power;
+    }
+    return kept / all;
+}
 
 bool is_at_infinity(const Light& light) {
     return is_environment(light) || std::holds_alternative<DirectionalLight>(light);
@@ -18,7 +30,7 @@ bool is_at_infinity(const Light& light) {
 LightEmission::LightEmission(const Scene& scene, bool aims) : scene_(scene) {
     if (!aims) return;
     ProjectionMap map(scene, TargetSurfaces::specular, most_bins);
-    if (map.empty() || !map.aims()) return;
+    if (map.empty() || kept_power(scene, map) > most_kept) return;
     std::vector<std::uint32_t> own_shape;
     for (const Light& light : scene.lights())
         own_shape.push_back(own_shape_of(light, scene.shapes()));

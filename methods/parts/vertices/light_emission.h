@@ -21,7 +21,7 @@ namespace gib {
 
 class LightEmission {
 public:
-    /// `aims`: whether walks are aimed, if that leaves out any emission.
+    /// `aims`: whether walks are aimed, if most emission cannot reach a specular surface.
     LightEmission(const Scene& scene, bool aims);
 
     struct Start {

@@ -2,6 +2,7 @@
 
 #include "common/images/image_file.h"
 #include "tests/support/driver_fixtures.h"
+#include "tests/support/source_path.h"
 
 #include <gmock/gmock.h>
 
@@ -131,6 +132,12 @@ TEST_F(CommandLineTest, PlanSaysWhatRunsAndWhatIsSkipped) {
     EXPECT_THAT(one.out, AllOf(HasSubstr("called for: direct_light\n"), HasSubstr("runs: "), HasSubstr("skipped: "),
                                Not(HasSubstr("method: "))));
     EXPECT_THAT(run("plan tiny.xml").out, AllOf(HasSubstr("method: path\n"), HasSubstr("method: photon_mapper\n")));
+}
+
+TEST_F(CommandLineTest, PlanSaysWhatAMethodCannotSample) {
+    const std::string glass = "plan '" + source_path("scenes/cornell-glass.xml") + "' --method ";
+    EXPECT_THAT(run(glass + "light_tracer").out, HasSubstr("unresolved: caustic\n"));
+    EXPECT_THAT(run(glass + "bidirectional").out, Not(HasSubstr("unresolved")));
 }
 
 TEST_F(CommandLineTest, ListsNameFirst) {
