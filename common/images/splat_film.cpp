@@ -62,8 +62,7 @@ void SplatFilm::add(std::size_t pixel, std::uint32_t pass, const PixelSample& li
     for (std::size_t c = 0; c < sums_.size(); ++c) {
         if (is_black(light.parts[c])) continue;
         if (!sums_[c].holds(light.parts[c])) return non_finite_.note(pass, pixel);
-        if (sums_[c].empty())
-            throw std::logic_error("a light path has light of a component that the plan left out");
+        if (sums_[c].empty()) throw std::logic_error("a light path has light of a component that the plan left out");
     }
     for (std::size_t c = 0; c < sums_.size(); ++c)
         if (!is_black(light.parts[c])) sums_[c].add(pixel, light.parts[c]);

@@ -16,6 +16,9 @@ constexpr int block_edge = 8;                 ///< [pixels]
 constexpr double least_weight = 0.01;         ///< a maker of less weight is not tested against the others
 constexpr double least_share_of_time = 0.01;  ///< a maker of less is left out
 constexpr double alpha = 0.001;               ///< of all tests of agreement together
+/// The best maker works alone unless all together are predicted to be sooner by more than this factor. A maker that has
+/// all the time makes more passes in a row, and Sobol' points are then better than a short pilot can tell.
+constexpr double least_gain = 1.5;
 
 bool has(const std::vector<Component>& list, Component c) {
     return std::find(list.begin(), list.end(), c) != list.end();
@@ -249,12 +252,24 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     return is_judged ? precision : 0;
 }
 
+/// The plan in which maker m does all the work.
+MakerPlan alone(const std::vector<std::string>& methods, std::size_t m, double error2_seconds) {
+    MakerPlan plan;
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        plan.shares.push_back({methods[i], i == m ? 1u : 0u, {}});
+        plan.shares[i].weights.fill(i == m ? 1 : 0);
+    }
+    plan.error2_seconds = error2_seconds;
+    return plan;
+}
+
 }  // namespace
 
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
                                  double epsilon) {
     const Costs costs(pilots, epsilon);
-    const std::vector<double> time = shares_of_time(judged_costs(costs), methods.size());
+    const std::vector<std::vector<double>> judged = judged_costs(costs);
+    const std::vector<double> time = shares_of_time(judged, methods.size());
     const std::vector<std::uint32_t> passes = passes_of_unit(time, costs);
     MakerPlan plan;
     double unit_seconds = 0;
@@ -267,6 +282,13 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
         const double precision = weigh(c, costs, plan.shares);
         if (precision > 0) plan.error2_seconds += unit_seconds / precision;
     }
+    std::vector<double> sums(methods.size(), 0);  // infinite for a maker that cannot sample everything
+    for (const auto& of_component : judged)
+        for (std::size_t m = 0; m < methods.size(); ++m)
+            sums[m] += of_component[m];
+    const auto best = std::min_element(sums.begin(), sums.end());
+    if (!judged.empty() && *best <= least_gain * plan.error2_seconds)
+        return alone(methods, static_cast<std::size_t>(best - sums.begin()), *best);
     return plan;
 }
 

@@ -5,8 +5,9 @@
 // variance of one pass, relative as the reference's error is and averaged over the image, times the time of a pass:
 // V_cm. If maker m gets the share t_m of the time, the combination of its images of c with weights in proportion to
 // t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
-// these variances as small as possible. Weights and shares are fixed before the images that they weigh are made,
-// so the combination is unbiased. The pilot's images are not used again.
+// these variances as small as possible. If that gains little over the best maker, this one works alone. Weights and
+// shares are fixed before the images that they weigh are made, so the combination is unbiased. The pilot's images are
+// not used again.
 //
 // A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
 // the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no

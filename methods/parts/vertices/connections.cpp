@@ -110,7 +110,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
     const Vec3 between = light.p - eye.p;
     const double distance2 = double{between.squaredNorm()};
-    if (!(distance2 > 0) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
+    if (!(distance2 > 0)) return std::nullopt;
     const Vec3 w = between.normalized();
     const LobeValues at_eye = scattered_to_camera(eye, w);
     if (is_black(at_eye.sum())) return std::nullopt;
@@ -119,7 +119,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const Vec3 origin = eye.origin(w);
     const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
-    if (is_black(visible)) return std::nullopt;
+    if (is_black(visible) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
 
     const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
     Connection path;

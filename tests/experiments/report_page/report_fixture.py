@@ -9,7 +9,8 @@ import subprocess
 import tempfile
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
-METHODS = ("path spp=64", "photon_mapper photons=2000 spp=8", "radiosity patch=0.2 spp=8")
+METHODS = ("path spp=64", "photon_mapper photons=2000 spp=8", "radiosity patch=0.2 spp=8",
+           "bidirectional techniques=on spp=8")
 SCENES = ("cornell-box", "cornell-glass")
 SIZE = 32
 
@@ -30,6 +31,10 @@ spp = 8
 [[method]]
 name = "radiosity"
 patch = 0.2
+spp = 8
+[[method]]
+name = "bidirectional"
+techniques = "on"
 spp = 8
 """
 

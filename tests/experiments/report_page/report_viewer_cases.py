@@ -190,3 +190,32 @@ class ViewerTest(ReportCase):
         self.assertAlmostEqual(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
         self.keys(self.stage, "-")
         self.assertLess(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
+
+    def test_pyramid_shows_the_techniques(self):
+        rows = self.section.find_elements(By.CSS_SELECTOR, ".pyramid-row")
+        names = [[cell.text for cell in row.find_elements(By.CSS_SELECTOR, ".technique")] for row in rows]
+        self.assertEqual([len(row) for row in names], [1, 3, 4, 5, 6])
+        self.assertEqual(names[1], ["k 2, s 0, t 3", "k 2, s 1, t 2", "k 2, s 2, t 1"])
+        file = os.path.join(self.images, f"{BOX}-bidirectional_techniques=on_spp=8.exr")
+        for kind, ending in (("weighted", ""), ("each technique alone", "_alone")):
+            self.press(kind)
+            layer = "technique_k2_s1_t2" + ending
+            cell = self.section.find_elements(By.CSS_SELECTOR, ".pyramid-row")[1] \
+                .find_elements(By.CSS_SELECTOR, ".technique")[1]
+            expected = fixture.pixels(file, layer)[10, 20]
+            exposure = self.driver.execute_script("return 2 ** arguments[0].panel.state.stops", self.section)
+            shown = [round(fixture.srgb(value * exposure)) for value in expected]
+            self.wait(lambda _: all(abs(a - b) <= 1 for a, b in zip(self.drawn(cell, 10, 20), shown)), "the picture")
+            self.scroll_to(cell)
+            self.shot(f"pyramid{ending}")
+            cell.click()
+            self.settle()
+            self.go_to(10, 20)
+            self.assert_pixel(self.values("A"), expected)
+            self.assertIn("bidirectional", self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+
+    def drawn(self, cell, x, y):
+        """The bytes of a pixel of a technique's picture."""
+        return self.driver.execute_script(
+            "return [...arguments[0].querySelector('canvas').getContext('2d').getImageData(arguments[1], arguments[2], 1, 1)"
+            ".data].slice(0, 3)", cell, x, y)

@@ -4,6 +4,7 @@
 #include "tests/support/lit_rooms.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
+#include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
 
@@ -83,6 +84,25 @@ TEST(Techniques, AgreeOnMixedAndSpecularSurfaces) {
         expect_same_means(
             room({.light = lamp, .ball = ball}),
             {"path", "bidirectional", "bidirectional light_sampling=off", "bidirectional connections=off"});
+}
+// An octahedron whose interpolated normals lean by up to 55 degrees.
+TEST(Techniques, AgreeOnSmoothShadedFaces) {
+    const test::TemporaryFolder folder;
+    std::string obj;
+    for (const std::string corner : {"1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"})
+        obj += "v " + corner + "\nvn " + corner + "\n";
+    for (const std::string face : {"1//1 3//3 5//5", "3//3 2//2 5//5", "2//2 4//4 5//5", "4//4 1//1 5//5",
+                                   "3//3 1//1 6//6", "2//2 3//3 6//6", "4//4 2//2 6//6", "1//1 4//4 6//6"})
+        obj += "f " + face + "\n";
+    const std::string file = folder.write("octahedron.obj", obj);
+    const auto smooth = [&](const std::string& bsdf) {
+        return "<shape type='obj'><string name='filename' value='" + file +
+               "'/><transform name='to_world'><scale value='0.6'/><translate x='0.6' y='-0.2' z='-0.6'/></transform>" +
+               bsdf + "</shape>";
+    };
+    expect_same_means(room({.light = lamp, .more = smooth("<bsdf type='diffuse'/>")}), all_methods);
+    expect_same_means(room({.light = lamp, .more = smooth("<bsdf type='dielectric'/>")}),
+                      {"path", "bidirectional", "bidirectional light_sampling=off", "bidirectional connections=off"});
 }
 // Light from a point through glass: path tracing leaves the caustic black and says so, light tracing makes it.
 TEST(Plans, NameTheCausticsThatAreMissing) {
