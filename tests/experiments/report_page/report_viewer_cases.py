@@ -205,7 +205,7 @@ class ViewerTest(ReportCase):
             expected = fixture.pixels(file, layer)[10, 20]
             exposure = self.driver.execute_script("return 2 ** arguments[0].panel.state.stops", self.section)
             shown = [round(fixture.srgb(value * exposure)) for value in expected]
-            self.wait(lambda _: all(abs(a - b) <= 1 for a, b in zip(self.drawn(cell, 10, 20), shown)), "the picture")
+            self.wait(lambda: all(abs(a - b) <= 1 for a, b in zip(self.drawn(cell, 10, 20), shown)), "the picture")
             self.scroll_to(cell)
             self.shot(f"pyramid{ending}")
             cell.click()
