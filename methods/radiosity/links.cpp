@@ -206,7 +206,7 @@ double visibility_between(RayQueries& rays, const PatchMesh& mesh, const PatchLi
         total += weight;
         passed += weight * share;
     }
-    // Curved patches may be back to back although their charts face each other.
+    // No points face each other, or all that do are covered.
     if (total == 0) return 0;
     return all ? 1 : passed / total;
 }

@@ -49,15 +49,17 @@ double weight(const MakerPlan& plan, std::size_t maker, Component c) {
 TEST(MakerPlan, WeighsByPassesAndVariance) {
     const MakerPlan plan = plan_of_least_variance({"a", "b"},
                                                   {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.4}, 1),
-                                                   pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2)},
+                                                   pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2, 3)},
                                                   0.01);
     const double passes_a = plan.shares[0].passes, passes_b = plan.shares[1].passes;
     ASSERT_GT(passes_a, 0);
     ASSERT_GT(passes_b, 0);
-    const double expected = passes_a / 0.01 / (passes_a / 0.01 + passes_b / 0.16);
-    EXPECT_NEAR(weight(plan, 0, Component::direct), expected, 0.01);
+    ASSERT_NE(passes_a, passes_b);
+    const double direct = passes_a / 0.01 / (passes_a / 0.01 + passes_b / 0.16);
+    const double caustic = passes_a / 0.16 / (passes_a / 0.16 + passes_b / 0.01);
+    EXPECT_NEAR(weight(plan, 0, Component::direct), direct, 0.01);
+    EXPECT_NEAR(weight(plan, 0, Component::caustic), caustic, 0.01);
     EXPECT_NEAR(weight(plan, 0, Component::direct) + weight(plan, 1, Component::direct), 1, 1e-12);
-    EXPECT_NEAR(weight(plan, 1, Component::caustic), weight(plan, 0, Component::direct), 0.02);
 }
 
 // One maker is better at both components: it gets all the time. If it takes longer, the other does.
