@@ -29,13 +29,13 @@ float within(const EmissionBox& box, std::size_t i, float u) {
 /// target, until there are `most_bins`.
 class ProjectionMap::Refinement {
 public:
-    Refinement(const Scene& scene, TargetSurfaces surfaces, const std::vector<OfLight>& lights, std::size_t most_bins)
-        : scene_(scene), targets_(scene, surfaces), lights_(lights), most_bins_(most_bins) {
+    Refinement(const Scene& scene, const ProjectionTargets& targets, const std::vector<OfLight>& lights,
+               std::size_t most_bins)
+        : scene_(scene), targets_(targets), lights_(lights), most_bins_(most_bins) {
         double total = 0;
         for (const OfLight& light : lights)
             total += light.power;
         for (std::size_t i = 0; i < lights.size(); ++i) {
-            except_.push_back(own_shape_of(scene.lights()[i], scene.shapes()));
             Growing bin{{{}, static_cast<std::uint32_t>(i)}, lights[i].power / total};
             if (lights[i].power > 0 && look(bin)) bins_.push_back(bin);
         }
@@ -78,7 +78,7 @@ private:
     /// Whether the bin's rays can reach a target. Also updates `finished` and `hint`.
     bool look(Growing& bin) const {
         const RayBundle bundle = emission_bundle(light_of(bin), scene_.shapes(), bin.bin.box);
-        const auto reach = targets_.reach(bundle, except_[bin.bin.light], bin.hint);
+        const auto reach = targets_.reach(bundle, lights_[bin.bin.light].own_shape, bin.hint);
         bin.finished = reach == ProjectionTargets::Reach::all_meet;
         return reach != ProjectionTargets::Reach::none;
     }
@@ -188,17 +188,22 @@ private:
     }
 
     const Scene& scene_;
-    ProjectionTargets targets_;
+    const ProjectionTargets& targets_;
     const std::vector<OfLight>& lights_;
     std::size_t most_bins_;
-    std::vector<std::uint32_t> except_;  ///< by light: its own shape, if its rays cannot meet that
     std::vector<Growing> bins_;
 };
 
-ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins) {
-    for (const Light& light : scene.lights())
-        lights_.push_back({power_of(light).mean()});
-    bins_ = Refinement(scene, surfaces, lights_, most_bins).run();
+ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins)
+    : targets_(scene, surfaces) {
+    for (const Light& light : scene.lights()) {
+        const auto* area = std::get_if<AreaLight>(&light);
+        const bool blind = area && cannot_see_itself(*area, scene.shapes());
+        lights_.push_back({.power = power_of(light).mean(),
+                           .own_shape = blind ? area->shape : ProjectionTargets::no_shape,
+                           .at_infinity = is_environment(light) || std::holds_alternative<DirectionalLight>(light)});
+    }
+    bins_ = Refinement(scene, targets_, lights_, most_bins).run();
     for (const Bin& bin : bins_)
         lights_[bin.light].kept += bin.box.volume();
     for (const OfLight& light : lights_)
@@ -231,6 +236,23 @@ void ProjectionMap::prepare_choice() {
             ++bin;
         guide_[i] = static_cast<std::uint32_t>(bin);
     }
+}
+
+double ProjectionMap::kept_power() const {
+    double kept = 0, all = 0;
+    for (const OfLight& light : lights_) {
+        kept += light.power * light.kept;
+        all += light.power;
+    }
+    return kept / all;
+}
+
+bool ProjectionMap::meets_target(std::size_t light, const Vec3& p, const Vec3& w) const {
+    const OfLight& from = lights_[light];
+    if (!(from.kept > 0)) return false;
+    const RayBundle ray{p.cast<double>(), 0, {w.cast<double>(), 0}, from.at_infinity};
+    std::uint32_t hint = 0;
+    return targets_.reach(ray, from.own_shape, hint) != ProjectionTargets::Reach::none;
 }
 
 std::uint32_t ProjectionMap::choose_bin(const Vec2& u_choice) const {

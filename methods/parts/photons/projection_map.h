@@ -51,19 +51,27 @@ public:
     /// of its power.
     double kept(std::size_t light) const { return lights_[light].kept; }
 
+    /// The share of all lights' power that the bins hold, with untextured lights.
+    double kept_power() const;
     /// P_l / V_l: the density of x in the light's bins.
     double density(std::size_t light) const { return 1 / double{lights_[light].scale}; }
+    /// Whether a ray of the light meets a target: one that starts at p in direction w, or for a light at infinity the
+    /// whole line through p. The bins hold all such rays.
+    bool meets_target(std::size_t light, const Vec3& p, const Vec3& w) const;
 
 private:
     struct OfLight {
-        double power = 0;   ///< [W] mean of the channels
-        double kept = 0;    ///< V_l
-        float scale = 0.f;  ///< V_l / P_l
+        double power = 0;                                       ///< [W] mean of the channels
+        double kept = 0;                                        ///< V_l
+        float scale = 0.f;                                      ///< V_l / P_l
+        std::uint32_t own_shape = ProjectionTargets::no_shape;  ///< that its rays cannot meet
+        bool at_infinity = false;
     };
     class Refinement;
 
     void prepare_choice();
 
+    ProjectionTargets targets_;
     std::vector<OfLight> lights_;
     std::vector<Bin> bins_;
     bool aims_ = false;

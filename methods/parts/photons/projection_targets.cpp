@@ -230,11 +230,6 @@ private:
 
 }  // namespace
 
-std::uint32_t own_shape_of(const Light& light, const std::vector<Shape>& shapes) {
-    const auto* area = std::get_if<AreaLight>(&light);
-    return area && cannot_see_itself(*area, shapes) ? area->shape : ProjectionTargets::no_shape;
-}
-
 ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces) {
     std::vector<Ball> balls = balls_of(scene, surfaces);
     if (balls.empty()) return;

@@ -58,7 +58,4 @@ private:
     std::vector<Node> nodes_;
 };
 
-/// The shape of a light that its own rays cannot meet; no_shape if there is none.
-std::uint32_t own_shape_of(const Light& light, const std::vector<Shape>& shapes);
-
 }  // namespace gib

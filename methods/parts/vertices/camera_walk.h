@@ -58,9 +58,7 @@ private:
         arrive(p, 1);
         visit_(PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights);
         path.path_class.in_medium = true;
-        const Vec3 from = walk_.wo();
-        const Vec3 to = walk_.scatter_in_medium(u, true);
-        sums_.scatter(double{path.pdf_w}, double{path.medium->phase().value(to, from)}, 1);
+        const Vec3 to = scatter_in_medium(walk_, sums_, u);
         if (!survives(most_survival(path.vertex), u)) return false;
         walk_.go_on(p, to);
         return true;

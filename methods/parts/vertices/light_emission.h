@@ -36,16 +36,8 @@ public:
     double density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const;
 
 private:
-    /// Whether the ray belongs to the aimed starts.
-    bool is_aimed(std::uint32_t light, const Vec3& p, const Vec3& w) const;
-
-    struct Aim {
-        ProjectionMap map;
-        ProjectionTargets targets;
-        std::vector<std::uint32_t> own_shape;  ///< by light, which its rays cannot meet
-    };
     const Scene& scene_;
-    std::shared_ptr<const Aim> aim_;  ///< null: all starts are ordinary
+    std::shared_ptr<const ProjectionMap> map_;  ///< null: all starts are ordinary
 };
 
 }  // namespace gib

@@ -32,6 +32,7 @@ public:
     }
 
     void follow() {
+        // A light sends nothing along its surface, where the density is 0.
         bool goes_on = max_edges_ >= 2 && !is_black(walk_.at.beta) && start_.density > 0;
         if (goes_on) walk_.rays.trace(walk_.ray);
         while (goes_on && walk_.at.vertex + 1 < max_edges_) {
@@ -52,9 +53,7 @@ private:
         visit_(PathVertex(walk_, p, path_class_, sums_), u, walk_.flights);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
-        const Vec3 from = walk_.wo();
-        const Vec3 to = walk_.scatter_in_medium(u, true);
-        sums_.scatter(double{path.pdf_w}, double{path.medium->phase().value(to, from)}, 1);
+        const Vec3 to = scatter_in_medium(walk_, sums_, u);
         path_class_.in_medium = true;
         walk_.go_on(p, to);
         return true;

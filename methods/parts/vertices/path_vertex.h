@@ -54,7 +54,8 @@ struct PathVertex {
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
     /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
-    /// face, the one on its outer and the other on its inner side, would see each other through it.
+    /// face, the one on its outer and the other on its inner side, would see each other through it. Light that
+    /// connections within this angle carry is lost, a share of about the square of rounding over distance.
     bool is_level_with(const PathVertex& other) const {
         if (!hit) return false;
         const float rounding = hit->offset + (other.hit ? other.hit->offset : 0.f) + rounding_of_connection(p, other.p);
@@ -110,6 +111,13 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
     const Vec3 camera_local = hit.shading.to_local(to_camera), light_local = hit.shading.to_local(to_light);
     return {double{hit.bsdf->pdf_w_local(camera_local, light_local, Lobes::all, Transport::radiance)},
             double{hit.bsdf->pdf_w_local(light_local, camera_local, Lobes::all, Transport::power)}};
+}
+
+/// Scatters the walk in its medium and takes the sums past the event. Returns the direction.
+inline Vec3 scatter_in_medium(PathWalk& walk, TechniqueSums& sums, const VertexNumbers& u) {
+    const Vec3 from = walk.wo(), to = walk.scatter_in_medium(u, true);
+    sums.scatter(double{walk.at.pdf_w}, double{walk.at.medium->phase().value(to, from)}, 1);
+    return to;
 }
 
 /// Takes the sums past a surface at which the walk has been scattered in direction `next`; `other` is what the other

@@ -75,6 +75,18 @@ TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
     EXPECT_EQ(slow.shares[0].passes, 0u);
 }
 
+// Each maker is a little better at one component: together they would be 3 % sooner, which is not worth it.
+TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
+    const MakerPlan plan = plan_of_least_variance({"a", "b"},
+                                                  {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.12}, 1),
+                                                   pilot_of({.direct_noise = 0.12, .caustic_noise = 0.1}, 2)},
+                                                  0.01);
+    EXPECT_EQ(plan.shares[0].passes + plan.shares[1].passes, 1u);
+    const std::size_t busy = plan.shares[0].passes > 0 ? 0 : 1;
+    EXPECT_EQ(weight(plan, busy, Component::direct), 1);
+    EXPECT_EQ(weight(plan, 1 - busy, Component::caustic), 0);
+}
+
 // A maker without noise that lacks light has not found it yet.
 TEST(MakerPlan, TakesLackingLightForVariance) {
     const MakerPlan plan = plan_of_least_variance(
