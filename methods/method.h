@@ -145,6 +145,12 @@ struct MethodDescription {
     bool unbiased;
     /// Makes the method. `values` have been checked against the declarations.
     std::unique_ptr<Method> (*create)(const ParameterValues& values, const MethodDefaults& defaults);
+    /// Values, as in a label, with which a method makes only the paths that an unbiased one cannot sample, so that both
+    /// together make all. Empty: there are none.
+    struct Remainder {
+        std::string values, of_method;
+    };
+    Remainder remainder = {};
     /// False if its images show something else than radiance; such a method is left
     /// out wherever methods are compared.
     bool estimates_radiance = true;

@@ -36,6 +36,9 @@ struct Image {
 /// Names of the images of techniques begin with this.
 inline constexpr std::string_view technique_layer_prefix = "technique_";
 
+/// Names of the images of estimated bias end with this.
+inline constexpr std::string_view bias_layer_suffix = "bias";
+
 /// An image as the sum of its components. A component that the method cannot simulate, or that the scene cannot have,
 /// may be absent.
 struct ComponentImages {
@@ -44,11 +47,16 @@ struct ComponentImages {
     /// Images of single techniques, by name (technique_layer_prefix), for methods that keep them apart; each is a share
     /// of the sum, or would be one.
     std::vector<std::pair<std::string, Image>> techniques = {};
+    /// How far the components lie above the truth on average, as estimated by methods that blur light; noisy. A component
+    /// without an entry is not blurred.
+    std::array<std::optional<Image>, component_count> bias = {};
 
     const std::optional<Image>& operator[](Component c) const { return parts[static_cast<std::size_t>(index_of(c))]; }
     std::optional<Image>& operator[](Component c) { return parts[static_cast<std::size_t>(index_of(c))]; }
     /// The sum of the components that are present.
     Image total() const;
+    /// The sum of the components' biases; empty if there is none.
+    std::optional<Image> total_bias() const;
 };
 
 }  // namespace gib

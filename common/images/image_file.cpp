@@ -169,11 +169,17 @@ LayeredImage read_image(const std::string& path) {
     return image;
 }
 
+std::string bias_layer_of(std::string_view layer) { return std::string(layer) + "_" + std::string(bias_layer_suffix); }
+
 LayeredImage layers_of(const ComponentImages& image) {
     LayeredImage file;
     file.layers.emplace_back("", image.total());
     for (Component c : all_components)
         if (image[c]) file.layers.emplace_back(std::string(name_of(c)), *image[c]);
+    if (const auto bias = image.total_bias()) file.layers.emplace_back(std::string(bias_layer_suffix), *bias);
+    for (Component c : all_components)
+        if (const auto& bias = image.bias[static_cast<std::size_t>(index_of(c))])
+            file.layers.emplace_back(bias_layer_of(name_of(c)), *bias);
     file.layers.insert(file.layers.end(), image.techniques.begin(), image.techniques.end());
     return file;
 }
@@ -183,8 +189,11 @@ ComponentImages components_in(const LayeredImage& image) {
     if (image.layers.empty()) return result;
     result.width = image.layers[0].second.width;
     result.height = image.layers[0].second.height;
-    for (Component c : all_components)
+    for (Component c : all_components) {
         if (const Image* layer = image.find(std::string(name_of(c)))) result[c] = *layer;
+        if (const Image* layer = image.find(bias_layer_of(name_of(c))))
+            result.bias[static_cast<std::size_t>(index_of(c))] = *layer;
+    }
     for (const auto& layer : image.layers)
         if (layer.first.starts_with(technique_layer_prefix)) result.techniques.push_back(layer);
     return result;

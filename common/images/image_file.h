@@ -31,7 +31,10 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image);
 /// channel; the metadata are the string attributes. Throws InputError if the file is missing or is not an image.
 LayeredImage read_image(const std::string& path);
 
-/// The layers of a render: the sum of its components as R,G,B (layer ""), and each component that is present.
+/// The name of the layer that holds the estimated bias of a component's layer.
+std::string bias_layer_of(std::string_view layer);
+/// The layers of a render: the sum of its components as R,G,B (layer ""), each component that is present, and the
+/// estimated bias of the sum ("bias") and of components.
 LayeredImage layers_of(const ComponentImages& image);
 /// The inverse of layers_of(): the component layers of a file. The layer "", the sum, is left out; a file without
 /// component layers gives no component.

@@ -21,9 +21,9 @@ public:
 
     EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
 
-    const PixelSample& sample() const { return sample_; }
+    const BiasedSample& sample() const { return sample_; }
 
-    void emitted(const Color& radiance) { sample_[Component::emission] += radiance; }
+    void emitted(const Color& radiance) { sample_.light[Component::emission] += radiance; }
 
     /// Adds the light that a scattering event at p in a medium sends towards wo: straight from a light, by light
     /// sampling, and all other from the volume map (Jensen and Christensen 1998; Jensen 2001, chapter 10).
@@ -33,20 +33,24 @@ public:
         if (settings_.samples_lights)
             radiance += sample_direct_light(walk.rays, p, vertex.wo, walk.sampler.at_vertex(walk.at.vertex),
                                             walk.surroundings(), LightTechniques::light_sampling_only);
-        if (maps_.volume.size() > 0)
-            radiance +=
+        if (maps_.volume.size() > 0) {
+            const Scattered light =
                 maps_.volume_estimator.scattered_radiance(maps_.volume, walk.rays, p, walk.at.medium->phase(),
                                                           vertex.wo, eye_path(vertex), walk.sampler, volume_ball);
-        sample_[Component::volume] += vertex.throughput() * radiance;
+            radiance += light.radiance;
+            sample_.bias[Component::volume] += vertex.throughput() * light.bias;
+        }
+        sample_.light[Component::volume] += vertex.throughput() * radiance;
     }
 
     /// Adds the light that a diffuse surface reflects towards wo. Its integral is split by how light arrives (Jensen
     /// 2001, section 9.2): straight from a light, by way of specular surfaces only (caustic), or
     /// after a diffuse reflection (indirect).
     void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers& u) {
-        if (settings_.samples_lights) sample_[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
+        if (settings_.samples_lights)
+            sample_.light[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
         look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc);
-        if (maps_.final_gather) sample_[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
+        if (maps_.final_gather) sample_.light[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
         else look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc);
     }
 
@@ -57,8 +61,12 @@ private:
         if (map.size() == 0) return;
         const Reflected light = estimator.reflected_radiance(map, vertex.walk.rays, hit, vertex.wo, eye_path(vertex),
                                                              vertex.walk.sampler, disc);
-        sample_[component] += vertex.throughput() * light.between_surfaces;
-        if (!is_black(light.through_media)) sample_[Component::volume] += vertex.throughput() * light.through_media;
+        sample_.light[component] += vertex.throughput() * light.between_surfaces;
+        if (!is_black(light.through_media))
+            sample_.light[Component::volume] += vertex.throughput() * light.through_media;
+        if (!estimator.estimates_bias) return;
+        sample_.bias[component] += vertex.throughput() * light.bias_between_surfaces;
+        sample_.bias[Component::volume] += vertex.throughput() * light.bias_through_media;
     }
 
     /// Indirect light by final gathering, from the irradiance cache where it has records and else by rays.
@@ -87,13 +95,13 @@ private:
 
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
-    PixelSample sample_;
+    BiasedSample sample_;
 };
 
 }  // namespace
 
-PixelSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
-                            const TracedRay& eye, const Sampler& sampler) {
+BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
+                             const TracedRay& eye, const Sampler& sampler) {
     EyePathVisitor visitor(maps, settings);
     follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
     return visitor.sample();

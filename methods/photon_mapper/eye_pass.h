@@ -3,7 +3,7 @@
 // the light that reaches the surfaces and media on the way is added up.
 // Source: Jensen 2001, section 9.4; media: chapter 10.
 
-#include "common/images/film.h"
+#include "methods/parts/density/biased_film.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "methods/parts/gathering/cached_gather.h"
 #include "methods/photon_mapper/light_visibility.h"
@@ -20,8 +20,8 @@ struct PhotonMaps {
     std::optional<LightVisibility> light_visibility;
 };
 
-/// One sample of a pixel by component [W/(sr m^2)], along the camera's ray `eye`.
-PixelSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
-                            const TracedRay& eye, const Sampler& sampler);
+/// One sample of a pixel along the camera's ray `eye`, with the bias of estimators that are asked for it.
+BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
+                             const TracedRay& eye, const Sampler& sampler);
 
 }  // namespace gib

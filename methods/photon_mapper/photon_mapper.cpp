@@ -87,7 +87,7 @@ public:
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-                return sample_eye_path(maps_, walk_, rays, eye, sampler);
+                return sample_eye_path(maps_, walk_, rays, eye, sampler).light;
             };
         });
         if (cache_) cache_->end_pass();
@@ -272,15 +272,10 @@ std::vector<Parameter> photon_mapper_parameters() {
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),
         number_parameter("volume_radius", "0.05", diagonals, 0, 1, "largest radius of a look-up in the volume map"),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
-        choice_parameter(
-            "area", strings(disc_area_names),
-            "photons that count and the area they are divided by: those on the surface, by the part of "
-            "the disc on it (surface); those of agreeing normals, by the whole disc (rejected); all within "
-            "the radius, by the whole disc (plain)"),
+        disc_area_parameter(),
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
-        choice_parameter("projection", {"on", "off"},
-                         "lights emit photons only where these can reach surfaces that matter"),
+        projection_parameter(),
         integer_parameter("gather", "0", "rays", 0, 1e6,
                           "final gather rays for each diffuse surface that the eye sees, or for each record of the "
                           "cache; 0: indirect light comes from the global map"),

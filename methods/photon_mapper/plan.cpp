@@ -64,6 +64,19 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
 
 }  // namespace
 
+Parameter disc_area_parameter() {
+    return choice_parameter(
+        "area", strings(disc_area_names),
+        "photons that count and the area they are divided by: those on the surface, by the part of the disc on it "
+        "(surface); those of agreeing normals, by the whole disc (rejected); all within the radius, by the whole disc "
+        "(plain)");
+}
+
+Parameter projection_parameter() {
+    return choice_parameter("projection", {"on", "off"},
+                            "lights emit photons only where these can reach surfaces that matter");
+}
+
 Plan photon_mapper_plan(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
     Plan plan = described_plan(scene, find_method("photon_mapper"));
     plan.called_for = effects;

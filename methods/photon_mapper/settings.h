@@ -28,4 +28,8 @@ struct PhotonMapperSettings {
     ShadowPhotonSettings shadows = {};
 };
 
+/// The parameters `area` and `projection`, which photon_mapper and progressive_photon_mapper share.
+Parameter disc_area_parameter();
+Parameter projection_parameter();
+
 }  // namespace gib

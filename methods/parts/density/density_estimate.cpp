@@ -10,15 +10,6 @@ namespace gib {
 
 namespace {
 
-/// wi_local, moved to just above the horizon if it lies below it. A photon that passed the test of its normal arrived
-/// on wo's side of its own surface. On a curved surface its direction may still lie below the horizon of the
-/// look-up's point, and dropping such photons would darken every curved surface.
-Vec3 lifted(const Vec3& wo_local, Vec3 wi_local) {
-    constexpr float horizon = 1e-4f;
-    if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
-    return wi_local;
-}
-
 /// Sums over photons [W/(sr m^2)], kept apart by whether a medium scattered the photon on its path.
 struct PhotonSums {
     Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
@@ -131,20 +122,30 @@ private:
             disc_.find_layers(rays_, max_elevation_slope * r);
             near_obstacle_ = disc_.find_obstacles(rays_, r, r);
         }
-        PhotonSums sums;
+        PhotonSums sums, narrow;
+        const float narrow_r = e_.estimates_bias ? narrow_radius * r : 0.f;
         map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
             const Vec3 offset = photon.p - hit_.p;
-            if (counts(photon, offset, distance2) && (!on_surface || disc_.contains(offset)))
-                sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, distance2, r));
+            if (!counts(photon, offset, distance2) || (on_surface && !disc_.contains(offset))) return;
+            const Colord value = reflected(photon);
+            sums.add(photon, value * kernel_weight(e_.kernel, distance2, r));
+            if (distance2 < sqr(narrow_r)) narrow.add(photon, value * kernel_weight(e_.kernel, distance2, narrow_r));
         });
-        return normalised(sums, r);
+        Reflected L = normalised(sums, r);
+        if (e_.estimates_bias) {
+            const Reflected less = normalised(narrow, narrow_r);
+            L.bias_between_surfaces = bias_of_difference * (L.between_surfaces - less.between_surfaces);
+            L.bias_through_media = bias_of_difference * (L.through_media - less.through_media);
+        }
+        return L;
     }
 
     /// f times the power of one photon [W/sr], its term of the sum without the kernel.
     Colord reflected(const Photon& photon) const {
         const Vec3 wi = photon.direction();
         if (!hit_.normals_agree_about(wi)) return Colord::Zero();
-        const Vec3 wi_local = transmits_ ? hit_.shading.to_local(wi) : lifted(wo_local_, hit_.shading.to_local(wi));
+        const Vec3 wi_local =
+            transmits_ ? hit_.shading.to_local(wi) : lifted_above_horizon(wo_local_, hit_.shading.to_local(wi));
         const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
         // In double: a bright photon's power times the factors may exceed the range of float before the
         // kernel lowers it.
@@ -154,7 +155,9 @@ private:
 
     /// The sums over the share phi of the disc that lies on the surface.
     Reflected normalised(const PhotonSums& sums, float r) {
-        Reflected L{sums.between_surfaces.cast<float>(), sums.through_media.cast<float>(), r};
+        Reflected L{.between_surfaces = sums.between_surfaces.cast<float>(),
+                    .through_media = sums.through_media.cast<float>(),
+                    .radius = r};
         if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
             const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
             L.between_surfaces /= share;
@@ -220,6 +223,12 @@ std::vector<Neighbour>& neighbours_of_thread() {
 }
 
 }  // namespace
+
+Vec3 lifted_above_horizon(const Vec3& wo_local, Vec3 wi_local) {
+    constexpr float horizon = 1e-4f;
+    if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
+    return wi_local;
+}
 
 float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
     if (hit.ns == hit.ng) return 1.f;

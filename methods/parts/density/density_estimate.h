@@ -33,6 +33,7 @@
 #include "methods/parts/transport/ray_queries.h"
 
 #include <limits>
+#include <numbers>
 
 namespace gib {
 
@@ -46,10 +47,17 @@ inline constexpr std::array<std::string_view, 3> disc_area_names = {"surface", "
 /// The value of k that selects all photons within the maximum radius.
 inline constexpr std::size_t all_photons = std::numeric_limits<std::size_t>::max();
 
+/// The bias of an estimate from the radius r, which falls as r^2, is this multiple of its difference to the estimate from
+/// the same photons within r / sqrt(2), whose bias is half as large.
+inline constexpr float bias_of_difference = 2.f;
+inline constexpr float narrow_radius = std::numbers::sqrt2_v<float> / 2.f;  ///< as a fraction of r
+
 /// Reflected radiance [W/(sr m^2)], kept apart by the photons' paths: between surfaces only, or scattered
 /// by a medium.
 struct Reflected {
     Color between_surfaces = Color::Zero(), through_media = Color::Zero();
+    /// Estimates of their bias, if the estimator is asked for them.
+    Color bias_between_surfaces = Color::Zero(), bias_through_media = Color::Zero();
     float radius = 0.f;  ///< of the disc [scene units]
     /// With DiscArea::surface: something stands on the disc, or another surface lies close to it.
     bool near_obstacle = false;
@@ -63,12 +71,18 @@ struct DensityEstimator {
     /// Whether the number of photons, at most k, is chosen by methods/parts/density/bias_compensation.h;
     /// not with all_photons.
     bool compensation = false;
+    bool estimates_bias = false;  ///< only with all_photons
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                  const EyePath& eye, const Sampler& sampler, std::uint32_t dimension) const;
 };
+
+/// wi_local, moved to just above the horizon if it lies below it. A photon that passed the test of its normal arrived
+/// on wo's side of its own surface. On a curved surface its direction may still lie below the horizon of the
+/// look-up's point, and dropping such photons would darken every curved surface.
+Vec3 lifted_above_horizon(const Vec3& wo_local, Vec3 wi_local);
 
 /// |wi.ns| / |wi.ng|, at most 100. The density of photons measures irradiance on the geometric surface, which is in
 /// proportion to |wi.ng|; reflection at an interpolated normal is in proportion to |wi.ns|.

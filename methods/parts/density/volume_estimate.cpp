@@ -66,22 +66,25 @@ float ball_kernel_radius(Kernel kernel, float u) {
     return static_cast<float>(0.5 * (lower + upper));
 }
 
-Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
-                                          const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
-                                          const Sampler& sampler, std::uint32_t dimension) const {
-    if (!(max_radius > 0.f)) return Color::Zero();
+Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
+                                              const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
+                                              const Sampler& sampler, std::uint32_t dimension) const {
+    if (!(max_radius > 0.f)) return {};
     const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
         const double scale =
             map.unit() * double{phase.value(wo, photon.direction())} * ball_kernel_weight(kernel, distance2, r);
         return scale * photon.power().cast<double>() * eye.weight(photon).cast<double>();
     };
-    Colord sum = Colord::Zero();
-    const auto add_all_within = [&](float r) {
-        map.within(p, r, [&](const Photon& photon, float distance2) {
-            if (eye.accepts(photon)) sum += scattered(photon, distance2, r);
+    float r = max_radius;
+    const float narrow_r = estimates_bias ? narrow_radius * r : 0.f;
+    Colord sum = Colord::Zero(), narrow = Colord::Zero();
+    const auto add_all_within = [&](float radius) {
+        map.within(p, radius, [&](const Photon& photon, float distance2) {
+            if (!eye.accepts(photon)) return;
+            sum += scattered(photon, distance2, radius);
+            if (distance2 < sqr(narrow_r)) narrow += scattered(photon, distance2, narrow_r);
         });
     };
-    float r = max_radius;
     if (k == all_photons) {
         add_all_within(r);
     } else {
@@ -99,9 +102,14 @@ Color VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays
                 sum += scattered(map[neighbours[i].index], neighbours[i].distance2, r);
         }
     }
-    const Color radiance = sum.cast<float>();
-    if (area != DiscArea::surface || is_black(radiance)) return radiance;
-    return radiance * reciprocal_share_in_sight(rays, p, r, sampler, dimension);
+    Scattered light{sum.cast<float>(), estimates_bias ? Color(narrow.cast<float>()) : Color::Zero()};
+    if (is_black(light.radiance)) return light;
+    if (area == DiscArea::surface) {
+        light.radiance *= reciprocal_share_in_sight(rays, p, r, sampler, dimension);
+        if (!is_black(light.bias)) light.bias *= reciprocal_share_in_sight(rays, p, narrow_r, sampler, dimension);
+    }
+    if (estimates_bias) light.bias = bias_of_difference * (light.radiance - light.bias);
+    return light;
 }
 
 float VolumeEstimator::reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,

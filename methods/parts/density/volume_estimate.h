@@ -27,16 +27,24 @@ double ball_kernel_weight(Kernel kernel, float d2, float r);
 /// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
 float ball_kernel_radius(Kernel kernel, float u);
 
+/// Radiance scattered per unit of the scattering coefficient [W/(sr m^2)].
+struct Scattered {
+    Color radiance = Color::Zero();
+    Color bias = Color::Zero();  ///< an estimate of its bias, if the estimator is asked for it
+};
+
 struct VolumeEstimator {
     Kernel kernel;
-    std::size_t k;     ///< or all_photons
-    float max_radius;  ///< [scene units]
-    DiscArea area;     ///< `surface`: only the part of the ball counts that no surface hides from p
+    std::size_t k;                ///< or all_photons
+    float max_radius;             ///< [scene units]
+    DiscArea area;                ///< `surface`: only the part of the ball counts that no surface hides from p
+    bool estimates_bias = false;  ///< only with all_photons
 
-    /// Radiance scattered at p towards wo per unit of the scattering coefficient [W/(sr m^2)], estimated from the
-    /// photons around p. `phase` is the phase function of the medium at p.
-    Color scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
-                             const Vec3& wo, const EyePath& eye, const Sampler& sampler, std::uint32_t dimension) const;
+    /// The light scattered at p towards wo, estimated from the photons around p. `phase` is the phase function of the
+    /// medium at p.
+    Scattered scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
+                                 const Vec3& wo, const EyePath& eye, const Sampler& sampler,
+                                 std::uint32_t dimension) const;
 
     /// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no
     /// surface hides from p. Independent points of the ball are probed until m of them are visible, and the estimate

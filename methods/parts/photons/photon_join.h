@@ -12,11 +12,11 @@ struct EyePath {
     std::optional<int> stratum = {};  ///< of wavelengths, if the eye path was split
 
     /// Whether the photon's path may be joined with this one.
-    bool accepts(const Photon& photon) const {
+    bool accepts(const PhotonPayload& photon) const {
         return photon.edges <= max_photon_edges && can_join(stratum, photon.stratum());
     }
     /// Factor for the photon's power, by channel: see joint_weight().
-    Color weight(const Photon& photon) const { return joint_weight(stratum, photon.stratum()); }
+    Color weight(const PhotonPayload& photon) const { return joint_weight(stratum, photon.stratum()); }
 };
 
 }  // namespace gib

@@ -117,8 +117,7 @@ public:
             }
             if (!hit) return transmitted;
             medium = scene_.medium_beyond(*hit, way.direction, medium);
-            way.origin = offset_origin(*hit, way.direction);
-            if (is_past(way.origin, way.target, way.direction)) return transmitted;
+            if (!step_beyond(*hit, way.origin, way.target, way.direction)) return transmitted;
         }
     }
 
@@ -161,8 +160,7 @@ public:
             const auto hit = intersect(way);
             if (!hit) return medium;
             medium = scene_.medium_beyond(*hit, way.d, medium);
-            origin = offset_origin(*hit, way.d);
-            if (is_past(origin, p, way.d)) return medium;
+            if (!step_beyond(*hit, origin, p, way.d)) return medium;
         }
     }
 
@@ -175,8 +173,7 @@ private:
             if (!hit) return visibility;
             visibility *= hit->bsdf->pass_through();
             if (visibility == 0.f) return 0.f;
-            way.origin = offset_origin(*hit, way.direction);
-            if (is_past(way.origin, way.target, way.direction)) return visibility;
+            if (!step_beyond(*hit, way.origin, way.target, way.direction)) return visibility;
         }
     }
 
@@ -216,6 +213,13 @@ private:
     /// Whether a way along w has reached its end. The end may lie in the surface that the way has just passed;
     /// without this test the next step would lead back to that surface, without end.
     static bool is_past(const Vec3& origin, const Vec3& end, const Vec3& w) { return !((end - origin).dot(w) > 0.f); }
+    /// Moves a way's start beyond the surface. False if the way ends there, or if the step leads nowhere: from the edge
+    /// of two surfaces, each of which it would meet again and again.
+    static bool step_beyond(const SurfaceHit& hit, Vec3& origin, const Vec3& end, const Vec3& w) {
+        const Vec3 from = origin;
+        origin = offset_origin(hit, w);
+        return !is_past(origin, end, w) && (origin - from).dot(w) > 0.f;
+    }
 
     void note(const Ray& ray, bool shadow) {
         ++count_;

@@ -55,7 +55,8 @@ private:
     bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
         if (is_last()) return false;
         PathState& path = walk_.at;
-        arrive(p, 1);
+        arrive(p, 1, merging_at(used_, *path.medium, p), false);
+        if (used_.only_merging && sums_.can_connect()) return false;
         visit_(PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights);
         path.path_class.in_medium = true;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -73,7 +74,7 @@ private:
         }
         const TechniqueSums before = sums_;
         const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
-        arrive(hit->p, cosine);
+        arrive(hit->p, cosine, used_.merging_on_surfaces, used_.merging() && focuses(*hit, walk_.wo()));
         find_emitter(*hit, cosine);
         if (walk_.passes_through(*hit)) {
             sums_ = before;
@@ -84,7 +85,10 @@ private:
         PathState& path = walk_.at;
         walk_.disperse(*hit, dimension::stratum);
         const PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
-        if (vertex.can_be_joined()) visit_(vertex, u, walk_.flights);
+        if (vertex.can_be_joined()) {
+            if (used_.only_merging && sums_.can_connect()) return false;
+            visit_(vertex, u, walk_.flights);
+        }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
         if (!next) return false;
         step(sums_, vertex, *next, Transport::power);
@@ -93,21 +97,24 @@ private:
         return true;
     }
 
-    void arrive(const Vec3& p, double cosine) {
+    void arrive(const Vec3& p, double cosine, double merging, bool focuses) {
         const PathState& path = walk_.at;
         const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
         sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
-                     path.vertex == 0 || used_.connections);
+                     path.vertex == 0 || used_.connections, merging, focuses);
     }
 
+    /// Light that the camera sees itself is found even if no other is.
+    bool finds_lights() const { return !used_.only_merging && (used_.hits || walk_.at.vertex == 0); }
+
     void find_environment() {
-        if (!used_.hits || !scene_.environment()) return;
+        if (!finds_lights() || !scene_.environment()) return;
         const Vec3& w = walk_.ray.ray.d;
         find(scene_.environment_radiance(w), double{scene_.environment_pdf_w(walk_.at.previous, w)},
              paths_.emission.density(scene_.environment_index(), walk_.at.previous, -w, 1.f));
     }
     void find_emitter(const SurfaceHit& hit, double cosine) {
-        if (!used_.hits || !hit.emitter) return;
+        if (!finds_lights() || !hit.emitter) return;
         const Vec3& from = walk_.at.previous;
         const double per_area = cosine / double{(hit.p - from).squaredNorm()};
         find(hit.Le(walk_.wo()), double{scene_.light_pdf_w(from, hit)} * per_area,

@@ -49,7 +49,8 @@ private:
     /// goes on.
     bool scatters_in_medium(const Vec3& p, float before, const VertexNumbers& u) {
         PathState& path = walk_.at;
-        arrive(p, 1);
+        arrive(p, 1, merging_at(used_, *path.medium, p), false);
+        if (used_.only_merging && sums_.is_sampled()) return false;
         visit_(PathVertex(walk_, p, path_class_, sums_), u, walk_.flights);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
@@ -65,10 +66,14 @@ private:
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
         PathState& path = walk_.at;
-        arrive(hit->p, double{std::abs(walk_.wo().dot(hit->ng))});
+        arrive(hit->p, double{std::abs(walk_.wo().dot(hit->ng))}, used_.merging_on_surfaces,
+               used_.merging() && focuses(*hit, walk_.wo()));
         walk_.disperse(*hit, dimension::photon_stratum);
         const PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
-        if (vertex.can_be_joined()) visit_(vertex, u, walk_.flights);
+        if (vertex.can_be_joined()) {
+            if (used_.only_merging && sums_.is_sampled()) return false;
+            visit_(vertex, u, walk_.flights);
+        }
 
         const ScatteringCoefficients c = vertex.hit->bsdf->coefficients_local(vertex.from_local);
         const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
@@ -85,17 +90,17 @@ private:
         return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), used_);
     }
     /// Arrival at p, whose normal has this cosine with the path.
-    void arrive(const Vec3& p, double cosine) {
+    void arrive(const Vec3& p, double cosine, double merging, bool focuses) {
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
         const double distance2 = double{(p - path.previous).squaredNorm()};
-        if (path.vertex > 0) return sums_.arrive(distance2, cosine, used_.connections);
+        if (path.vertex > 0) return sums_.arrive(distance2, cosine, used_.connections, merging, focuses);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
         const double sampling = double{scene_.light_pdf_w(p, start.light, origin, start.ray.d)};
         const bool from_point = std::holds_alternative<PointLight>(light_) || std::holds_alternative<SpotLight>(light_);
         sums_ = at_light(from_point ? sampling * distance2 : sampling);
-        sums_.arrive(1, cosine, true);
+        sums_.arrive(1, cosine, true, merging, focuses);
     }
 
     const Scene& scene_;

@@ -2,47 +2,19 @@
 // component has the same mean.
 
 #include "tests/support/lit_rooms.h"
-#include "tests/support/moments.h"
+#include "tests/support/same_means.h"
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
 
-#include <map>
-
 namespace gib {
 namespace {
 
 using namespace test::lit_rooms;
-using test::Moments;
+using test::expect_same_means;
 using test::room;
 using test::RoomOptions;
-
-/// Moments of the mean of each component, by channel, over seeds.
-std::map<std::pair<Component, int>, Moments> moments_of(const LoadedScene& scene, const std::string& label) {
-    constexpr std::uint64_t seeds = 16;
-    std::map<std::pair<Component, int>, Moments> moments;
-    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        const ComponentImages image = test::render(scene, label, 256, seed);
-        for (Component c : all_components)
-            for (int k = 0; k < 3; ++k)
-                if (image[c]) moments[{c, k}].add(test::mean_of(*image[c])[k]);
-    }
-    return moments;
-}
-
-/// Expects that both have the same means. Each comparison of at most 15 fails by chance with a probability of 1e-5
-/// (Student's t of 30 degrees of freedom beyond 5.2); a difference of 5 standard errors is about 1 % here.
-void expect_same_means(const LoadedScene& scene, const std::vector<std::string>& labels) {
-    const auto expected = moments_of(scene, labels.front());
-    for (std::size_t i = 1; i < labels.size(); ++i)
-        for (const auto& [key, moments] : moments_of(scene, labels[i])) {
-            const Moments& other = expected.at(key);
-            const double error = std::hypot(moments.standard_error(), other.standard_error());
-            EXPECT_NEAR(moments.mean(), other.mean(), 5.2 * error + 1e-7)
-                << labels[i] << ", " << name_of(key.first) << ' ' << key.second;
-        }
-}
 
 const std::vector<std::string> all_methods = {"path",
                                               "bidirectional",
@@ -69,6 +41,12 @@ TEST(Techniques, AgreeUnderDeltaLights) {
 }
 TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room({.light = sky + lamp}), all_methods); }
 TEST(Techniques, AgreeInFog) { expect_same_means(room({.light = lamp, .more = fog}), all_methods); }
+// The light lies on an edge of the medium's box, where a way meets one face and then the other, again and again.
+TEST(Techniques, EndAtALightOnTheEdgeOfAMedium) {
+    for (const std::string label : {"path", "bidirectional", "light_tracer"})
+        EXPECT_GT(test::mean_of(test::render(room({.light = point, .more = fog}), label, 16).total()).sum(), 0)
+            << label;
+}
 TEST(Techniques, AgreeBehindAMask) { expect_same_means(room({.light = lamp, .more = grate}), all_methods); }
 TEST(Techniques, AgreeForEveryCameraAndFilter) {
     const std::string lens =

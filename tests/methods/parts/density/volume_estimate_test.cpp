@@ -85,7 +85,8 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
                 const Vec2 a = u.get_2d(0);
                 const Vec3 p(a.x() - 0.5f, a.y() - 0.5f, 4.5f + u.get_1d(1));
                 sum += static_cast<double>(
-                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2)[0]);
+                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2)
+                        .radiance[0]);
             }
             means.add(sum / look_ups * 4 * pi_d * 8);
         }
@@ -105,7 +106,7 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     const Sampler u(PointSet::independent, 1, 1, 0);
     const VolumeEstimator estimator{Kernel::uniform, 100, 1.f, DiscArea::plain};
     const auto sum = [&](const EyePath& eye) {
-        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0) *
+        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0).radiance *
                      (4 * pi * 4 / 3 * pi));
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);

@@ -23,8 +23,9 @@ struct WholePath {
     Vec3 camera;
 };
 
-/// p_s^2 over the sum of p_j^2 by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, const WholePath& path) {
+/// p_s^2 over the sum of p_j^2, merging included, by the definitions of technique_sums.h; entry s of the result.
+std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, const Techniques& used,
+                               const WholePath& path) {
     const auto& x = path.inner;
     const std::size_t n = x.size();
     const Light& light = scene.lights()[path.start.light];
@@ -76,15 +77,25 @@ std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, cons
         if (s == n + 1) density *= paths.count;
         p.push_back(squared(density));
     }
-    const double sum = std::accumulate(p.begin(), p.end(), 0.0);
+    double sum = std::accumulate(p.begin(), p.end(), 0.0);
+    for (std::size_t i = 1; i <= n; ++i) {
+        const PathVertex& at = x[i - 1];
+        const bool follows_focus = i > 1 && x[i - 2].hit && focuses(*x[i - 2].hit, x[i - 2].from);
+        if (!used.merging_everywhere && !follows_focus) continue;
+        double density = at.hit ? used.merging_on_surfaces : merging_at(used, *at.medium, at.p);
+        for (std::size_t j = 1; j <= i; ++j)
+            density *= forward[j];
+        for (std::size_t j = i; j <= n; ++j)
+            density *= backward[j];
+        sum += squared(density);
+    }
     for (double& value : p)
         value /= sum;
     return p;
 }
 
-void expect_weights(const LoadedScene& loaded) {
+void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
     const Scene& scene = *loaded.scene;
-    const Techniques all;
     constexpr int longest = 6;
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
@@ -95,7 +106,7 @@ void expect_weights(const LoadedScene& loaded) {
     // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
     // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
-        const double expected = weights_of(scene, paths, path)[s];
+        const double expected = weights_of(scene, paths, all, path)[s];
         EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
@@ -149,6 +160,13 @@ TEST(TechniqueWeights, OfDeltaLightsAreThoseOfTheDensities) {
 }
 TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room({.light = sky})); }
 TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room({.light = lamp, .more = fog})); }
+// The mirror and the ball have no diffuse lobe, so photons are merged at the vertices that follow on them.
+TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
+    for (const bool everywhere : {false, true})
+        for (const LoadedScene& scene :
+             {room({.light = lamp, .more = fog}), room({.light = point}), room({.light = sky})})
+            expect_weights(scene, {.merging_on_surfaces = 3, .merging_in_media = 2, .merging_everywhere = everywhere});
+}
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));
 }

@@ -1,0 +1,36 @@
+#pragma once
+// The parameters of methods whose radius shrinks from pass to pass.
+
+#include "methods/parameters.h"
+
+namespace gib {
+
+inline Parameter alpha_parameter() {
+    return number_parameter(
+        "alpha", "0.67", "", 0.01, 0.99,
+        "the variance of a mean over N passes falls as N^-alpha, the bias on surfaces as N^(alpha - 1)");
+}
+
+/// The name of the parameter below.
+inline constexpr std::string_view first_pass_name = "first_pass";
+/// A run that goes on where others, of other seeds, have stopped.
+inline Parameter first_pass_parameter() {
+    return integer_parameter(std::string(first_pass_name), "0", "passes", 0, 4e9,
+                             "passes that other runs have made before, whose radii this run goes on to shrink");
+}
+
+/// The radius of the first pass; `where` says of which look-ups, and `wanted` how many photons `auto` asks for.
+inline Parameter first_radius_parameter(std::string name, const std::string& where, const std::string& wanted) {
+    Parameter parameter = number_parameter(std::move(name), "auto", "scene diagonals", 0x1p-40, 1,
+                                           "radius of the first pass " + where + "; auto: that which holds " + wanted +
+                                               " photons where a quarter of what is seen is denser");
+    parameter.choices = {"auto"};
+    return parameter;
+}
+
+/// The radius given [scene diagonals]; 0 stands for auto.
+inline double first_radius_of(const ParameterValues& values, std::string_view name) {
+    return values.number_unless_word(name).value_or(0);
+}
+
+}  // namespace gib

@@ -1,0 +1,165 @@
+#include "methods/parts/vertices/light_vertex_map.h"
+
+#include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/surface_disc.h"
+#include "methods/parts/density/volume_estimate.h"
+#include "methods/parts/kd_tree/kd_tree_build.h"
+#include "methods/parts/photons/blocks_within_memory.h"
+#include "methods/parts/photons/photon_join.h"
+#include "methods/parts/vertices/light_walk.h"
+
+namespace gib {
+
+namespace {
+
+constexpr std::uint64_t merged_walks = 3;  ///< keeps these walks apart from those that are connected
+constexpr std::size_t walks_per_block = 1024;
+/// While the tree is built there are two copies of a vertex and its 13 bytes of the tree.
+constexpr double bytes_per_vertex = 2 * sizeof(LightVertex) + 13;
+
+struct Block {
+    std::vector<LightVertex> vertices;
+    std::uint64_t rays = 0;
+};
+
+/// The power of a vertex as merging needs it. The camera's walk decides for itself whether it meets a surface with
+/// holes, so the share of light paths that pass by is given back. In a medium both walks have taken the scattering
+/// coefficient in.
+Color merged_power(const PathVertex& vertex) {
+    if (vertex.hit) return vertex.beta / (1.f - vertex.hit->bsdf->pass_through());
+    const Color sigma_s = vertex.medium->scattering_at(vertex.p);
+    return (sigma_s > 0.f).select(vertex.beta / sigma_s, 0.f);
+}
+
+/// One merge: sums the light of a vertex's neighbours.
+class Merge {
+public:
+    Merge(const PathVertex& eye, const Merging& merging, double power, int max_edges, BiasedSample& sample)
+        : eye_(eye),
+          merging_(merging),
+          power_(power),
+          path_{max_edges - eye.edges, eye.stratum},
+          sample_(sample),
+          normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
+          transmits_(eye.hit && eye.hit->bsdf->traits().transmission) {}
+
+    float radius() const { return eye_.hit ? merging_.radius : merging_.radius_in_media; }
+
+    void add(const LightVertex& light, float distance2) {
+        if (light.on_surface != eye_.hit.has_value() || !path_.accepts(light)) return;
+        if (eye_.hit && !lies_on_surface(light, distance2)) return;
+        const Vec3 w = light.direction();
+        Vec3 w_local;
+        LobeValues f;
+        DirectionPdfs pdf;
+        if (eye_.hit) {
+            const SurfaceHit& hit = *eye_.hit;
+            if (!hit.normals_agree_about(w)) return;
+            w_local = hit.shading.to_local(w);
+            if (!transmits_) w_local = lifted_above_horizon(eye_.from_local, w_local);
+            f = hit.bsdf->f_local(eye_.from_local, w_local, Transport::radiance);
+            const float factor = shading_normal_factor(hit, w);
+            f = {f.diffuse * factor, f.specular * factor};
+            pdf = {double{hit.bsdf->pdf_w_local(eye_.from_local, w_local, Lobes::all, Transport::radiance)},
+                   double{hit.bsdf->pdf_w_local(w_local, eye_.from_local, Lobes::all, Transport::power)}};
+        } else {
+            const float phase = eye_.medium->phase().value(eye_.from, w);
+            f = {.diffuse = Color::Constant(phase)};
+            pdf = {double{phase}, double{phase}};
+        }
+        add_weighted(light, f, kernel(distance2, radius()), narrow_kernel(distance2), weight(light, pdf));
+    }
+
+private:
+    /// As in the density estimate of photon mapping without rays (DiscArea::rejected).
+    bool lies_on_surface(const LightVertex& light, float distance2) const {
+        const float cosine = light.surface_normal().dot(normal_);
+        return (transmits_ ? std::abs(cosine) : cosine) > min_normal_cosine &&
+               sqr((light.p - eye_.p).dot(normal_)) <= sqr(max_elevation_slope) * distance2;
+    }
+    double kernel(float distance2, float r) const {
+        return eye_.hit ? kernel_weight(merging_.kernel, distance2, r)
+                        : ball_kernel_weight(merging_.kernel, distance2, r);
+    }
+    double narrow_kernel(float distance2) const {
+        const float r = narrow_radius * radius();
+        return distance2 < sqr(r) ? kernel(distance2, r) : 0;
+    }
+    double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
+        const double others = eye_.sums.besides_merging(pdf.to_camera) + light.connecting +
+                              light.besides_connecting * squared(pdf.to_light);
+        return 1 / (1 + others / eye_.sums.merging());
+    }
+    void add_weighted(const LightVertex& light, const LobeValues& f, double density, double narrow, double weight) {
+        const Colord arriving = weight * power_ * light.power().cast<double>() * path_.weight(light).cast<double>();
+        const Color value = (density * arriving).cast<float>() * eye_.beta;
+        const Color bias = (double{bias_of_difference} * (density - narrow) * arriving).cast<float>() * eye_.beta;
+        const auto add_class = [&](const Color& lobe, LobeKind kind) {
+            if (is_black(lobe)) return;
+            PathClass path = eye_.hit ? eye_.path_class.after(kind) : eye_.path_class;
+            path.in_medium |= !eye_.hit;
+            const Component c = path.followed_by(light.path_class).component();
+            sample_.light[c] += lobe * value;
+            sample_.bias[c] += lobe * bias;
+        };
+        add_class(f.diffuse, LobeKind::diffuse);
+        add_class(f.specular, LobeKind::specular);
+    }
+
+    const PathVertex& eye_;
+    const Merging& merging_;
+    double power_;
+    EyePath path_;
+    BiasedSample& sample_;
+    Vec3 normal_;
+    bool transmits_;
+};
+
+}  // namespace
+
+template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
+
+LightVertex::LightVertex(const PathVertex& vertex)
+    : LightVertexData{{merged_power(vertex), vertex.from,
+                       vertex.hit ? normal_towards(*vertex.hit, vertex.from) : vertex.from, vertex.edges,
+                       vertex.path_class.in_medium, vertex.stratum},
+                      vertex.sums.besides_connecting(),
+                      vertex.sums.connecting(),
+                      vertex.path_class,
+                      vertex.hit.has_value()},
+      p(vertex.p) {}
+
+LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, int max_edges, const Techniques& used,
+                               std::uint64_t seed, std::uint64_t& rays)
+    : power_of_path_(paths.power / paths.count) {
+    const int longest = std::min(max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
+    const std::uint64_t key = combine_keys(seed, merged_walks);
+    auto blocks =
+        blocks_within_memory(static_cast<std::size_t>(paths.count), walks_per_block, &Block::vertices, bytes_per_vertex,
+                             "the light paths of a pass", [&](Block& block, std::size_t begin, std::size_t end) {
+                                 RayQueries queries(scene);
+                                 for (std::size_t i = begin; i < end; ++i) {
+                                     const Sampler sampler(PointSet::independent, key, i, 0);
+                                     const auto start = paths.emission.sample(sampler);
+                                     if (!start) continue;
+                                     LightWalk(queries, sampler, longest, paths, used, *start,
+                                               [&](const PathVertex& vertex, const VertexNumbers&, NumberStream&) {
+                                                   if (vertex.sums.merges(false)) block.vertices.emplace_back(vertex);
+                                               })
+                                         .follow();
+                                 }
+                                 block.rays = queries.count();
+                             });
+    for (const Block& block : blocks)
+        rays += block.rays;
+    vertices_ = KdTree<LightVertex>(joined(blocks, &Block::vertices));
+}
+
+void LightVertexMap::merge(const PathVertex& eye, const Merging& merging, int max_edges, BiasedSample& sample) const {
+    Merge merge(eye, merging, power_of_path_, max_edges, sample);
+    if (vertices_.size() == 0 || !(merge.radius() > 0.f) || !(eye.sums.merging() > 0)) return;
+    vertices_.within(eye.p, merge.radius(),
+                     [&](const LightVertex& light, float distance2) { merge.add(light, distance2); });
+}
+
+}  // namespace gib

@@ -1,0 +1,64 @@
+#pragma once
+// Merging: a vertex of the camera's walk takes the light of the vertices of light walks around it, as if they lay on the
+// same point. This is the density estimate of photon mapping, weighed against all other techniques (technique_sums.h).
+// Sources: Georgiev et al. 2012, "Light Transport Simulation with Vertex Connection and Merging"; Hachisuka et al. 2012, "A
+// Path Space Extension for Robust Light Transport Simulation".
+
+#include "methods/parts/density/biased_film.h"
+#include "methods/parts/density/kernel.h"
+#include "methods/parts/kd_tree/kd_tree.h"
+#include "methods/parts/photons/photon.h"
+#include "methods/parts/vertices/light_paths.h"
+#include "methods/parts/vertices/path_vertex.h"
+
+namespace gib {
+
+/// The data of a light walk's vertex but its position: those of a photon, and what the weights need. 40 bytes.
+struct LightVertexData : PhotonPayload {
+    double besides_connecting = 0;  ///< TechniqueSums: the part that is multiplied by the squared reverse density,
+    double connecting = 0;          ///< and the other part
+    PathClass path_class;
+    bool on_surface = true;
+};
+
+/// A vertex of a light's walk. Its power is in units of LightPaths::power; in a medium it is divided by sigma_s.
+struct LightVertex : LightVertexData {
+    using Payload = LightVertexData;
+    Vec3 p;
+
+    LightVertex() = default;
+    LightVertex(const Vec3& position, const LightVertexData& data) : LightVertexData(data), p(position) {}
+    explicit LightVertex(const PathVertex& vertex);
+};
+
+extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
+
+/// How vertices are merged in a pass.
+struct Merging {
+    Kernel kernel;
+    float radius = 0.f, radius_in_media = 0.f;  ///< [scene units]
+};
+
+/// The vertices of the light walks of one pass.
+class LightVertexMap {
+public:
+    LightVertexMap() = default;
+    /// Follows as many light paths as a pass has pixels; adds the rays traced to `rays`. The result is the same for any
+    /// number of threads. Throws InputError if the vertices would need more memory than there is.
+    LightVertexMap(const Scene& scene, const LightPaths& paths, int max_edges, const Techniques& used,
+                   std::uint64_t seed, std::uint64_t& rays);
+
+    const KdTree<LightVertex>& vertices() const { return vertices_; }
+
+    /// Adds the light of all vertices around `eye`, weighed, and the estimate of its bias, to the sample. Paths have at
+    /// most `max_edges` edges. With N light paths of power P, which have been scattered to the vertex from the direction
+    /// w_i, radiance is the sum of f(w_i) |cos_s| / |cos_g| P K(d) / N, with the cosines of the shading and the geometric
+    /// normal. In a medium the phase function stands for f and the cosines.
+    void merge(const PathVertex& eye, const Merging& merging, int max_edges, BiasedSample& sample) const;
+
+private:
+    KdTree<LightVertex> vertices_;
+    double power_of_path_ = 0;  ///< P / N for a vertex of power 1 [W]
+};
+
+}  // namespace gib

@@ -1,0 +1,220 @@
+// Caustics with closed forms, for the methods that merge or look up photons with a shrinking radius.
+
+#include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <iostream>
+#include <numeric>
+
+namespace gib {
+namespace {
+
+constexpr double reflectance = 0.5, intensity = 10, index = 1.5, light_height = 2;
+constexpr int pixels = 24;
+
+/// A floor in z = 0 under a point light, seen from `eye` above by a camera of parallel rays that covers a square of the
+/// given side.
+LoadedScene lit_floor(const std::string& more, int size = pixels, double side = 1, double light = light_height,
+                      double eye = 1.8) {
+    return test::scene_of(test::scene_xml(
+        "<sensor type='orthographic'><transform name='to_world'><scale value='" + std::to_string(side / 2) +
+        "'/><lookat origin='0,0," + std::to_string(eye) + "' target='0,0,0' up='0,1,0'/></transform>" +
+        test::box_film(size) +
+        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>" +
+        test::diffuse(reflectance) + "</shape><emitter type='point'><point name='position' x='0' y='0' z='" +
+        std::to_string(light) + "'/><rgb name='intensity' value='10'/></emitter>" + more));
+}
+
+/// A slab of glass around z, wider than the light that reaches what is seen.
+std::string slab(double z, double thickness) {
+    return "<shape type='cube'><transform name='to_world'><scale x='0.8' y='0.8' z='" + std::to_string(thickness / 2) +
+           "'/><translate z='" + std::to_string(z) + "'/></transform><bsdf type='dielectric'/></shape>";
+}
+
+/// Fresnel transmittance into or out of glass, for the cosine in air.
+double transmittance(double cosine) {
+    const double inside = std::sqrt(1 - (1 - cosine * cosine) / (index * index));
+    const double s = (cosine - index * inside) / (cosine + index * inside);
+    const double p = (index * cosine - inside) / (index * cosine + inside);
+    return 1 - (s * s + p * p) / 2;
+}
+
+/// Radiance that the floor sends straight up through slabs of this total thickness, at the distance x from the axis, of
+/// light that is refracted and never reflected. A ray that leaves the light at the angle t meets the floor at
+/// x = (h - d) tan t + d tan t', with Snell's sin t' = sin t / index, so the irradiance is I sin t / (x dx/dt) times the
+/// transmittance of all faces.
+double radiance_under_glass(double x, double thickness, int slabs, double height = light_height) {
+    const auto distance = [&](double t) {
+        const double s = std::sin(t) / index;
+        return (height - thickness) * std::tan(t) + thickness * s / std::sqrt(1 - s * s);
+    };
+    double lower = 0, upper = 1.2;
+    for (int i = 0; i < 60; ++i)
+        (distance((lower + upper) / 2) < x ? lower : upper) = (lower + upper) / 2;
+    const double t = std::max(lower, 1e-6), h = 1e-5;
+    const double slope = (distance(t + h) - distance(t - h)) / (2 * h);
+    const double irradiance = intensity * std::sin(t) / (distance(t) * slope);
+    return reflectance / std::numbers::pi * irradiance *
+           std::pow(transmittance(std::cos(t)) * transmittance(1), 2 * slabs);
+}
+
+/// The mean of `value` over the pixels whose distance from the axis lies in this ring of two.
+double ring_mean(int ring, const std::function<double(int pixel, double x)>& value) {
+    double sum = 0, count = 0;
+    for (int i = 0; i < pixels * pixels; ++i) {
+        const double x = std::hypot((i % pixels + 0.5) / pixels - 0.5, (i / pixels + 0.5) / pixels - 0.5);
+        if ((x < 0.3) != (ring == 0)) continue;
+        sum += value(i, x);
+        ++count;
+    }
+    return sum / count;
+}
+
+class HiddenSlabs : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Merging, HiddenSlabs, testing::Values("progressive_photon_mapper", "vcm"),
+                         [](const auto& name) { return name.param; });
+
+// The light passes the glass on its way to the floor and, seen from above, on its way back: no connection can make it.
+TEST_P(HiddenSlabs, ShowTheLightOfTheClosedForm) {
+    struct Case {
+        std::string glass;
+        double thickness;
+        int slabs;
+    };
+    for (const Case& c : {Case{slab(0.6, 0.2), 0.2, 1}, Case{slab(0.4, 0.1) + slab(0.9, 0.15), 0.25, 2}}) {
+        const auto scene = lit_floor(c.glass);
+        const bool is_vcm = GetParam() == "vcm";
+        const std::string label =
+            GetParam() + (is_vcm ? "" : " caustic_photons=4e4") + " max_depth=" + std::to_string(2 + 4 * c.slabs);
+        std::array<test::Moments, 2> rings;
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            const Image image = *test::render(scene, label, is_vcm ? 1536 : 64, seed)[Component::caustic];
+            for (int ring = 0; ring < 2; ++ring)
+                rings[static_cast<std::size_t>(ring)].add(ring_mean(ring, [&](int pixel, double x) {
+                    return double{image.at(static_cast<std::size_t>(pixel))[1]} /
+                           radiance_under_glass(x, c.thickness, c.slabs);
+                }));
+        }
+        for (const test::Moments& ring : rings) {
+            EXPECT_NEAR(ring.mean(), 1, 0.01) << label << ", standard error " << ring.standard_error();
+            EXPECT_LT(ring.standard_error(), 0.0055) << label;
+        }
+    }
+}
+
+constexpr std::array<int, 4> measured = {2, 6, 18, 54};  ///< numbers of passes N
+
+/// The means over N passes of the radiance at the centre, by seed.
+std::vector<std::array<double, 4>> runs_of(const LoadedScene& scene, const std::string& label, std::uint64_t seeds) {
+    std::vector<std::array<double, 4>> runs;
+    const ConfiguredMethod configured(MethodLabel::parse(label));
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        StageTimes stages;
+        const auto run = configured.create({})->start(*scene.scene, seed, stages);
+        std::array<double, 4>& means = runs.emplace_back();
+        std::uint32_t pass = 0;
+        for (std::size_t i = 0; i < measured.size(); ++i) {
+            while (pass < static_cast<std::uint32_t>(measured[i]))
+                run->advance(pass++);
+            means[i] = test::mean_of(*run->image()[Component::caustic])[1];
+        }
+    }
+    return runs;
+}
+
+/// Slope of y over x by least squares.
+double slope_of(const std::array<double, 4>& x, const std::array<double, 4>& y) {
+    const double mx = std::accumulate(x.begin(), x.end(), 0.0) / 4, my = std::accumulate(y.begin(), y.end(), 0.0) / 4;
+    double xy = 0, xx = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        xy += (x[i] - mx) * (y[i] - my);
+        xx += (x[i] - mx) * (x[i] - mx);
+    }
+    return xy / xx;
+}
+
+/// Slopes, over the logarithm of N, of the logarithms of bias and variance.
+struct Slopes {
+    double bias, variance;
+};
+Slopes slopes_of(const std::vector<std::array<double, 4>>& runs, double truth) {
+    std::array<double, 4> log_n, log_bias, log_variance;
+    for (std::size_t i = 0; i < 4; ++i) {
+        test::Moments moments;
+        for (const auto& run : runs)
+            moments.add(run[i]);
+        log_n[i] = std::log(measured[i]);
+        log_bias[i] = std::log(std::abs(moments.mean() - truth));
+        log_variance[i] = 2 * std::log(moments.standard_error());
+    }
+    return {slope_of(log_n, log_bias), slope_of(log_n, log_variance)};
+}
+
+/// The same by the theory: the bias of the mean is the mean of r_i^2, its variance the sum of 1 / r_i^2 over N^2.
+Slopes slopes_by_theory(double alpha) {
+    std::array<double, 4> log_n, log_bias, log_variance;
+    double r2 = 1, bias = 0, variance = 0;
+    int pass = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (; pass < measured[i]; r2 *= (pass + alpha) / (pass + 1)) {
+            ++pass;
+            bias += r2;
+            variance += 1 / r2;
+        }
+        log_n[i] = std::log(pass);
+        log_bias[i] = std::log(bias / pass);
+        log_variance[i] = std::log(variance / (double(pass) * pass));
+    }
+    return {slope_of(log_n, log_bias), slope_of(log_n, log_variance)};
+}
+
+/// Expects the slopes of the theory within 99.9 % intervals by the delete-one jackknife over seeds.
+void expect_theory(const LoadedScene& scene, const std::string& label, double truth, double alpha) {
+    const auto runs = runs_of(scene, label, 32);
+    const Slopes all = slopes_of(runs, truth), theory = slopes_by_theory(alpha);
+    double bias = 0, variance = 0;
+    for (std::size_t left_out = 0; left_out < runs.size(); ++left_out) {
+        auto others = runs;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
+        const Slopes without = slopes_of(others, truth);
+        bias += std::pow(without.bias - all.bias, 2);
+        variance += std::pow(without.variance - all.variance, 2);
+    }
+    const double factor = static_cast<double>(runs.size() - 1) / static_cast<double>(runs.size());
+    const double of_bias = 3.5 * std::sqrt(factor * bias), of_variance = 3.5 * std::sqrt(factor * variance);
+    EXPECT_NEAR(all.bias, theory.bias, of_bias) << label;
+    EXPECT_NEAR(all.variance, theory.variance, of_variance) << label;
+    EXPECT_LT(of_bias, 0.2) << label;
+    EXPECT_LT(of_variance, 0.5) << label;
+    std::cout << label << ": bias " << all.bias << " +- " << of_bias << " (" << theory.bias << "), variance "
+              << all.variance << " +- " << of_variance << " (" << theory.variance << ")\n";
+}
+
+std::string progressive(double alpha) {
+    return "progressive_photon_mapper max_depth=6 caustic_photons=2000 caustic_radius=0.05 alpha=" +
+           std::to_string(alpha);
+}
+
+TEST(ErrorOfProgressivePhotonMapping, FallsWithoutAFloorUnderGlass) {
+    const auto scene = lit_floor(slab(0.6, 0.2), 1, 0.01, 1.1);
+    for (const double alpha : {0.5, 0.8})
+        expect_theory(scene, progressive(alpha), radiance_under_glass(0, 0.2, 1, 1.1), alpha);
+}
+
+// A mirror lies above the light, whose image shines from a height of 1.
+TEST(ErrorOfProgressivePhotonMapping, FallsWithoutAFloorUnderAMirror) {
+    const auto scene = lit_floor(
+        "<shape type='rectangle'><transform name='to_world'><scale value='0.3'/><rotate x='1' angle='180'/><translate "
+        "z='0.75'/></transform><bsdf type='conductor'><string name='material' value='none'/></bsdf></shape>",
+        1, 0.01, 0.5, 0.4);
+    for (const double alpha : {0.5, 0.8})
+        expect_theory(scene, progressive(alpha), reflectance / std::numbers::pi * intensity, alpha);
+}
+
+}  // namespace
+}  // namespace gib
