@@ -6,6 +6,7 @@
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_store.h"
+#include "experiments/plan/reference_methods.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 
@@ -52,13 +53,12 @@ public:
           agreement_(work.methods.size()) {
         unresolved_.assign(all_components.begin(), all_components.end());
         for (const MethodDescription* method : work.methods) {
-            methods_.push_back(method->create(
-                ParameterValues(all_parameters(*method), {method->name, work.label.values}), {work.scene.max_edges}));
-            missing_.push_back(methods_.back()->plan(*work.scene.scene).unresolved);
+            const ReferenceMaker& maker =
+                makers_.emplace_back(*method, work.label, work.scene, work.label.name == auto_reference);
             std::erase_if(unresolved_, [&](Component c) {
-                return std::find(missing_.back().begin(), missing_.back().end(), c) == missing_.back().end();
+                return std::find(maker.unresolved().begin(), maker.unresolved().end(), c) == maker.unresolved().end();
             });
-            shares_.push_back({method->name, 1, {}});
+            shares_.push_back({maker.name(), 1, {}});
             shares_.back().weights.fill(1);
         }
     }
@@ -67,7 +67,7 @@ public:
         require_memory_for_groups();
         open();
         bool done = good_enough();
-        if (!done && methods_.size() > 1 && !take_stored_shares()) run_pilot();
+        if (!done && makers_.size() > 1 && !take_stored_shares()) run_pilot();
         while (!done) {
             try {
                 add_round();
@@ -106,6 +106,9 @@ private:
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
             const auto metadata = read_reference(work_.path).metadata;
             if (const auto makers = metadata.find("makers"); makers != metadata.end()) stored_shares_ = makers->second;
+            for (const ReferenceMaker& maker : makers_)
+                if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
+                    throw InputError({work_.path}, "it lacks what '" + maker.name() + "' makes");
         } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
@@ -174,22 +177,22 @@ private:
     /// Measures the makers and decides their shares by the last round. Each round has twice the passes of the one before,
     /// until a few per cent of the time are taken that the reference is predicted to take.
     void run_pilot() {
-        std::vector<MakerPilot> pilots(methods_.size());
+        std::vector<MakerPilot> pilots(makers_.size());
         std::vector<std::string> names;
-        for (std::size_t m = 0; m < methods_.size(); ++m) {
-            pilots[m].unresolved = missing_[m];
-            names.push_back(shares_[m].method);
+        for (std::size_t m = 0; m < makers_.size(); ++m) {
+            pilots[m].unresolved = makers_[m].unresolved();
+            names.push_back(makers_[m].name());
         }
         double seconds = 0;
         for (std::uint32_t round = 0, passes = first_pilot_passes;; ++round, passes *= 2) {
-            for (std::size_t m = 0; m < methods_.size(); ++m) {
+            for (std::size_t m = 0; m < makers_.size(); ++m) {
                 const double start = now();
                 pilots[m].groups.clear();
                 for (std::uint32_t g = 0; g < pilot_groups; ++g) {
                     progress_.update(0, std::nullopt,
                                      fmt::format("reference of {}: trying {}", work_.scene.name, names[m]));
                     const std::uint32_t batch = first_pilot_batch + round * pilot_groups + g;
-                    pilots[m].groups.push_back(run_batch(m, batch, passes, groups_.dropped));
+                    pilots[m].groups.push_back(run_batch(m, batch, passes, 0, groups_.dropped));
                 }
                 pilots[m].passes = passes;
                 pilots[m].seconds = now() - start;
@@ -207,21 +210,22 @@ private:
     void add_round() {
         const double start = now();
         const std::uint32_t passes = next_passes();
-        std::vector<std::vector<ComponentImages>> made(methods_.size());  // by maker, the images of the groups
-        DroppedSamples dropped = groups_.dropped;                         // a copy: an interrupted round does not count
+        std::vector<std::vector<ComponentImages>> made(makers_.size());  // by maker, the images of the groups
+        DroppedSamples dropped = groups_.dropped;                        // a copy: an interrupted round does not count
         std::vector<ComponentImages> batches;
         for (std::uint32_t g = 0; g < reference_groups; ++g) {
             show(static_cast<double>(g) / reference_groups * passes);
-            std::vector<ComponentImages> images(methods_.size());
-            for (std::size_t m = 0; m < methods_.size(); ++m) {
+            std::vector<ComponentImages> images(makers_.size());
+            for (std::size_t m = 0; m < makers_.size(); ++m) {
                 if (shares_[m].passes == 0) continue;
-                images[m] = run_batch(m, groups_.rounds * reference_groups + g, passes * shares_[m].passes, dropped);
+                images[m] = run_batch(m, groups_.rounds * reference_groups + g, passes * shares_[m].passes,
+                                      groups_.passes * shares_[m].passes, dropped);
             }
-            batches.push_back(methods_.size() == 1 ? images.front() : combined(shares_, images));
-            for (std::size_t m = 0; methods_.size() > 1 && m < methods_.size(); ++m)
+            batches.push_back(makers_.size() == 1 ? images.front() : combined(shares_, images));
+            for (std::size_t m = 0; makers_.size() > 1 && m < makers_.size(); ++m)
                 if (shares_[m].passes > 0) made[m].push_back(std::move(images[m]));
         }
-        for (std::size_t m = 0; m < methods_.size(); ++m)
+        for (std::size_t m = 0; m < makers_.size(); ++m)
             if (!made[m].empty()) agreement_.add(m, made[m], passes * shares_[m].passes);
         groups_.add_round(batches, passes);
         groups_.dropped = dropped;
@@ -231,19 +235,11 @@ private:
         update();
     }
 
-    ComponentImages run_batch(std::size_t maker, std::uint32_t batch, std::uint32_t passes, DroppedSamples& dropped) {
-        StageTimes stages;
-        const std::uint64_t seed = batch_seed(key_, batch, static_cast<std::uint32_t>(maker));
-        const auto run = methods_[maker]->start(*work_.scene.scene, seed, stages);
-        for (std::uint32_t pass = 0; pass < passes; ++pass) {
-            InterruptGuard::check();
-            if (run->advance(pass) == Progress::converged) break;
-        }
-        const NonFinite bad = run->counts().non_finite;
-        if (bad.count > 0 && dropped.count == 0)
-            dropped.first = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
-        dropped.count += bad.count;
-        return run->image();
+    ComponentImages run_batch(std::size_t maker, std::uint32_t batch, std::uint32_t passes, std::uint64_t passes_before,
+                              DroppedSamples& dropped) {
+        return makers_[maker].make(
+            batch_seed(key_, batch, static_cast<std::uint32_t>(maker)), passes, passes_before,
+            [] { InterruptGuard::check(); }, dropped);
     }
 
     void show(double passes_of_round) {
@@ -273,7 +269,7 @@ private:
     }
 
     void save() {
-        if (methods_.size() > 1) require_agreement();
+        if (makers_.size() > 1) require_agreement();
         result_.reference.metadata = metadata();
         write_reference(work_.path, result_.reference);
         saved_at_ = now();
@@ -287,7 +283,12 @@ private:
         if (!names.empty())
             result_.warnings.push_back(fmt::format("'{}' cannot sample every path of: {}; left out of judgement",
                                                    work_.label.text(), fmt::join(names, ", ")));
-        if (!work_.methods.front()->unbiased)
+        if (!result_.reference.total.bias.empty())
+            result_.warnings.push_back(
+                fmt::format("merging has biased the reference by an estimated {:.2g} %, which its "
+                            "error and all intervals include",
+                            100 * relative_bias(result_.reference.total, work_.epsilon)));
+        else if (!work_.methods.front()->unbiased)
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
                             work_.label.text()));
@@ -320,7 +321,7 @@ private:
             {"epsilon", fmt::format("{}", work_.epsilon)},
             {"dominance_of_one_group", fmt::format("{:.3g}", share)},
             {"program", program_version()}};
-        if (methods_.size() > 1) metadata["makers"] = text_of(shares_);
+        if (makers_.size() > 1) metadata["makers"] = text_of(shares_);
         if (groups_.dropped.count > 0) {
             metadata["not_finite"] = std::to_string(groups_.dropped.count);
             metadata["first_not_finite"] = groups_.dropped.first;
@@ -331,9 +332,8 @@ private:
     const ReferenceWork& work_;
     ProgressLine& progress_;
     std::string key_;
-    std::vector<std::unique_ptr<Method>> methods_;
-    std::vector<std::vector<Component>> missing_;  ///< by maker, the components that it cannot sample
-    std::vector<Component> unresolved_;            ///< that no maker can sample
+    std::vector<ReferenceMaker> makers_;
+    std::vector<Component> unresolved_;  ///< that no maker can sample
     std::vector<MakerShare> shares_;
     MakerAgreement agreement_;
     std::string stored_shares_;

@@ -1,6 +1,7 @@
 #include "experiments/measuring/reference_makers.h"
 
 #include "experiments/metrics/z_statistic.h"
+#include "methods/parts/density/progressive_parameters.h"
 
 #include <fmt/format.h>
 
@@ -263,7 +264,62 @@ MakerPlan alone(const std::vector<std::string>& methods, std::size_t m, double e
     return plan;
 }
 
+/// The method with its settings, which goes on after so many passes if it depends on them.
+std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabel label, int max_edges,
+                                     std::uint64_t passes) {
+    const std::vector<Parameter> declared = all_parameters(method);
+    const auto has_name = [](const Parameter& parameter) { return parameter.name == first_pass_name; };
+    const bool is_given = std::any_of(label.values.begin(), label.values.end(),
+                                      [](const auto& value) { return value.first == first_pass_name; });
+    if (passes > 0 && !is_given && std::any_of(declared.begin(), declared.end(), has_name))
+        label.values.emplace_back(first_pass_name, std::to_string(passes));
+    return method.create(ParameterValues(declared, label), {max_edges});
+}
+
 }  // namespace
+
+ReferenceMaker::ReferenceMaker(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
+                               bool takes_remainder)
+    : scene_(scene), method_(method), label_{method.name, label.values}, name_(method.name) {
+    unresolved_ = method_after(method_, label_, scene.max_edges, 0)->plan(*scene.scene).unresolved;
+    if (unresolved_.empty() || !takes_remainder) return;
+    for (const MethodDescription& other : method_registry()) {
+        if (other.remainder.of_method != method.name) continue;
+        remainder_ = &other;
+        remainder_label_ = MethodLabel::parse(other.name + " " + other.remainder.values);
+        remainder_label_.values.insert(remainder_label_.values.end(), label.values.begin(), label.values.end());
+        name_ += "+" + other.name;
+        unresolved_.clear();
+    }
+}
+
+ComponentImages ReferenceMaker::make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
+                                     const std::function<void()>& before_pass, DroppedSamples& dropped) const {
+    ComponentImages images = make(method_, label_, seed, passes, passes_before, before_pass, dropped);
+    if (!remainder_) return images;
+    const ComponentImages rest = make(*remainder_, remainder_label_, seed, passes, passes_before, before_pass, dropped);
+    for (std::size_t c = 0; c < component_count; ++c) {
+        add_weighted(images.parts[c], rest.parts[c], 1);
+        add_weighted(images.bias[c], rest.bias[c], 1);
+    }
+    return images;
+}
+
+ComponentImages ReferenceMaker::make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
+                                     std::uint32_t passes, std::uint64_t passes_before,
+                                     const std::function<void()>& before_pass, DroppedSamples& dropped) const {
+    StageTimes stages;
+    const auto run = method_after(method, label, scene_.max_edges, passes_before)->start(*scene_.scene, seed, stages);
+    for (std::uint32_t pass = 0; pass < passes; ++pass) {
+        before_pass();
+        if (run->advance(pass) == Progress::converged) break;
+    }
+    const NonFinite bad = run->counts().non_finite;
+    if (bad.count > 0 && dropped.count == 0)
+        dropped.first = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
+    dropped.count += bad.count;
+    return run->image();
+}
 
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
                                  double epsilon) {
@@ -317,18 +373,22 @@ std::vector<MakerShare> shares_in(const std::string& text) {
     return shares;
 }
 
+void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight) {
+    if (!image) return;
+    if (!sum) sum = Image(image->width, image->height);
+    for (std::size_t i = 0; i < sum->rgb.size(); ++i)
+        sum->rgb[i] += static_cast<float>(weight * double{image->rgb[i]});
+}
+
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {
     ComponentImages sum;
     for (std::size_t m = 0; m < shares.size(); ++m) {
         if (shares[m].passes == 0) continue;
         sum.width = images[m].width;
         sum.height = images[m].height;
-        for (Component c : all_components) {
-            if (!images[m][c]) continue;
-            const double weight = shares[m].weights[static_cast<std::size_t>(index_of(c))];
-            if (!sum[c]) sum[c] = Image(sum.width, sum.height);
-            for (std::size_t i = 0; i < sum[c]->rgb.size(); ++i)
-                sum[c]->rgb[i] += static_cast<float>(weight * double{images[m][c]->rgb[i]});
+        for (std::size_t c = 0; c < component_count; ++c) {
+            add_weighted(sum.parts[c], images[m].parts[c], shares[m].weights[c]);
+            add_weighted(sum.bias[c], images[m].bias[c], shares[m].weights[c]);
         }
     }
     return sum;

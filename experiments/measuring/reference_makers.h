@@ -9,21 +9,57 @@
 // shares are fixed before the images that they weigh are made, so the combination is unbiased. The pilot's images are
 // not used again.
 //
+// Where no unbiased method samples all paths, a consistent one may make the remainder of one of them
+// (MethodDescription::remainder). Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
+//
 // A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
 // the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no
 // sample of n has found has a variance of at least n L^2 a sample.
 
 #include "common/reader/scene_file.h"
+#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"
 
-#include <memory>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace gib {
+
+/// One maker of a reference.
+class ReferenceMaker {
+public:
+    /// `values` are those of the reference's label. `takes_remainder`: the method's remainder is made too, if the
+    /// scene has one and some method can.
+    ReferenceMaker(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
+                   bool takes_remainder);
+
+    const std::string& name() const { return name_; }
+    /// The components some paths of which it leaves out.
+    const std::vector<Component>& unresolved() const { return unresolved_; }
+    bool makes_remainder() const { return remainder_ != nullptr; }
+
+    /// Makes `passes` passes, calling before_pass() before each. Consistent methods go on where `passes_before` others have
+    /// stopped. Returns the images and adds samples that were not finite to `dropped`.
+    ComponentImages make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
+                         const std::function<void()>& before_pass, DroppedSamples& dropped) const;
+
+private:
+    ComponentImages make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
+                         std::uint32_t passes, std::uint64_t passes_before, const std::function<void()>& before_pass,
+                         DroppedSamples& dropped) const;
+
+    const LoadedScene& scene_;
+    const MethodDescription& method_;
+    MethodLabel label_, remainder_label_;
+    const MethodDescription* remainder_ = nullptr;  ///< the method that makes the remainder; null: none does
+    std::string name_;
+    std::vector<Component> unresolved_;
+};
 
 /// The part of one maker in each unit of a reference's work.
 struct MakerShare {
@@ -52,7 +88,9 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
 std::string text_of(const std::vector<MakerShare>& shares);
 std::vector<MakerShare> shares_in(const std::string& text);
 
-/// The images of a unit: the weighted sum over its makers.
+/// Adds the weighted image, if there is one, to the sum, which begins with the first.
+void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight);
+/// The images of a unit, and their bias: the weighted sum over its makers.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);
 
 /// Keeps what each maker has made, in blocks of 8 x 8 pixels, and tests whether those that share a component agree.

@@ -15,6 +15,29 @@ Number number_in(const Reference& file, const std::string& key, const std::strin
     return *value;
 }
 
+/// Moves the mean by this share of the way to the batch.
+void move_towards(std::optional<Image>& mean, const std::optional<Image>& batch, double share) {
+    if (mean.has_value() != batch.has_value()) throw RunError("the batches of a reference have different components");
+    if (!mean) return;
+    for (std::size_t i = 0; i < mean->rgb.size(); ++i) {
+        const auto old = static_cast<double>(mean->rgb[i]);
+        mean->rgb[i] = static_cast<float>(old + (static_cast<double>(batch->rgb[i]) - old) * share);
+    }
+}
+
+/// The layer of one image of every group, with its bias if there is one. `image` and `bias` return an optional image.
+template <typename ImageOf, typename BiasOf>
+ReferenceLayer layer_of(const std::vector<ComponentImages>& groups, const ImageOf& image, const BiasOf& bias) {
+    std::vector<Image> images, biases;
+    for (const ComponentImages& group : groups) {
+        images.push_back(image(group));
+        if (auto of_group = bias(group)) biases.push_back(std::move(*of_group));
+    }
+    ReferenceLayer layer = layer_of_groups(std::move(images));
+    if (!biases.empty()) layer.bias.push_back(layer_of_groups(std::move(biases)));
+    return layer;
+}
+
 }  // namespace
 
 void ReferenceGroups::add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes) {
@@ -26,32 +49,21 @@ void ReferenceGroups::add_round(const std::vector<ComponentImages>& batches, std
         return;
     }
     for (std::size_t g = 0; g < groups_.size(); ++g)
-        for (Component c : all_components) {
-            auto& mean = groups_[g][c];
-            const auto& batch = batches[g][c];
-            if (mean.has_value() != batch.has_value())
-                throw RunError("the batches of a reference have different components");
-            if (!mean) continue;
-            for (std::size_t i = 0; i < mean->rgb.size(); ++i) {
-                const auto old = static_cast<double>(mean->rgb[i]);
-                mean->rgb[i] = static_cast<float>(old + (static_cast<double>(batch->rgb[i]) - old) * share);
-            }
+        for (std::size_t c = 0; c < component_count; ++c) {
+            move_towards(groups_[g].parts[c], batches[g].parts[c], share);
+            move_towards(groups_[g].bias[c], batches[g].bias[c], share);
         }
 }
 
 Reference ReferenceGroups::reference() const {
     Reference reference;
-    std::vector<Image> totals;
-    for (const auto& group : groups_)
-        totals.push_back(group.total());
-    reference.total = layer_of_groups(std::move(totals));
-    for (Component c : all_components) {
-        if (!groups_.front()[c]) continue;
-        std::vector<Image> images;
-        for (const auto& group : groups_)
-            images.push_back(*group[c]);
-        reference.components[static_cast<std::size_t>(index_of(c))] = layer_of_groups(std::move(images));
-    }
+    reference.total = layer_of(
+        groups_, [](const auto& group) { return group.total(); }, [](const auto& group) { return group.total_bias(); });
+    for (std::size_t c = 0; c < component_count; ++c)
+        if (groups_.front().parts[c])
+            reference.components[c] = layer_of(
+                groups_, [c](const auto& group) { return *group.parts[c]; },
+                [c](const auto& group) { return group.bias[c]; });
     return reference;
 }
 
@@ -77,10 +89,14 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
         group.width = width;
         group.height = height;
     }
-    for (Component c : all_components) {
-        if (!file[c]) continue;
-        for (std::size_t g = 0; g < reference_groups; ++g)
-            groups.groups_[g][c] = file[c]->groups.at(g);
+    for (std::size_t c = 0; c < component_count; ++c) {
+        const auto& layer = file.components[c];
+        if (!layer) continue;
+        for (std::size_t g = 0; g < reference_groups; ++g) {
+            groups.groups_[g].parts[c] = layer->groups.at(g);
+            for (const ReferenceLayer& bias : layer->bias)
+                groups.groups_[g].bias[c] = bias.groups.at(g);
+        }
     }
     return groups;
 }

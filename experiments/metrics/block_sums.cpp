@@ -26,6 +26,10 @@ void add_pixel(BlockSide& side, const ReferenceLayer& layer, std::size_t i) {
         const double v = sqr(static_cast<double>(layer.standard_error->rgb[i]));
         side.variance.add({v, sqr(v) / (replicates_of(layer) + 1)});
     }
+    for (const ReferenceLayer& bias : layer.bias) {
+        side.bias += double{bias.mean.rgb[i]};
+        if (bias.standard_error) side.bias_variance += sqr(double{bias.standard_error->rgb[i]});
+    }
     side.groups.resize(layer.groups.size() > 1 ? layer.groups.size() : 0);
     for (std::size_t g = 0; g < side.groups.size(); ++g)
         side.groups[g] += static_cast<double>(layer.groups[g].rgb[i]);
@@ -98,10 +102,14 @@ void Variance::raise_to(double least) {
 void BlockSide::add(const BlockSide& other) {
     sum += other.sum;
     variance.add(other.variance);
+    bias += other.bias;
+    bias_variance += other.bias_variance;
     groups.resize(other.groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g)
         groups[g] += other.groups[g];
 }
+
+double BlockSide::squared_bias() const { return std::max(0.0, sqr(bias) - bias_variance); }
 
 double BlockSide::scatter() const { return sample_mean(groups).variance.variance; }
 

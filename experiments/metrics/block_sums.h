@@ -26,7 +26,11 @@ struct BlockSide {
     double sum = 0;              ///< of the radiance [W/(sr m^2)]
     Variance variance;           ///< of `sum`, from the standard errors of the pixels, taken as independent
     std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
+    double bias = 0;             ///< the estimated bias of `sum`
+    double bias_variance = 0;    ///< of this estimate
 
+    /// How much the bias adds to the mean square of the sum's deviation from the truth.
+    double squared_bias() const;
     void add(const BlockSide& other);
     /// The variance of the mean of `groups`, which also holds if pixels share noise. NaN with fewer than 2 groups.
     double scatter() const;

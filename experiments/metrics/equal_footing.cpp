@@ -29,13 +29,24 @@ SampleMean mean_energies(const std::vector<Image>& images) {
 
 /// The mean energy of the reference, with its variance from the scatter of the groups. Without groups, the errors of
 /// pixels and channels are taken as independent; without a standard error the reference counts as exact.
-SampleMean reference_energy(const ReferenceLayer& reference) {
+SampleMean noisy_energy(const ReferenceLayer& reference) {
     if (reference.groups.size() > 1) return mean_energies(reference.groups);
     SampleMean mean{mean_energy(reference.mean), {0, std::numeric_limits<double>::infinity()}};
     if (!reference.standard_error) return mean;
     const auto size = static_cast<double>(reference.standard_error->rgb.size());
     for (const float v : reference.standard_error->rgb)
         mean.variance.variance += sqr(static_cast<double>(v) / size);
+    return mean;
+}
+
+/// The same with the square of its bias in the variance.
+SampleMean reference_energy(const ReferenceLayer& reference) {
+    SampleMean mean = noisy_energy(reference);
+    for (const ReferenceLayer& layer : reference.bias) {
+        const SampleMean bias = noisy_energy(layer);
+        const double squared_bias = sqr(bias.value) - bias.variance.variance;
+        if (squared_bias > 0) mean.variance.variance += squared_bias;
+    }
     return mean;
 }
 

@@ -31,16 +31,21 @@ std::string group_name(const std::string& name, std::size_t group) {
 std::optional<ReferenceLayer> take_layer(const LayeredImage& file, const std::string& name) {
     const Image* mean = file.find(name);
     if (!mean) return std::nullopt;
-    ReferenceLayer layer{*mean, std::nullopt, {}};
+    ReferenceLayer layer{.mean = *mean, .standard_error = std::nullopt, .groups = {}};
     if (const Image* error = file.find(joined(name, "stderr"))) layer.standard_error = *error;
     while (const Image* group = file.find(group_name(name, layer.groups.size())))
         layer.groups.push_back(*group);
+    if (!name.ends_with(bias_layer_suffix))
+        if (auto bias = take_layer(file, joined(name, std::string(bias_layer_suffix))))
+            layer.bias.push_back(std::move(*bias));
     return layer;
 }
 
 void put_layer(LayeredImage& file, const std::string& name, const ReferenceLayer& layer, bool with_groups) {
     file.layers.emplace_back(name, layer.mean);
     if (layer.standard_error) file.layers.emplace_back(joined(name, "stderr"), *layer.standard_error);
+    for (const ReferenceLayer& bias : layer.bias)
+        put_layer(file, joined(name, std::string(bias_layer_suffix)), bias, with_groups);
     if (!with_groups) return;
     for (std::size_t g = 0; g < layer.groups.size(); ++g)
         file.layers.emplace_back(group_name(name, g), layer.groups[g]);
@@ -109,7 +114,7 @@ LayeredImage layers_of(const Reference& reference, bool with_groups) {
 
 ReferenceLayer layer_of_groups(std::vector<Image> groups) {
     if (groups.empty()) throw std::invalid_argument("layer_of_groups: no groups");
-    ReferenceLayer layer;
+    ReferenceLayer layer{};
     layer.mean = Image(groups[0].width, groups[0].height);
     if (groups.size() > 1) layer.standard_error = layer.mean;
     const double count = static_cast<double>(groups.size());
@@ -128,13 +133,32 @@ ReferenceLayer layer_of_groups(std::vector<Image> groups) {
     return layer;
 }
 
+double ReferenceLayer::squared_bias(std::size_t i) const {
+    if (bias.empty()) return 0;
+    const double b{bias[0].mean.rgb[i]}, error = bias[0].standard_error ? double{bias[0].standard_error->rgb[i]} : 0;
+    return sqr(b) - sqr(error);
+}
+
+namespace {
+
+/// 1 / (r^2 + epsilon) of value i.
+auto relative_weight(const ReferenceLayer& layer, double epsilon) {
+    return [&layer, epsilon](std::size_t i) { return 1 / (sqr(double{layer.mean.rgb[i]}) + epsilon); };
+}
+
+}  // namespace
+
 double relative_standard_error(const ReferenceLayer& layer, double epsilon) {
-    if (!layer.standard_error || layer.mean.rgb.empty()) return 0;
+    if (layer.mean.rgb.empty()) return 0;
+    const auto weight = relative_weight(layer, epsilon);
     double sum = 0;
-    for (std::size_t i = 0; i < layer.mean.rgb.size(); ++i)
-        sum += sqr(static_cast<double>(layer.standard_error->rgb[i])) /
-               (sqr(static_cast<double>(layer.mean.rgb[i])) + epsilon);
-    return std::sqrt(sum / static_cast<double>(layer.mean.rgb.size()));
+    for (std::size_t i = 0; layer.standard_error && i < layer.mean.rgb.size(); ++i)
+        sum += sqr(double{layer.standard_error->rgb[i]}) * weight(i);
+    return std::sqrt(sum / static_cast<double>(layer.mean.rgb.size()) + layer.mean_squared_bias(weight));
+}
+
+double relative_bias(const ReferenceLayer& layer, double epsilon) {
+    return std::sqrt(layer.mean_squared_bias(relative_weight(layer, epsilon)));
 }
 
 }  // namespace gib

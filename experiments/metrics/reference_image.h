@@ -19,6 +19,20 @@ struct ReferenceLayer {
     Image mean;
     std::optional<Image> standard_error;  ///< of the mean, per pixel and channel
     std::vector<Image> groups;            ///< means of the groups of batches, independent of each other; may be empty
+    /// Empty, or one layer: the estimated bias of the mean (ComponentImages::bias).
+    std::vector<ReferenceLayer> bias = {};
+
+    /// Unbiased estimate of the squared bias of value i; it may be negative. 0 without a bias.
+    double squared_bias(std::size_t i) const;
+    /// The mean over all values of weight(i) squared_bias(i), but at least 0: how far the bias shifts the mean square of a
+    /// difference to this layer.
+    template <typename Weight>
+    double mean_squared_bias(const Weight& weight) const {
+        double sum = 0;
+        for (std::size_t i = 0; !bias.empty() && i < mean.rgb.size(); ++i)
+            sum += weight(i) * squared_bias(i);
+        return sum > 0 ? sum / static_cast<double>(mean.rgb.size()) : 0;
+    }
 };
 
 struct Reference {
@@ -33,7 +47,7 @@ struct Reference {
 };
 
 /// Reads a file with or without standard errors; an image of any renderer is accepted. The layers are R,G,B; NAME;
-/// stderr; NAME_stderr; group00, NAME_group00 and so on. Throws InputError, also if the file has a digest and its
+/// stderr; NAME_stderr; group00, NAME_group00 and so on; bias and NAME_bias, which may have all of these too. Throws InputError, also if the file has a digest and its
 /// content does not match it.
 Reference read_reference(const std::string& path);
 /// Writes an EXR file with the groups, the metadata, and a digest of the pixels and of the metadata that are needed
@@ -53,7 +67,9 @@ LayeredImage layers_of(const Reference& reference, bool with_groups);
 /// error their standard deviation / sqrt(groups). Throws std::invalid_argument without groups.
 ReferenceLayer layer_of_groups(std::vector<Image> groups);
 
-/// sqrt(mean over pixels and channels of stderr^2 / (r^2 + epsilon)); 0 without a standard error.
+/// sqrt(mean over pixels and channels of (stderr^2 + bias^2) / (r^2 + epsilon)); 0 without a standard error and a bias.
 double relative_standard_error(const ReferenceLayer& layer, double epsilon);
+/// The part of it that is bias: sqrt(mean of bias^2 / (r^2 + epsilon)).
+double relative_bias(const ReferenceLayer& layer, double epsilon);
 
 }  // namespace gib

@@ -178,11 +178,13 @@ Table inner_products(const std::vector<const Image*>& images, const Image& origi
 struct PlainReference {
     double variance = 0;        ///< weighted mean of stderr^2
     double bias2_variance = 0;  ///< (4 <d^2, stderr^2> + 2 <stderr^2, stderr^2>) / D with d = mean of x - R
+    double squared_bias = 0;    ///< weighted mean of its squared bias
 };
 
 PlainReference plain_reference(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                const Weights& weights) {
     PlainReference result;
+    result.squared_bias = reference.mean_squared_bias(weights);
     if (!reference.standard_error) return result;
     const auto size = static_cast<double>(reference.mean.rgb.size());
     for (std::size_t i = 0; i < reference.mean.rgb.size(); ++i) {
@@ -259,8 +261,20 @@ VarianceTerm reference_term(const Moments& of) {
     return term;
 }
 
+/// The interval of a squared bias x^2 against a reference whose own squared bias is b^2, of unknown sign: the value has
+/// been (x - b)^2, which differs from x^2 by 2 |x b| + b^2 at most.
+Estimate widened(Estimate bias2, double squared_bias) {
+    if (!bias2.interval || !(squared_bias > 0)) return bias2;
+    const double reach = 2 * std::sqrt(std::max(bias2.interval->hi, 0.0) * squared_bias) + squared_bias;
+    bias2.interval->lo -= reach;
+    bias2.interval->hi += reach;
+    return bias2;
+}
+
 Estimate bias2_of(const Moments& of) {
-    return estimate(pair_mean(of.seeds).value - of.reference.variance, {pair_variance(of.seeds), reference_term(of)});
+    return widened(
+        estimate(pair_mean(of.seeds).value - of.reference.variance, {pair_variance(of.seeds), reference_term(of)}),
+        of.reference.squared_bias);
 }
 
 /// The variance of one replicate, which is the mean of |x_i - x_j|^2 / 2 over pairs. Its term of first order never
@@ -330,8 +344,8 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const Im
     return {.mse = mse / size,
             .rmse = std::sqrt(mse / size),
             .rel_mse = rel_mse / size,
-            .mse_corrected = (mse - variance) / size,
-            .rel_mse_corrected = (rel_mse - rel_variance) / size};
+            .mse_corrected = (mse - variance) / size - reference.mean_squared_bias([](std::size_t) { return 1.0; }),
+            .rel_mse_corrected = (rel_mse - rel_variance) / size - reference.mean_squared_bias(relative)};
 }
 
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
@@ -353,9 +367,9 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     result.rmse = square_root(result.mse);
     result.rel_mse = mse_of(relative);
     // The difference is negative where the reference's own variance exceeds the error; then there is no root.
-    const double corrected = result.mse.value - plain.reference.variance;
+    const double corrected = result.mse.value - plain.reference.variance - plain.reference.squared_bias;
     result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
-    result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance;
+    result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance - relative.reference.squared_bias;
     if (replicates.size() > 1) {
         result.bias2 = bias2_of(plain);
         result.variance = variance_of(plain.seeds);
@@ -371,7 +385,8 @@ double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, dou
     const auto m = static_cast<double>(noise.groups.rows());
     const double variance =
         m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
-    return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance);
+    return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance) +
+           noise.reference.squared_bias;
 }
 
 namespace {

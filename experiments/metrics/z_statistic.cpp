@@ -122,6 +122,11 @@ struct NoiseOfBlock {
     }
 };
 
+/// What the mean square of the difference holds besides its noise: both biases, and the rounding of these sums.
+double systematic(const BlockSums& sums, double rounded) {
+    return sums.x.squared_bias() + sums.r.squared_bias() + sqr(rounding * rounded);
+}
+
 BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t channel) {
     BlockTest test;
     test.channel = channel;
@@ -130,7 +135,7 @@ BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t c
     test.width = sums.box.sizes().x() + 1;
     test.height = sums.box.sizes().y() + 1;
     const double difference = sums.x.sum - sums.r.sum;
-    const double v = noise.variance + sqr(rounding * std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
+    const double v = noise.variance + systematic(sums, std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
     test.deviation = difference / sums.pixels;
     if (difference == 0) return test;
     test.t = v > 0 ? difference / std::sqrt(v) : std::copysign(infinite, difference);
@@ -142,7 +147,7 @@ MeanDeviation mean_deviation(const BlockSums& image, const NoiseOfBlock& noise, 
     MeanDeviation mean;
     const double difference = image.x.sum - image.r.sum;
     mean.reference_share = noise.variance > 0 ? std::min(1.0, image.r.variance.value / noise.variance) : 0;
-    const double v = noise.variance + sqr(rounding * r_total_sum);
+    const double v = noise.variance + systematic(image, r_total_sum);
     if (r_total_sum == 0) {
         mean.value = difference == 0 ? 0 : std::copysign(infinite, difference);
         if (difference == 0 || v == 0) mean.interval = Interval{mean.value, mean.value};

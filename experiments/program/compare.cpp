@@ -146,10 +146,25 @@ void require_different_seeds(const std::vector<LayeredImage>& files, const std::
                 reject({}, "{} and {} have the same seed: they are no replicates", paths[j], paths[i]);
 }
 
-/// Several images of a layer are its replicates; a single image may have a standard error of its own.
-ReferenceLayer tested_layer(const std::vector<Image>& images, const ReferenceLayer* own) {
-    if (images.size() > 1) return layer_of_groups(images);
-    if (own) return {images.front(), own->standard_error, own->groups};
+/// The images of this layer's estimated bias, one of each file; empty if some file has none.
+std::vector<Image> biases_in(const std::vector<LayeredImage>& files, const std::string& layer) {
+    const std::string name = layer == total_name ? std::string(bias_layer_suffix) : bias_layer_of(layer);
+    std::vector<Image> biases;
+    for (const LayeredImage& file : files)
+        if (const Image* bias = file.find(name)) biases.push_back(*bias);
+    return biases.size() == files.size() ? biases : std::vector<Image>();
+}
+
+/// Several images of a layer are its replicates, and so are their biases; a single image may have a standard error of its
+/// own.
+ReferenceLayer tested_layer(const std::vector<Image>& images, const std::vector<Image>& biases,
+                            const ReferenceLayer* own) {
+    if (images.size() > 1) {
+        ReferenceLayer layer = layer_of_groups(images);
+        if (!biases.empty()) layer.bias.push_back(layer_of_groups(biases));
+        return layer;
+    }
+    if (own) return {images.front(), own->standard_error, own->groups, own->bias};
     return {images.front(), std::nullopt, {}};
 }
 
@@ -166,7 +181,8 @@ ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<
     for (const auto& [name, subject] : subjects) {
         const auto c = component_named(name);
         layers.push_back(
-            {name, tested_layer(subject.tests, c ? judged.component(*c) : &judged.total()), &subject.reference});
+            {name, tested_layer(subject.tests, biases_in(files, name), c ? judged.component(*c) : &judged.total()),
+             &subject.reference});
     }
     return own_z_report(layers);
 }

@@ -22,9 +22,21 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
         subtract(total.mean, layer->mean);
         for (std::size_t g = 0; g < std::min(total.groups.size(), layer->groups.size()); ++g)
             subtract(total.groups[g], layer->groups[g]);
+        for (std::size_t b = 0; b < std::min(total.bias.size(), layer->bias.size()); ++b) {
+            subtract(total.bias[b].mean, layer->bias[b].mean);
+            for (std::size_t g = 0; g < std::min(total.bias[b].groups.size(), layer->bias[b].groups.size()); ++g)
+                subtract(total.bias[b].groups[g], layer->bias[b].groups[g]);
+        }
+    }
+    if (total.groups.size() <= 1) {
+        partial_total_ = std::move(total);
+        return;
     }
     // Components are correlated, so only the groups give the standard error of the remaining sum.
-    partial_total_ = total.groups.size() > 1 ? layer_of_groups(std::move(total.groups)) : std::move(total);
+    partial_total_ = layer_of_groups(std::move(total.groups));
+    for (ReferenceLayer& bias : total.bias)
+        partial_total_->bias.push_back(bias.groups.size() > 1 ? layer_of_groups(std::move(bias.groups))
+                                                              : std::move(bias));
 }
 
 bool Judgement::is_resolved(Component c) const {

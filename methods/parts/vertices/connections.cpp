@@ -128,7 +128,8 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
                     static_cast<float>(paths.power * to_light));
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from, w), light_pdf = direction_pdfs(light, -w, light.from);
     const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);
-    const double by_light = squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, light.sums.focuses());
+    const double by_light =
+        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, light.sums.focuses());
     path.weight = static_cast<float>(1 / (1 + by_camera + by_light));
     return path;
 }

@@ -4,6 +4,7 @@
 
 #include "common/sampling/sampler.h"
 #include "experiments/plan/reference_methods.h"
+#include "tests/support/lit_rooms.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -140,6 +141,33 @@ TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {
     EXPECT_THROW(reference_methods(MethodLabel::parse("auto spp=3")), InputError);
     EXPECT_THROW(reference_methods(MethodLabel::parse("auto photons=3")), InputError);
     EXPECT_THROW(reference_methods(MethodLabel::parse("best")), InputError);
+}
+
+// Light of a point through glass, seen through the same glass: bidirectional path tracing leaves it out, and merging makes
+// the rest.
+TEST(ReferenceMaker, TakesTheRemainder) {
+    const auto scene =
+        test::room({.light = test::lit_rooms::point, .glossy_wall = "", .ball = test::lit_rooms::glass_ball});
+    const MethodDescription& method = find_method("bidirectional");
+    const ReferenceMaker alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
+    EXPECT_FALSE(alone.unresolved().empty());
+    EXPECT_TRUE(both.unresolved().empty());
+    EXPECT_EQ(both.name(), "bidirectional+vcm");
+    EXPECT_EQ(ReferenceMaker(find_method("path"), {"auto", {}}, scene, true).name(), "path");
+    DroppedSamples dropped;
+    const auto make = [&](const ReferenceMaker& maker, std::uint64_t passes_before) {
+        return maker.make(
+            7, 256, passes_before, [] {}, dropped);
+    };
+    const ComponentImages part = make(alone, 0), whole = make(both, 0), later = make(both, 1000000);
+    EXPECT_GT(test::mean_of(*whole[Component::caustic]).sum(), 1.02 * test::mean_of(*part[Component::caustic]).sum());
+    EXPECT_EQ(whole[Component::direct]->rgb, part[Component::direct]->rgb);
+    ASSERT_TRUE(whole.bias[static_cast<std::size_t>(index_of(Component::caustic))]);
+    // It goes on where others have stopped, with a smaller radius.
+    EXPECT_NE(later[Component::caustic]->rgb, whole[Component::caustic]->rgb);
+    // Nothing remains under a lamp.
+    const auto lit = test::room({.light = test::lit_rooms::lamp, .ball = test::lit_rooms::glass_ball});
+    EXPECT_FALSE(ReferenceMaker(method, {"auto", {}}, lit, true).makes_remainder());
 }
 
 }  // namespace
