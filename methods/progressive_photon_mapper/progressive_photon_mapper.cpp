@@ -167,8 +167,9 @@ public:
     }
 
 private:
-    /// The numbers of photons that were not given follow the image's size. On the Cornell box with two balls, 256 x 256, this
-    /// number is the cheapest: with a fourth of it 5 % take 1.6 times as long, with four times as many 1.8 times.
+    /// The numbers of photons that were not given follow the image's size. On the Cornell box with two balls, 256 x 256,
+    /// 8 passes with four photons a pixel reach 5.4 % in 4.1 s; with a fourth of them 16 passes reach 6.6 % in 5.5 s, and
+    /// with four times as many 8 passes reach 5.2 % in 9.4 s.
     ProgressiveSettings settings_for(const Scene& scene) const {
         ProgressiveSettings s = settings_;
         const auto pixels =

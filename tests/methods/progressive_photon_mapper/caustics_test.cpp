@@ -89,8 +89,8 @@ TEST_P(HiddenSlabs, ShowTheLightOfTheClosedForm) {
     for (const Case& c : {Case{slab(0.6, 0.2), 0.2, 1}, Case{slab(0.4, 0.1) + slab(0.9, 0.15), 0.25, 2}}) {
         const auto scene = lit_floor(c.glass);
         const bool is_vcm = GetParam() == "vcm";
-        const std::string label =
-            GetParam() + (is_vcm ? "" : " caustic_photons=4e4") + " max_depth=" + std::to_string(2 + 4 * c.slabs);
+        const std::string label = GetParam() + (is_vcm ? " radius=0.01" : " caustic_photons=4e4") +
+                                  " max_depth=" + std::to_string(2 + 4 * c.slabs);
         std::array<test::Moments, 2> rings;
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
             const Image image = *test::render(scene, label, is_vcm ? 1536 : 64, seed)[Component::caustic];
