@@ -22,7 +22,8 @@ struct ReferenceLayer {
     /// Empty, or one layer: the estimated bias of the mean (ComponentImages::bias).
     std::vector<ReferenceLayer> bias = {};
 
-    /// Unbiased estimate of the squared bias of value i; it may be negative. 0 without a bias.
+    /// Estimate of the squared bias of value i; 0 without a bias. It is unbiased, and may be negative, if the bias has a
+    /// standard error. If not, as in a single image, it is too large by the noise of the bias.
     double squared_bias(std::size_t i) const;
     /// The mean over all values of weight(i) squared_bias(i), but at least 0: how far the bias shifts the mean square of a
     /// difference to this layer.
@@ -47,8 +48,8 @@ struct Reference {
 };
 
 /// Reads a file with or without standard errors; an image of any renderer is accepted. The layers are R,G,B; NAME;
-/// stderr; NAME_stderr; group00, NAME_group00 and so on; bias and NAME_bias, which may have all of these too. Throws InputError, also if the file has a digest and its
-/// content does not match it.
+/// stderr; NAME_stderr; group00, NAME_group00 and so on; bias and NAME_bias, which may have all of these too. Throws
+/// InputError, also if the file has a digest and its content does not match it.
 Reference read_reference(const std::string& path);
 /// Writes an EXR file with the groups, the metadata, and a digest of the pixels and of the metadata that are needed
 /// to add samples later. read_reference() checks the digest, so that it refuses a file that was damaged or edited.

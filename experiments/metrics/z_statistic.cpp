@@ -122,7 +122,7 @@ struct NoiseOfBlock {
     }
 };
 
-/// What the mean square of the difference holds besides its noise: both biases, and the rounding of these sums.
+/// The part of the mean square of the difference that is no noise: the squares of both biases and of the rounding.
 double systematic(const BlockSums& sums, double rounded) {
     return sums.x.squared_bias() + sums.r.squared_bias() + sqr(rounding * rounded);
 }

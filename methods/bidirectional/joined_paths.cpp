@@ -16,7 +16,7 @@ namespace gib {
 
 namespace {
 
-/// What the estimates of a pass share.
+/// The data of one pass, which the estimates of all pixels share.
 struct PassOfPaths {
     const LightPaths& paths;
     JoinedPathsSettings settings;
