@@ -218,7 +218,7 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
     add_light_sampling(plan, settings.max_edges);
     plan.add(std::string(pass_connections), used.connections && settings.max_edges >= 3,
              used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
-                              : "connections=off");
+                              : "connections are turned off");
 }
 
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,

@@ -5,7 +5,7 @@
 //
 //     r_(i+1)^n = r_i^n (i + alpha) / (i + 1),   i = 1, 2, ...,   0 < alpha < 1
 //
-// (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", equations 10 and 20), so r_i^n falls as
+// (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach"), so r_i^n falls as
 // i^(alpha - 1). The variance of pass i grows as 1 / r_i^n, and its bias falls as r_i^2. The mean over N passes has the
 // variance O(N^-alpha) and the bias O(N^-(1 - alpha)) on surfaces, O(N^-(2/3) (1 - alpha)) in media.
 

@@ -8,7 +8,7 @@
 // heuristic of exponent 2 is p_s^2 / sum over j of p_j^2 (Veach 1997, sections 9.2 and 10.2). Where photons are merged,
 // both walks sample x_i, and the density is f_0 ... f_i b_i ... b_k n_i: n_i is the expected number of photons that
 // the vertex is merged with for each photon per area (or volume) there, N pi r^2 with N light paths (Georgiev 2012,
-// "Light Transport Simulation with Vertex Connection and Merging", equation 7). The sum needs no list of densities:
+// "Light Transport Simulation with Vertex Connection and Merging"). The sum needs no list of densities:
 // each walk carries it along in two numbers, which are updated from vertex to vertex. Source: Georgiev 2012,
 // "Implementing Vertex Connection and Merging", whose names d_VCM and d_VC the numbers have; they hold squares here. The
 // third number there, d_VM, is d_VC / n^2.
