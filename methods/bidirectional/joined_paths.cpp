@@ -187,8 +187,10 @@ private:
         const WalkSettings walk{pass_.settings.max_edges, false, follows_specular_};
         const SeenPlaces seen = seen_places(scene_, walk, seed_, rays_);
         const auto radius = [&](const std::vector<Vec3>& places, bool on_surfaces) {
-            return first_radius(map.vertices(), places, vertices_at_start, on_surfaces ? 2 : 3, scene_.diagonal(),
-                                [&](const LightVertex& vertex) { return vertex.on_surface == on_surfaces; });
+            return first_radius(map.vertices(), places, most_merged, on_surfaces ? 2 : 3, scene_.diagonal(),
+                                [&](const LightVertex& vertex) {
+                                    return vertex.on_surface == on_surfaces ? double{vertex.power().mean()} : 0;
+                                });
         };
         if (!(first_radius_ > 0)) first_radius_ = radius(seen.on_surfaces, true);
         if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(seen.in_media, false);

@@ -12,7 +12,8 @@
 
 namespace gib {
 
-inline constexpr double vertices_at_start = 0.5;  ///< merged in the first pass, if its radius is found from its paths
+/// Vertices that are merged with one in the mean, if the radius of the first pass is found from its paths.
+inline constexpr double most_merged = 2.5;
 
 /// How vertices are merged over the passes.
 struct MergingSettings {

@@ -27,7 +27,7 @@ namespace gib {
 
 namespace {
 
-constexpr int photons_at_start = 10;  ///< in the median look-up of the first pass
+constexpr double most_photons = 50;  ///< in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
     PhotonMapperSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
@@ -107,8 +107,8 @@ private:
         const SeenPlaces seen = seen_places(scene_, walk_, seed_, rays_);
         const auto radius = [&](double given, const PhotonMap& map, const std::vector<Vec3>& places, int dimensions) {
             if (given > 0) return given * double{scene_.diagonal()};
-            return first_radius(map, places, photons_at_start, dimensions, scene_.diagonal(),
-                                [](const Photon&) { return true; });
+            return first_radius(map, places, most_photons, dimensions, scene_.diagonal(),
+                                [](const Photon& photon) { return double{photon.power().mean()}; });
         };
         first_ = {radius(s.caustic_radius, maps_.caustic, seen.on_surfaces, 2),
                   radius(s.radius, maps_.global, seen.on_surfaces, 2),
@@ -167,16 +167,16 @@ public:
     }
 
 private:
-    /// The numbers of photons that were not given follow the image's size. On the Cornell box with two balls, 256 x 256,
-    /// 8 passes with four photons a pixel reach 5.4 % in 4.1 s; with a fourth of them 16 passes reach 6.6 % in 5.5 s, and
-    /// with four times as many 8 passes reach 5.2 % in 9.4 s.
+    /// The numbers of photons that were not given follow the image's size. Of four scenes (lamp-in-glass, metal-ring,
+    /// glass-sphere, cornell-glass, 256 x 256, 12 to 17 s) three need 1.3 to 1.5 times as long for an error with four
+    /// photons a pixel, the last as long.
     ProgressiveSettings settings_for(const Scene& scene) const {
         ProgressiveSettings s = settings_;
         const auto pixels =
             static_cast<std::uint64_t>(scene.sensor().width()) * static_cast<std::uint64_t>(scene.sensor().height());
         constexpr std::uint64_t fewest = 10000, most = 250000;
         for (std::uint64_t* photons : {&s.maps.photons, &s.maps.caustic_photons, &s.maps.volume_photons})
-            if (*photons == 0) *photons = std::clamp(4 * pixels, fewest, most);
+            if (*photons == 0) *photons = std::clamp(pixels, fewest, most);
         return s;
     }
 
@@ -210,14 +210,14 @@ std::vector<Parameter> progressive_parameters() {
         return integer_parameter(std::move(name), "", "photons", 1, 4e9, std::move(meaning));
     };
     return {
-        photons("photons", "emitted for the global map of a pass; default: four for each pixel, from 1e4 to 2.5e5"),
+        photons("photons", "emitted for the global map of a pass; default: one for each pixel, from 1e4 to 2.5e5"),
         photons("caustic_photons", "emitted for the caustic map of a pass; default: the value of photons"),
         photons("volume_photons", "emitted for the volume map of a pass; default: the value of photons"),
         alpha_parameter(),
         first_pass_parameter(),
-        first_radius_parameter("radius", "in the global map", "10"),
-        first_radius_parameter("caustic_radius", "in the caustic map", "10"),
-        first_radius_parameter("volume_radius", "in the volume map", "10"),
+        first_radius_parameter("radius", "in the global map", "50 photons"),
+        first_radius_parameter("caustic_radius", "in the caustic map", "50 photons"),
+        first_radius_parameter("volume_radius", "in the volume map", "50 photons"),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         disc_area_parameter(),
         projection_parameter(),

@@ -10,7 +10,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t wanted_paths = 1024;
+constexpr std::size_t wanted_paths = 8192;
 constexpr std::uint64_t places_key = 0x72;  ///< keeps these paths apart from those of the passes
 
 /// Keeps the places that one eye path shows.

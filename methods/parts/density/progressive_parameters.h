@@ -19,11 +19,12 @@ inline Parameter first_pass_parameter() {
                              "passes that other runs have made before, whose radii this run goes on to shrink");
 }
 
-/// The radius of the first pass; `where` says of which look-ups, and `wanted` how many photons `auto` asks for.
-inline Parameter first_radius_parameter(std::string name, const std::string& where, const std::string& wanted) {
-    Parameter parameter = number_parameter(std::move(name), "auto", "scene diagonals", 0x1p-40, 1,
-                                           "radius of the first pass " + where + "; auto: that which holds " + wanted +
-                                               " photons where a quarter of what is seen is denser");
+/// The radius of the first pass; `where` says of which look-ups, and `most` how many points `auto` asks for at most.
+inline Parameter first_radius_parameter(std::string name, const std::string& where, const std::string& most) {
+    Parameter parameter =
+        number_parameter(std::move(name), "auto", "scene diagonals", 0x1p-40, 1,
+                         "radius of the first pass " + where + "; auto: that which balances bias and variance, with " +
+                             most + " in the mean look-up at most");
     parameter.choices = {"auto"};
     return parameter;
 }

@@ -14,9 +14,13 @@ using namespace test::lit_rooms;
 using test::expect_same_means;
 using test::room;
 
-const std::vector<std::string> subsets = {
-    "path", "vcm techniques=path_tracing",  "vcm techniques=bidirectional", "vcm techniques=light_tracing",
-    "vcm",  "vcm techniques=photon_mapping"};
+// The radius is given, because a pass of these small images has so few light paths that the one found makes a bias of 5 %.
+const std::vector<std::string> subsets = {"path",
+                                          "vcm techniques=path_tracing",
+                                          "vcm techniques=bidirectional",
+                                          "vcm techniques=light_tracing",
+                                          "vcm radius=0.05",
+                                          "vcm techniques=photon_mapping radius=0.05"};
 
 TEST(VcmSubsets, AgreeUnderLamps) { expect_same_means(room({.light = lamp}), subsets); }
 TEST(VcmSubsets, AgreeUnderDeltaLights) {
