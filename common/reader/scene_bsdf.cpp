@@ -130,6 +130,21 @@ public:
         color("diffuse_reflectance", 0.5f, ColorRange::unit,
               [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
     }
+    /// Whether a parameter that has been read is a texture.
+    bool varies() const { return !parameters_.empty(); }
+    /// Scales both reflectances down if they exceed 1 together, as Mitsuba 0.6 does. Throws InputError if one of them varies.
+    void conserve_energy() {
+        const float sum = (model_.diffuse_reflectance + model_.specular_reflectance).maxCoeff();
+        if (sum <= 1.f + unit_roundoff) return;
+        const SourceLocation& where = properties_.element().where;
+        if (varies())
+            throw InputError(where, "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+        model_.diffuse_reflectance /= sum;
+        model_.specular_reflectance /= sum;
+        properties_.ids().warn(where,
+                               "phong's diffuse_reflectance and specular_reflectance exceed 1 together: both are "
+                               "scaled down");
+    }
     Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
 
 private:
@@ -148,7 +163,7 @@ private:
 
 /// Reads the index of a conductor. Without a material and an index it is a perfect mirror.
 template <typename Model>
-void read_conductor_index(ModelReader<Model>& model) {
+void read_inner_index(ModelReader<Model>& model) {
     Properties& properties = model.properties();
     const std::string material = properties.string("material").value_or("none");
     for (const char* name : {"eta", "k"})
@@ -168,6 +183,19 @@ void read_conductor_index(ModelReader<Model>& model) {
     if (!model->index)
         properties.reject("material", "there is no material '{}'; known are: none, {}", material,
                           fmt::join(conductor_names(), ", "));
+}
+
+/// Reads the index of a conductor relative to what is outside: `ext_eta` is the `extEta` of Mitsuba 0.6, a number or the name of
+/// a dielectric, by which it divides eta and k. Version 3 has no such parameter.
+template <typename Model>
+void read_conductor_index(ModelReader<Model>& model) {
+    read_inner_index(model);
+    Properties& properties = model.properties();
+    const auto outside = static_cast<float>(parse_index(properties, "ext_eta", "vacuum"));
+    if (outside == 1.f || !model->index) return;
+    if (model.varies()) properties.reject("ext_eta", "'ext_eta' needs an 'eta' and a 'k' that are no textures");
+    model->index->eta /= outside;
+    model->index->k /= outside;
 }
 
 /// Reads `distribution`, and `sample_visible`, which changes no image.
@@ -273,10 +301,7 @@ void read(ModelReader<Phong>& model) {
         "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
     model.diffuse_reflectance();
     model.reflectance(0.2f);
-    // Two textures may reach their bounds at different places; such a pair is refused although it might be valid.
-    if (!((model->diffuse_reflectance + model->specular_reflectance) <= 1.f + unit_roundoff).all())
-        throw InputError(model.properties().element().where,
-                         "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
+    model.conserve_energy();
 }
 
 template <typename Model>

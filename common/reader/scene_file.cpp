@@ -24,11 +24,11 @@ namespace {
 /// Collects the objects of a <scene>.
 class SceneBuilder {
 public:
-    SceneBuilder(const ExpandedXml& xml, ContentHash& hash)
-        : ids_(xml.root), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
+    SceneBuilder(const ExpandedXml& xml, ContentHash& hash, LoadWarnings& warnings)
+        : ids_(xml.root, warnings), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
     void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
-    void add_bsdf(const NestedObject& bsdf) { material_index(bsdf); }
+    void check_bsdf(const NestedObject& bsdf) { parse_bsdf(bsdf, textures_); }
     void add_medium(const NestedObject& medium) { medium_index(medium); }
     void set_camera_medium(const std::optional<NestedObject>& medium) {
         camera_medium_ = medium ? medium_index(*medium) : no_medium;
@@ -285,31 +285,42 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     ContentHash hash;
     if (options.resolution)
         hash.add(fmt::format("resolution {} x {}", options.resolution->first, options.resolution->second));
-    const ExpandedXml expanded = expand_xml(xml, path, options.parameters, hash);
-    SceneBuilder builder(expanded, hash);
+    LoadWarnings warnings;
+    const ExpandedXml expanded = expand_xml(xml, path, options.parameters, options.folders, hash, warnings);
+    SceneBuilder builder(expanded, hash, warnings);
     Properties scene(expanded.root, builder.ids());
     const auto integrator = scene.object("integrator");
     const auto sensors = scene.objects("sensor");
     const auto bsdfs = scene.objects("bsdf"), shapes = scene.objects("shape"), emitters = scene.objects("emitter"),
                media = scene.objects("medium"), spectra = scene.objects("spectrum"),
                textures = scene.objects("texture");
-    for (const char* part_of_sensor : {"film", "sampler", "rfilter"})
-        scene.objects(part_of_sensor);  // a sensor may refer to them
+    for (const char* part : {"film", "sampler", "rfilter", "phase", "volume"})
+        scene.objects(part);  // a sensor or a medium may refer to them
     scene.finish();
     if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
     const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
-    // Spectra and textures are only checked here; whatever refers to one reads it again. The range of an emission
-    // includes those of all other colours.
-    for (const auto& spectrum : spectra)
+    // Whatever refers to an object reads it. One that nothing refers to is read here, so that its errors are seen.
+    const auto check_unused = [&](const std::vector<NestedObject>& objects, const auto& read) {
+        for (const auto& object : objects) {
+            if (builder.ids().is_used(*object.element)) continue;
+            try {
+                read(object);
+            } catch (const InputError& error) {
+                warnings.add(object.where, fmt::format("nothing refers to this {}, which is left out: {}",
+                                                       object.element->tag, error.what()));
+            }
+        }
+    };
+    check_unused(spectra, [&](const NestedObject& spectrum) {
+        // The range of an emission includes those of all other colours.
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
-    for (const auto& texture : textures)
-        builder.check_texture(texture);
+    });
+    check_unused(textures, [&](const NestedObject& texture) { builder.check_texture(texture); });
+    check_unused(bsdfs, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
     for (const auto& medium : media)
-        builder.add_medium(medium);
+        if (builder.ids().is_used(*medium.element)) builder.add_medium(medium);
     builder.set_camera_medium(parsed.medium);
-    for (const auto& bsdf : bsdfs)
-        builder.add_bsdf(bsdf);
     for (const auto& shape : shapes)
         builder.add_shape(shape);
     for (const auto& emitter : emitters)
@@ -319,7 +330,8 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
             .scene = std::make_shared<const Scene>(std::move(parts)),
             .sample_count = parsed.sample_count,
             .max_edges = max_edges,
-            .content_hash = hash.hex()};
+            .content_hash = hash.hex(),
+            .warnings = warnings.messages()};
 }
 
 LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gib {
 
@@ -14,6 +15,7 @@ class Scene;
 struct SceneLoadOptions {
     std::map<std::string, std::string> parameters;  ///< values of the file's $parameters (`--set`)
     std::optional<std::pair<int, int>> resolution;  ///< width and height instead of the film's
+    std::vector<std::string> folders = {};          ///< searched for files after the scene's own, the first one first
 };
 
 struct LoadedScene {
@@ -24,6 +26,8 @@ struct LoadedScene {
     /// Hash of everything that the image depends on: XML, includes, meshes, parameters, resolution.
     /// 40 hexadecimal digits.
     std::string content_hash;
+    /// What was changed or left out of the file, each as `file:line:column: message`.
+    std::vector<std::string> warnings;
 };
 
 /// Loads a scene. Of several sensors the first is used, as in Mitsuba. Throws InputError (`file:line:column:

@@ -4,25 +4,32 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 
+#include <algorithm>
 #include <climits>
 
 namespace gib {
 
 namespace {
 
-constexpr double most_samples = 1e9;
+constexpr double most_pixels = 1e9;
 constexpr double largest_coordinate = 1e18;  ///< of the camera's position and axes
 constexpr int deepest_integrator = 8;        ///< an integrator that refers to itself must not recurse for ever
 
 ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
     Properties properties(*filter.element, ids);
-    const std::string& type = properties.plugin({"box", "tent", "gaussian"});
+    const std::string& type = properties.plugin({"box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"});
     const auto parse = [&] {
         const auto length = [&](const char* name, double fallback) {
             return static_cast<float>(properties.positive(name, fallback));
         };
         if (type == "box") return ReconstructionFilter::box(length("radius", 0.5));
         if (type == "tent") return ReconstructionFilter::tent(length("radius", 1));
+        if (type != "gaussian") {
+            // Pixels are sampled by the filter, which must not be negative therefore.
+            ids.warn(filter.where, fmt::format("the filter '{}' has negative lobes: gaussian stands in for it", type));
+            for (const char* name : {"A", "B", "a", "b", "lobes"})
+                properties.number(name);
+        }
         return ReconstructionFilter::gaussian(length("stddev", 0.5));
     };
     const ReconstructionFilter result = parse();
@@ -62,32 +69,29 @@ void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resol
     sensor.height = height;
 }
 
+/// Reads the size of the image, its window and its filter from a film of any name. The rest says what Mitsuba does with the
+/// image, which is the program's here.
 void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters& sensor) {
     Properties properties(*film.element, ids);
-    properties.plugin({"hdrfilm"});
+    const std::string& type = film.element->required("type").value;
+    constexpr std::string_view known[] = {"hdrfilm",  "ldrfilm", "tiledhdrfilm", "mfilm",
+                                          "specfilm", "exrfilm", "pngfilm"};
+    if (std::find(std::begin(known), std::end(known), type) == std::end(known))
+        ids.warn(film.where, fmt::format("film '{}': only its size, its window and its filter are read", type));
     sensor.width = properties.integer("width", 1).value_or(sensor.width);
     sensor.height = properties.integer("height", 1).value_or(sensor.height);
-    // These options describe the file that Mitsuba writes. They are checked but have no effect here.
-    properties.choice("pixel_format", "rgb", {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"});
-    properties.choice("component_format", "float16", {"float16", "float32", "uint32"});
-    properties.choice("file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"});
-    properties.boolean("sample_border", false);
-    properties.boolean("compensate", false);
-    properties.boolean("banner", false);
     parse_crop(properties, sensor);
     if (const auto filter = properties.object("rfilter")) sensor.filter = parse_filter(*filter, ids);
-    properties.finish();
+    properties.warn_of_unread({"pixel_format", "component_format", "file_format", "sample_border", "high_quality_edges",
+                               "compensate", "banner", "gamma", "exposure", "key", "burn", "tonemap_method",
+                               "attach_log", "alpha", "digits", "variable"});
 }
 
+/// The number of samples that a sampler of any name asks for. Methods draw their numbers in their own way.
 std::optional<int> parse_sampler(const NestedObject& sampler, const XmlIds& ids) {
     Properties properties(*sampler.element, ids);
-    const std::string& type =
-        properties.plugin({"independent", "stratified", "multijitter", "orthogonal", "ldsampler"});
     const auto sample_count = properties.integer("sample_count", 1);
-    properties.integer("seed", INT_MIN);
-    if (type == "stratified" || type == "multijitter" || type == "orthogonal") properties.boolean("jitter", true);
-    if (type == "orthogonal") properties.integer("strength", 1);
-    properties.finish();
+    properties.warn_of_unread({"seed", "jitter", "strength", "dimension", "scramble", "depth"});
     return sample_count;
 }
 
@@ -164,13 +168,18 @@ bool has_sound_rays(const Sensor& sensor) {
 int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
     if (depth == deepest_integrator) throw InputError(integrator.where, "integrators are nested too deeply");
     Properties properties(*integrator.element, ids);
-    const std::string& type =
-        properties.plugin({"path", "direct", "volpath", "volpathmis", "ptracer", "prb", "prb_basic", "prbvolpath",
-                           "direct_projective", "prb_projective", "aov", "moment", "stokes", "depth"});
+    const std::string& type = integrator.element->required("type").value;
     if (properties.boolean("hide_emitters", false))
         properties.reject("hide_emitters", "'hide_emitters' is not supported yet");
     if (type == "direct" || type == "direct_projective") return 2;
     const auto max_depth = properties.integer("max_depth", -1);
+    constexpr std::string_view known[] = {
+        "path",       "direct", "volpath", "volpathmis",        "ptracer",        "prb",    "prb_basic",
+        "prbvolpath", "aov",    "moment",  "direct_projective", "prb_projective", "stokes", "depth"};
+    if (std::find(std::begin(known), std::end(known), type) == std::end(known))
+        ids.warn(integrator.where,
+                 fmt::format("integrator '{}': the method is chosen by its name here; {}", type,
+                             max_depth ? "only max_depth is taken from it" : "nothing is taken from it"));
     if (max_depth) return *max_depth < 0 ? INT_MAX : *max_depth;
     const auto nested = properties.objects("integrator");
     return nested.empty() ? INT_MAX : max_edges_of(nested[0], ids, depth + 1);
@@ -206,11 +215,9 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     if (resolution) set_resolution(parameters, *resolution);
     const auto sample_count = sampler ? parse_sampler(*sampler, ids) : std::nullopt;
     properties.finish();
-    const double samples = 1.0 * parameters.width * parameters.height * sample_count.value_or(1);
-    if (samples > most_samples)
-        reject(film ? film->where : sensor.where,
-               "an image of {} x {} pixels with {} samples each is above {:g} samples", parameters.width,
-               parameters.height, sample_count.value_or(1), most_samples);
+    if (1.0 * parameters.width * parameters.height > most_pixels)
+        reject(film ? film->where : sensor.where, "an image of {} x {} pixels is above {:g} pixels", parameters.width,
+               parameters.height, most_pixels);
     const Sensor result(parameters);
     if (!has_sound_rays(result))
         throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");

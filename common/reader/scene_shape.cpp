@@ -2,6 +2,7 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
+#include "common/mesh_files/smooth_angle.h"
 
 namespace gib {
 
@@ -126,6 +127,7 @@ ParsedCylinder parse_cylinder(Properties& properties, const Mat4d& to_world) {
 
 struct MeshOptions {
     bool face_normals, flip_normals, flip_v;
+    std::optional<double> smooth_angle = {};  ///< [degrees]
 };
 
 /// Applies the options of every mesh file, in Mitsuba's order. Normals that the file lacks are computed unless face
@@ -138,7 +140,8 @@ ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d&
     if (options.face_normals) mesh.data.normals.clear();
     if (!mesh.data.normals.empty() && mirrors(to_world)) keep_front_of_normals(mesh);
     transform_mesh(mesh.data, to_world);
-    if (!options.face_normals) compute_normals(mesh.data);
+    if (options.smooth_angle) compute_normals_between_creases(mesh.data, *options.smooth_angle);
+    else if (!options.face_normals) compute_normals(mesh.data);
     return mesh;
 }
 
@@ -149,6 +152,9 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
     const std::string name = properties.required_string("filename");
     MeshOptions options{properties.boolean("face_normals", false), properties.boolean("flip_normals", false),
                         !is_serialized && properties.boolean("flip_tex_coords", type == "obj")};
+    if (properties.has("max_smooth_angle")) options.smooth_angle = properties.within("max_smooth_angle", 0, 0, 180);
+    properties.declare("max_smooth_angle");
+    properties.exclude("max_smooth_angle", "face_normals");
     const int index = is_serialized ? properties.integer("shape_index", 0).value_or(0) : 0;
     const std::string path = files.find(name, properties.element_where("filename"));
     const std::string content = read_file(path);

@@ -1,12 +1,12 @@
 #include "common/xml/xml_expansion.h"
 
 #include "common/core/reject.h"
+#include "common/xml/xml_upgrade.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <filesystem>
-#include <set>
 
 namespace gib {
 
@@ -75,13 +75,6 @@ private:
     std::set<std::string> known_;
 };
 
-void check_version(const XmlElement& root) {
-    const XmlAttribute& version = root.required("version");
-    const std::string major = version.value.substr(0, version.value.find('.'));
-    if (major != "2" && major != "3")
-        reject(version.where, "version '{}' is not supported: only 2.x and 3.x", version.value);
-}
-
 /// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
 /// either tag. Here <spectrum> is for those that are the same everywhere and <texture> for those that vary.
 void unify_texture_tag(XmlElement& element) {
@@ -96,14 +89,14 @@ void unify_texture_tag(XmlElement& element) {
 
 class Expander {
 public:
-    Expander(FileFinder& files, Parameters& parameters, ContentHash& hash)
-        : files_(files), parameters_(parameters), hash_(hash) {}
+    Expander(FileFinder& files, Parameters& parameters, ContentHash& hash, LoadWarnings& warnings)
+        : files_(files), parameters_(parameters), hash_(hash), warnings_(warnings) {}
 
     XmlElement expand_main(const std::string& text, const std::string& path) {
         hash_.add(text);
         XmlElement root = parse_xml(text, path);
         if (root.tag != "scene") reject(root.where, "the root element must be <scene>, not <{}>", root.tag);
-        check_version(root);
+        version_ = parse_version(root.required("version"));
         root.check_attributes({"version", "id"});
         expand_children(root, 0);
         return root;
@@ -131,6 +124,7 @@ private:
         } else {
             if (element.tag == "spectrum") find_spectrum_file(element);
             expand_children(element, depth);
+            upgrade_element(element, version_, warnings_);
             target.push_back(std::move(element));
         }
     }
@@ -171,11 +165,13 @@ private:
         const std::string text = read_file(path);
         hash_.add(text);
         XmlElement root = parse_xml(text, path);
-        if (root.find("version")) check_version(root);
+        const SceneVersion outer = version_;
+        if (const XmlAttribute* version = root.find("version")) version_ = parse_version(*version);
         folders_.insert(folders_.begin(), std::filesystem::path(path).parent_path().string());
         if (root.tag == "scene") include_children(target, root, element, depth);
         else include_object(target, root, element, depth);
         folders_.erase(folders_.begin());
+        version_ = outer;
     }
 
     void include_children(std::vector<XmlElement>& target, XmlElement& root, const XmlElement& include, int depth) {
@@ -198,6 +194,8 @@ private:
     FileFinder& files_;
     Parameters& parameters_;
     ContentHash& hash_;
+    LoadWarnings& warnings_;
+    SceneVersion version_;              ///< of the file that is read
     std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
 };
 
@@ -235,6 +233,15 @@ void XmlIds::collect(const XmlElement& element) {
     }
 }
 
+void XmlIds::collect_uses(const XmlElement& element) {
+    for (const auto& child : element.children) {
+        const XmlAttribute* id = child.tag == "ref" ? child.find("id") : nullptr;
+        const auto object = id ? objects_.find(id->value) : objects_.end();
+        if (object != objects_.end()) used_.insert(object->second);
+        collect_uses(child);
+    }
+}
+
 void XmlIds::insert(const std::string& id, const XmlElement& object, const SourceLocation& where) {
     const auto [it, is_new] = objects_.emplace(id, &object);
     if (is_new) return;
@@ -250,12 +257,15 @@ const XmlElement& XmlIds::resolve(const XmlElement& ref) const {
 }
 
 ExpandedXml expand_xml(const std::string& text, const std::string& path,
-                       const std::map<std::string, std::string>& parameters, ContentHash& hash) {
+                       const std::map<std::string, std::string>& parameters, const std::vector<std::string>& folders,
+                       ContentHash& hash, LoadWarnings& warnings) {
     for (const auto& [name, value] : parameters)
         hash.add(fmt::format("parameter {}={}", name, value));
     FileFinder files(std::filesystem::path(path).parent_path().string());
+    for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
+        files.add_path(*folder);  // the first is searched first
     Parameters values(parameters);
-    XmlElement root = Expander(files, values, hash).expand_main(text, path);
+    XmlElement root = Expander(files, values, hash, warnings).expand_main(text, path);
     values.check_all_known(path);
     return {std::move(root), std::move(files)};
 }

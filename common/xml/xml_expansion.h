@@ -3,9 +3,11 @@
 // <ref> and <alias>.
 
 #include "common/core/files.h"
+#include "common/xml/load_warnings.h"
 #include "common/xml/xml_document.h"
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,19 +28,30 @@ private:
     std::vector<std::string> paths_;
 };
 
-/// The objects of a scene by their id.
+/// The objects of a scene by their id, and the warnings of whoever reads them.
 class XmlIds {
 public:
-    /// Throws InputError for an id that is given twice and for an alias of an unknown one.
-    explicit XmlIds(const XmlElement& root) { collect(root); }
+    /// Both arguments must outlive this object. Throws InputError for an id that is given twice and for an alias of an
+    /// unknown one.
+    XmlIds(const XmlElement& root, LoadWarnings& warnings) : warnings_(warnings) {
+        collect(root);
+        collect_uses(root);
+    }
+    void warn(const SourceLocation& where, const std::string& message) const { warnings_.add(where, message); }
     /// The object that a <ref> means. Throws InputError at the reference if there is none.
     const XmlElement& resolve(const XmlElement& ref) const;
+    /// Whether a <ref> means the object.
+    bool is_used(const XmlElement& object) const { return used_.contains(&object); }
 
 private:
     void collect(const XmlElement& element);
     void insert(const std::string& id, const XmlElement& object, const SourceLocation& where);
 
+    void collect_uses(const XmlElement& element);
+
+    LoadWarnings& warnings_;
     std::map<std::string, const XmlElement*> objects_;
+    std::set<const XmlElement*> used_;
 };
 
 struct ExpandedXml {
@@ -47,10 +60,12 @@ struct ExpandedXml {
     FileFinder files;
 };
 
-/// Expands the scene in `text`. `parameters` replace the defaults; all files that are read are added to `hash`.
-/// Throws InputError for a parameter without a value, for one of `parameters` that the file does not know, and for a
-/// missing or circular include.
+/// Expands the scene in `text`, and upgrades it if its version is old (xml_upgrade.h). `parameters` replace the defaults;
+/// files are searched for in `folders` after that of `path`; all files that are read are added to `hash`. Throws InputError for
+/// a parameter without a value, for one of `parameters` that the file does not know, and for a missing or circular
+/// include.
 ExpandedXml expand_xml(const std::string& text, const std::string& path,
-                       const std::map<std::string, std::string>& parameters, ContentHash& hash);
+                       const std::map<std::string, std::string>& parameters, const std::vector<std::string>& folders,
+                       ContentHash& hash, LoadWarnings& warnings);
 
 }  // namespace gib

@@ -264,4 +264,15 @@ void Properties::finish() const {
     }
 }
 
+void Properties::warn_of_unread(std::initializer_list<std::string_view> expected) const {
+    for (const auto& property : properties_) {
+        if (property.read || std::find(expected.begin(), expected.end(), property.name) != expected.end()) continue;
+        const XmlAttribute* type = element_.find("type");
+        const std::string what =
+            property.is_object ? fmt::format("a <{}>", property.element->tag) : fmt::format("'{}'", property.name);
+        ids_.warn(property.where,
+                  fmt::format("{} '{}': {} has no effect", element_.tag, type ? type->value : "", what));
+    }
+}
+
 }  // namespace gib

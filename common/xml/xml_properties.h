@@ -47,6 +47,11 @@ public:
     /// The place of a property's element; the property must be given.
     const SourceLocation& element_where(const std::string& name) const { return find(name)->where; }
 
+    /// Adds a warning, put together from a message and its arguments, at the value of `name`.
+    template <typename... Args>
+    void warn(const std::string& name, fmt::format_string<Args...> message, Args&&... args) const {
+        ids_.warn(where(name), fmt::format(message, std::forward<Args>(args)...));
+    }
     /// Throws InputError, put together from a message and its arguments, at the value of `name`.
     template <typename... Args>
     [[noreturn]] void reject(const std::string& name, fmt::format_string<Args...> message, Args&&... args) const {
@@ -105,6 +110,9 @@ public:
 
     /// Throws InputError for the first property or object that was not asked for, and lists those that were.
     void finish() const;
+    /// In place of finish(), where what was not asked for changes no image: warns that it has no effect, unless its name
+    /// is among `expected`, which are Mitsuba's.
+    void warn_of_unread(std::initializer_list<std::string_view> expected) const;
 
 private:
     struct Property {

@@ -21,9 +21,10 @@ using nlohmann::json;
 
 static auto json_fields(RecordOf<CellRequest> auto& r) {
     return std::tuple(JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution},
-                      JsonField{"scene_hash", r.scene_hash}, JsonField{"method", r.method}, JsonField{"seed", r.seed},
-                      JsonField{"seconds", r.budget.seconds}, JsonField{"passes", r.budget.passes},
-                      JsonField{"threads", r.threads}, JsonField{"work_folder", r.work_folder});
+                      JsonField{"folders", r.folders}, JsonField{"scene_hash", r.scene_hash},
+                      JsonField{"method", r.method}, JsonField{"seed", r.seed}, JsonField{"seconds", r.budget.seconds},
+                      JsonField{"passes", r.budget.passes}, JsonField{"threads", r.threads},
+                      JsonField{"work_folder", r.work_folder});
 }
 
 static auto json_fields(RecordOf<CellTiming> auto& timing) {
@@ -38,7 +39,7 @@ namespace {
 void measure_request(const CellRequest& request) {
     using clock = std::chrono::steady_clock;
     const auto load_start = clock::now();
-    const LoadedScene loaded = load_scene(request.scene_path, {{}, request.resolution});
+    const LoadedScene loaded = load_scene(request.scene_path, {{}, request.resolution, request.folders});
     const double load_seconds = std::chrono::duration<double>(clock::now() - load_start).count();
     if (loaded.content_hash != request.scene_hash)
         throw RunError(fmt::format("the scene '{}' was changed while the experiment ran", request.scene_path));

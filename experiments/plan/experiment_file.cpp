@@ -35,6 +35,17 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
     }
 }
 
+/// Reads folders, which are relative to the experiment file.
+void read_paths(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+    namespace fs = std::filesystem;
+    for (const auto& folder : reader.filled_array(node, "paths", "folders")) {
+        const fs::path path = fs::path(experiment.path).parent_path() / reader.string(folder, "paths");
+        if (std::error_code error; !fs::is_directory(path, error))
+            reject(reader.at(folder), "there is no folder '{}'", path.string());
+        experiment.paths.push_back(path.string());
+    }
+}
+
 void read_resolution(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
     const auto& sizes = reader.filled_array(node, "resolution", "two numbers: width and height");
     if (sizes.size() != 2)
@@ -118,7 +129,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     const TomlReader reader(text, path);
     const auto& root = reader.root();
     reader.check_keys(root, "an experiment",
-                      {"title", "scenes", "resolution", "seeds", "epsilon", "budget", "reference", "method"});
+                      {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "reference", "method"});
     Experiment experiment;
     experiment.path = path;
     experiment.text = text;
@@ -128,6 +139,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     const auto* scenes = root.get("scenes");
     if (!scenes) throw InputError({path}, "an experiment needs 'scenes', a list of scene files");
     read_scenes(reader, *scenes, experiment);
+    if (const auto* paths = root.get("paths")) read_paths(reader, *paths, experiment);
     if (const auto* resolution = root.get("resolution")) read_resolution(reader, *resolution, experiment);
     if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, most_seeds);
     if (const auto* epsilon = root.get("epsilon")) {

@@ -43,6 +43,7 @@ struct Experiment {
     std::string text;  ///< the whole file
     std::string title;
     std::vector<ExperimentScene> scenes;
+    std::vector<std::string> paths;  ///< folders that are searched for the scenes' files, as the program opens them
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
     int seeds = 1;                                  ///< number of seeds, which are 1 to this
     double epsilon = default_epsilon;               ///< of relative errors [radiance^2]

@@ -42,10 +42,16 @@ void add_threads(CLI::App* command, int& threads) {
         ->check(CLI::Range(1, most_threads));
 }
 
-void add_set(CLI::App* command, std::map<std::string, std::string>& parameters) {
-    const auto set = [&parameters](const std::vector<std::string>& texts) { parameters = assignments(texts); };
+/// The options that say how a scene is loaded.
+void add_loading(CLI::App* command, SceneLoadOptions& loading) {
+    const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
     command
         ->add_option_function<std::vector<std::string>>("--set", set, "NAME=VALUE: sets a $parameter of the scene file")
+        ->take_all()
+        ->allow_extra_args(false);
+    command
+        ->add_option("-a", loading.folders,
+                     "DIR: searched for the scene's files after the scene's own folder; several are searched in turn")
         ->take_all()
         ->allow_extra_args(false);
 }
@@ -108,7 +114,7 @@ void add_render(CLI::App& app, Action& action) {
         ->required();
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the image (EXR)")->required();
     command->footer("Methods and their parameters:\n" + parameter_help());
     perform_with(options, command, action, [](const auto& o) { return render(o, std::cout); });
@@ -126,7 +132,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
     command->add_option("--epsilon", options->epsilon, "epsilon of the relative error (default 0.01)");
     add_threads(command, options->threads);
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
     perform_with(options, command, action, [](const auto& o) { return make_reference_file(o, std::cout); });
 }
@@ -164,7 +170,7 @@ void add_compare(CLI::App& app, Action& action) {
 void add_plan(CLI::App& app, Action& action) {
     struct Options {
         std::string scene, method;
-        std::map<std::string, std::string> parameters;
+        SceneLoadOptions loading;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
@@ -172,9 +178,9 @@ void add_plan(CLI::App& app, Action& action) {
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     perform_with(options, command, action,
-                 [](const auto& o) { return print_plan(o.scene, o.method, o.parameters, std::cout); });
+                 [](const auto& o) { return print_plan(o.scene, o.method, o.loading, std::cout); });
 }
 
 void add_list(CLI::App& app, Action& action) {

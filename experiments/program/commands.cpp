@@ -2,7 +2,6 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
-#include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/plan/reference_methods.h"
@@ -48,6 +47,12 @@ void warn_of(const std::vector<std::string>& damage) {
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
+LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
+    LoadedScene loaded = load_scene(scene, loading);
+    warn_of(loaded.warnings);
+    return loaded;
+}
+
 /// Throws InputError if references were made but none can be read: the tables would have no rows and replace those
 /// that have. A run that has made no reference yet is accepted, because it has no tables to lose.
 void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
@@ -77,7 +82,7 @@ void check_writable(const std::string& path) {
 int render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     check_writable(options.out);
-    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const LoadedScene loaded = loaded_with_warnings(options.scene, options.loading);
     const auto method = chosen.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
@@ -128,7 +133,7 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     ReferenceGoal goal{std::nullopt, options.seconds};
     if (options.target) goal.target = parse_target(*options.target);
     if (!goal.target && !goal.seconds) goal.target = parse_target("1%");
-    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const LoadedScene loaded = loaded_with_warnings(options.scene, options.loading);
     const InterruptGuard guard;
     ProgressLine progress;
     FinishedReference finished;
@@ -149,14 +154,16 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     return 0;
 }
 
-int print_plan(const std::string& scene, const std::string& method,
-               const std::map<std::string, std::string>& parameters, std::ostream& out) {
+int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading,
+               std::ostream& out) {
     std::vector<ConfiguredMethod> chosen;
     if (method.empty())
         for (const auto& name : names_of_comparable_methods())
             chosen.emplace_back(MethodLabel{name, {}});
     else chosen.emplace_back(MethodLabel::parse(method));
-    const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    const LoadedScene loaded = load_scene(scene, loading);
+    for (const auto& warning : loaded.warnings)
+        out << "warning: " << warning << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {

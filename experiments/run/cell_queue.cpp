@@ -135,6 +135,8 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         if (options.repeat) options.repeat->check_scene(entry, loaded.content_hash);
         progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+        for (const auto& warning : loaded.warnings)
+            progress_.message("warning: " + warning);
         plan_methods(loaded);
         scenes_.push_back({.entry = entry, .content_hash = loaded.content_hash, .sample_count = loaded.sample_count});
     }
@@ -164,7 +166,7 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
 }
 
 LoadedScene ExperimentRun::load(const ExperimentScene& entry) const {
-    return load_scene(entry.path, {{}, experiment_.resolution});
+    return load_scene(entry.path, {{}, experiment_.resolution, experiment_.paths});
 }
 
 void ExperimentRun::plan_methods(const LoadedScene& scene) {
@@ -364,6 +366,7 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     const WorkFolder work(folder_.work_folder(cell.name));
     const CellRequest request{.scene_path = cell.scene->entry.path,
                               .resolution = experiment_.resolution,
+                              .folders = experiment_.paths,
                               .scene_hash = cell.identity.scene_hash,
                               .method = cell.identity.method,
                               .seed = cell.identity.seed,

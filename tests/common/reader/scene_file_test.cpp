@@ -175,7 +175,7 @@ TEST(SceneFile, ShapesWithoutAMaterialAreGreyAndLightsBlack) {
 
 TEST(SceneFile, MaterialsKeepMitsubasDefaults) {
     const auto bsdf = [](const std::string& xml) {
-        return *load("<bsdf id=\"x\" " + xml + ball).scene->materials()[0].constant();
+        return *load("<shape type=\"sphere\"><bsdf " + xml + "</shape>").scene->materials()[0].constant();
     };
     const auto eta_of = [](const Bsdf& b) {
         const auto s = b.sample_local(Vec3(0, 0, 1), Vec2(0.999f, 0.5f), Vec2(0.5f, 0.5f), Transport::power);

@@ -11,6 +11,7 @@
 namespace gib {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -217,9 +218,8 @@ TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
     const auto filter = [](const std::string& body) {
         return error_of("<sensor type=\"perspective\">" + film(4, "\n" + body) + "</sensor>");
     };
-    EXPECT_THAT(
-        filter("<rfilter type=\"catmullrom\"/>"),
-        StartsWith("t.xml:3:10: the rfilter 'catmullrom' is not supported; supported are: box, tent, gaussian"));
+    EXPECT_THAT(filter("<rfilter type=\"sinc\"/>"),
+                StartsWith("t.xml:3:10: the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"));
     EXPECT_THAT(filter("<rfilter type=\"tent\"><float name=\"radius\" value=\"0\"/></rfilter>"),
                 StartsWith("t.xml:3:43: 'radius' must be above 0"));
     EXPECT_THAT(filter("<rfilter type=\"tent\"><float name=\"stddev\" value=\"1\"/></rfilter>"),
@@ -231,9 +231,34 @@ TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
     EXPECT_THAT(error_of("<sensor type=\"perspective\">\n<sampler type=\"independent\"><integer name=\"sample_count\" "
                          "value=\"0\"/></sampler></sensor>"),
                 StartsWith("t.xml:3:58: 'sample_count' must be between 1 and"));
-    EXPECT_THAT(error_of("<sensor type=\"perspective\"/><integrator type=\"moment\">\n<integrator type=\"pssmlt\"/>"
-                         "</integrator>"),
-                StartsWith("t.xml:3:13: the integrator 'pssmlt' is not supported"));
+}
+
+// Films, samplers and integrators of any name are taken for what counts here; a warning says what does not.
+TEST(SceneSensor, WarnsOfWhatHasNoEffect) {
+    const auto warnings = [](const std::string& body) {
+        return load("<sensor type=\"perspective\">" + body + "</sensor>").warnings;
+    };
+    EXPECT_THAT(warnings(film(4, "<rfilter type=\"lanczos\"/><float name=\"gain\" value=\"2\"/>")),
+                ElementsAre("t.xml:1:161: the filter 'lanczos' has negative lobes: gaussian stands in for it",
+                            "t.xml:1:186: film 'hdrfilm': 'gain' has no effect"));
+    EXPECT_THAT(warnings("<film type=\"newfilm\"/>"),
+                ElementsAre("t.xml:1:73: film 'newfilm': only its size, its window and its filter are read"));
+    EXPECT_THAT(warnings("<sampler type=\"halton\"><integer name=\"scramble\" value=\"1\"/><float name=\"x\" "
+                         "value=\"1\"/></sampler>"),
+                ElementsAre("t.xml:1:132: sampler 'halton': 'x' has no effect"));
+    const auto moments = load(
+        "<sensor type=\"perspective\"/><integrator type=\"moment\"><integrator type=\"pssmlt\"><integer "
+        "name=\"max_depth\" value=\"3\"/></integrator></integrator>");
+    EXPECT_EQ(moments.max_edges, 3);
+    EXPECT_THAT(moments.warnings, ElementsAre(HasSubstr("integrator 'pssmlt'")));
+}
+
+// A warning comes once, however often its cause does.
+TEST(SceneSensor, WarnsOnce) {
+    const std::string body = film(4, "<rfilter type=\"lanczos\"/>");
+    const auto scene =
+        load("<sensor type=\"perspective\">" + body + "</sensor><sensor type=\"perspective\">" + body + "</sensor>");
+    EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
 }  // namespace

@@ -39,8 +39,10 @@ protected:
     /// The reflectance of the first bsdf of `body`, which starts on line 2.
     Parsed parse(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
         ContentHash hash;
-        const ExpandedXml xml = expand_xml("<scene version=\"3.0.0\">\n" + body + "</scene>", main_, {}, hash);
-        const XmlIds ids(xml.root);
+        LoadWarnings warnings;
+        const ExpandedXml xml =
+            expand_xml("<scene version=\"3.0.0\">\n" + body + "</scene>", main_, {}, {}, hash, warnings);
+        const XmlIds ids(xml.root, warnings);
         TextureFiles files(xml.files, hash, ids);
         const auto bsdf = std::find_if(xml.root.children.begin(), xml.root.children.end(),
                                        [](const XmlElement& e) { return e.tag == "bsdf"; });

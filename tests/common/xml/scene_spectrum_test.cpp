@@ -20,7 +20,8 @@ using ::testing::StartsWith;
 
 Color color_of(const std::string& spectrum, ColorRange range) {
     const XmlElement root = parse_xml("<scene>" + spectrum + "</scene>", "t.xml");
-    return parse_spectrum(root.children[0], XmlIds(root), "x", range);
+    LoadWarnings warnings;
+    return parse_spectrum(root.children[0], XmlIds(root, warnings), "x", range);
 }
 
 Color color_of_list(const std::string& list, ColorRange range) {
