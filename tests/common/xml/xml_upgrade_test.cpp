@@ -1,11 +1,12 @@
 // Scenes of Mitsuba 0.3 to 1.x. Each is written twice, as its version has it and as version 3 does, and both give the same image
 // bit for bit. What differs is stated in common/xml/xml_upgrade.h.
 
+#include "common/color/srgb.h"
 #include "tests/support/input_error.h"
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
-#include "tests/support/texture_fixtures.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace gib {
@@ -28,6 +29,8 @@ const std::string new_sensor =
     "target='0,0,0' up='0,1,0'/></transform><film type='hdrfilm'><integer name='width' value='12'/><integer "
     "name='height' value='8'/><rfilter type='box'/></film></sensor>";
 const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.5'/></emitter>";
+
+const std::string spots = "<texture type='bitmap'><string name='filename' value='spots.ppm'/></texture>";
 
 /// A ball with a bsdf.
 std::string ball(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>"; }
@@ -108,7 +111,8 @@ std::vector<OldScene> materials() {
                   "<bsdf type='diffuse'><rgb name='reflectance' value='0.2 0.5 0.8'/></bsdf>"),
         with_bsdf("sRGB in hexadecimal digits",
                   "<bsdf type='diffuse'><srgb name='reflectance' value='#ff8000'/></bsdf>",
-                  "<bsdf type='diffuse'><rgb name='reflectance' value='1 0.2158605 0'/></bsdf>"),
+                  "<bsdf type='diffuse'><rgb name='reflectance' value='1 " +
+                      fmt::format("{}", linear_from_srgb(128.f / 255)) + " 0'/></bsdf>"),
         with_bsdf(
             "checkerboard",
             "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'><float name='uscale' "
@@ -136,12 +140,13 @@ std::vector<OldScene> materials() {
                   "value='0.1,0.4,0.2'/><boolean name='nonlinear' value='true'/></bsdf>",
                   "<bsdf type='roughplastic'><float name='alpha' value='0.2'/><rgb name='diffuse_reflectance' "
                   "value='0.1,0.4,0.2'/><boolean name='nonlinear' value='true'/></bsdf>"),
-        with_bsdf(
-            "bump map of 0.6",
-            "<bsdf type='bumpmap'><texture type='scale'><float name='scale' value='0.05'/><texture "
-            "type='checkerboard'><float name='uscale' value='9'/></texture></texture><bsdf type='diffuse'/></bsdf>",
-            "<bsdf type='bumpmap'><texture type='checkerboard'><transform name='to_uv'><scale "
-            "x='9'/></transform></texture><float name='scale' value='0.05'/><bsdf type='diffuse'/></bsdf>"),
+        with_bsdf("bump map of 0.6",
+                  "<bsdf type='bumpmap'><texture type='scale'><float name='scale' value='0.05'/><texture "
+                  "type='bitmap'><string name='filename' value='spots.ppm'/><float name='uscale' "
+                  "value='3'/></texture></texture><bsdf type='diffuse'/></bsdf>",
+                  "<bsdf type='bumpmap'><texture type='bitmap'><string name='filename' value='spots.ppm'/><transform "
+                  "name='to_uv'><scale x='3'/></transform></texture><float name='scale' value='0.05'/><bsdf "
+                  "type='diffuse'/></bsdf>"),
         with_bsdf("mixture",
                   "<bsdf type='mixturebsdf'><string name='weights' value='0.75, 0.25'/><bsdf type='diffuse'/><bsdf "
                   "type='conductor'/></bsdf>",
@@ -154,8 +159,8 @@ std::vector<OldScene> materials() {
                   "value='0.5'/></bsdf>",
                   {"scaled down"}),
         {"bump map of 0.4", "0.4.1",
-         old_sensor + sky + ball("<bsdf type='bump'><texture type='checkerboard'/><bsdf type='diffuse'/></bsdf>"),
-         new_sensor + sky + ball("<bsdf type='bumpmap'><texture type='checkerboard'/><bsdf type='diffuse'/></bsdf>")},
+         old_sensor + sky + ball("<bsdf type='bump'>" + spots + "<bsdf type='diffuse'/></bsdf>"),
+         new_sensor + sky + ball("<bsdf type='bumpmap'>" + spots + "<bsdf type='diffuse'/></bsdf>")},
     };
 }
 
@@ -225,7 +230,10 @@ protected:
             "lamp.xml",
             "<shape version='0.5.0' type='rectangle'><transform name='toWorld'><rotate x='1' angle='90'/><translate "
             "y='2'/></transform><emitter type='area'><spectrum name='radiance' value='3'/></emitter></shape>");
-        test::write_image(folder_ / "spots.png", 4, 4, 3, test::random_values(4, 4, 3), {OIIO::TypeDesc::UINT8});
+        std::string pixels = "P6\n4 4\n255\n";
+        for (int i = 0; i < 48; ++i)
+            pixels += static_cast<char>(5 * i);
+        folder_.write("spots.ppm", pixels);
     }
     LoadedScene load(const std::string& version, const std::string& body) const {
         return parse_scene("<scene version='" + version + "'>" + body + "</scene>", folder_ / "scene.xml");
@@ -255,7 +263,7 @@ TEST_F(OldScenes, HaveTheTexturesOfVersion3) {
     const auto bitmap = [](const std::string& parameters) {
         return ball(
             "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' "
-            "value='spots.png'/>" +
+            "value='spots.ppm'/>" +
             parameters + "</texture></bsdf>");
     };
     const auto expect = [&](const std::string& old_parameters, const std::string& new_parameters,

@@ -85,6 +85,8 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
     const std::string path = "[[method]]\nname = 'path'\n";
     EXPECT_THAT(error_of(start + "sedes = 3\n" + path),
                 AllOf(StartsWith("e.toml:2:1: "), HasSubstr("sedes"), HasSubstr("seeds")));
+    EXPECT_THAT(error_of(start + "paths = ['none']\n" + path),
+                AllOf(StartsWith("e.toml:2:10: "), HasSubstr("there is no folder '" + (folder_ / "none") + "'")));
     EXPECT_THAT(error_of(start + "seeds = 'x'\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
     EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),

@@ -134,6 +134,28 @@ TEST_F(CommandLineTest, PlanSaysWhatRunsAndWhatIsSkipped) {
     EXPECT_THAT(run("plan tiny.xml").out, AllOf(HasSubstr("method: path\n"), HasSubstr("method: photon_mapper\n")));
 }
 
+// Files are found in the folders of -a, and of an experiment's `paths`; what was changed in an old scene is said.
+TEST_F(CommandLineTest, SearchesFoldersAndWarns) {
+    folder_.write("meshes/square.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+    folder_.write(
+        "old.xml",
+        "<scene version='0.6.0'>\n<integrator type='bdpt'/>\n<sensor type='perspective'><film "
+        "type='ldrfilm'><integer name='width' value='4'/><integer name='height' value='4'/></film></sensor><shape "
+        "type='obj'><string name='filename' value='square.obj'/></shape><emitter type='constant'/></scene>");
+    folder_.write("e.toml",
+                  "scenes = ['old.xml']\npaths = ['meshes']\nbudget = { passes = 1 }\n[reference]\ntarget = "
+                  "'60%'\n[[method]]\nname = 'path'\n");
+    const std::string warning = "warning: old.xml:2:1: integrator 'bdpt'";
+    EXPECT_EQ(run("plan old.xml").code, 2);
+    EXPECT_THAT(run("plan old.xml -a nowhere -a meshes").out, StartsWith(warning));
+    const ProgramResult rendered = run("render old.xml -a meshes --method 'path spp=1' -o a.exr");
+    EXPECT_EQ(rendered.code, 0);
+    EXPECT_THAT(rendered.err, HasSubstr(warning));
+    const ProgramResult experiment = run("run e.toml --out r");
+    EXPECT_EQ(experiment.code, 0);
+    EXPECT_THAT(experiment.err, HasSubstr("old.xml:2:1: integrator 'bdpt'"));
+}
+
 TEST_F(CommandLineTest, PlanSaysWhatAMethodCannotSample) {
     const std::string glass = "plan '" + source_path("scenes/cornell-glass.xml") + "' --method ";
     EXPECT_THAT(run(glass + "light_tracer").out, HasSubstr("unresolved: caustic\n"));
