@@ -183,12 +183,20 @@ private:
 
     void find_first_radii(std::uint64_t seed) {
         pass_.settings.used.merging_on_surfaces = pass_.settings.used.merging_in_media = 1;
-        const LightVertexMap map(scene_, paths_, pass_.settings.max_edges, pass_.settings.used, seed, rays_);
+        const std::uint64_t passes = pilot_passes(paths_.count);
+        std::vector<LightVertex> vertices;
+        for (std::uint64_t pass = 0; pass < passes; ++pass) {
+            const LightVertexMap map(scene_, paths_, pass_.settings.max_edges, pass_.settings.used,
+                                     combine_keys(seed, pass), rays_);
+            for (std::size_t i = 0; i < map.vertices().size(); ++i)
+                vertices.push_back(map.vertices()[i]);
+        }
+        const KdTree<LightVertex> tree(vertices);
         const WalkSettings walk{pass_.settings.max_edges, false, follows_specular_};
         const SeenPlaces seen = seen_places(scene_, walk, seed_, rays_);
         const auto radius = [&](const std::vector<Vec3>& places, bool on_surfaces) {
-            return first_radius(map.vertices(), places, most_merged, on_surfaces ? 2 : 3, scene_.diagonal(),
-                                [&](const LightVertex& vertex) {
+            return first_radius(tree, static_cast<double>(passes), places, most_merged, on_surfaces ? 2 : 3,
+                                scene_.diagonal(), [&](const LightVertex& vertex) {
                                     return vertex.on_surface == on_surfaces ? double{vertex.power().mean()} : 0;
                                 });
         };

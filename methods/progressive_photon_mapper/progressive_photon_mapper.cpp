@@ -27,7 +27,8 @@ namespace gib {
 
 namespace {
 
-constexpr double most_photons = 50;  ///< in the mean look-up of the first pass, if its radius is found
+constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
+constexpr double most_photons = 50;        ///< in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
     PhotonMapperSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
@@ -54,8 +55,8 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!plan_.runs(pass_eye_paths)) return Progress::converged;
-        trace_maps(combine_keys(seed_, pass));
         if (pass == 0) find_first_radii();
+        trace_maps(combine_keys(seed_, pass));
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
@@ -92,27 +93,49 @@ private:
     }
 
     PhotonMap map_of(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
-        PhotonWalkResult walk = [&] {
-            const auto timer = stages_.time("photon tracing");
-            return trace_photons(scene_, kind, count, settings_.maps.max_edges, seed, aim);
-        }();
-        rays_ += walk.rays;
-        photons_ += walk.emitted;
+        PhotonWalkResult walk = photons_of(kind, count, aim, seed);
         const auto timer = stages_.time("tree build");
         return PhotonMap(std::move(walk.photons), walk.unit);
     }
 
+    PhotonWalkResult photons_of(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
+        const auto timer = stages_.time("photon tracing");
+        PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.maps.max_edges, seed, aim);
+        rays_ += walk.rays;
+        photons_ += walk.emitted;
+        return walk;
+    }
+
+    /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
+    double first_radius_for(PhotonMapKind kind, double given, std::uint64_t count, const ProjectionMap* aim,
+                            const std::vector<Vec3>& places) {
+        if (given > 0) return given * double{scene_.diagonal()};
+        const std::uint64_t passes = pilot_passes(static_cast<double>(count));
+        PhotonWalkResult pilot;
+        for (std::uint64_t pass = 0; pass < passes; ++pass) {
+            PhotonWalkResult walk = photons_of(kind, count, aim, combine_keys(combine_keys(seed_, pilot_key), pass));
+            pilot.photons.insert(pilot.photons.end(), walk.photons.begin(), walk.photons.end());
+            pilot.unit = walk.unit;
+        }
+        return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
+                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal(),
+                            [](const Photon& photon) { return double{photon.power().mean()}; });
+    }
+
     void find_first_radii() {
         const PhotonMapperSettings& s = settings_.maps;
-        const SeenPlaces seen = seen_places(scene_, walk_, seed_, rays_);
-        const auto radius = [&](double given, const PhotonMap& map, const std::vector<Vec3>& places, int dimensions) {
-            if (given > 0) return given * double{scene_.diagonal()};
-            return first_radius(map, places, most_photons, dimensions, scene_.diagonal(),
-                                [](const Photon& photon) { return double{photon.power().mean()}; });
+        const bool all_given = s.radius > 0 && s.caustic_radius > 0 && s.volume_radius > 0;
+        const SeenPlaces seen = all_given ? SeenPlaces() : seen_places(scene_, walk_, seed_, rays_);
+        const auto radius = [&](std::string_view step, PhotonMapKind kind, double given, std::uint64_t count,
+                                const ProjectionMap* aim) {
+            if (!plan_.runs(step)) return 0.0;
+            return first_radius_for(kind, given, count, aim,
+                                    kind == PhotonMapKind::volume ? seen.in_media : seen.on_surfaces);
         };
-        first_ = {radius(s.caustic_radius, maps_.caustic, seen.on_surfaces, 2),
-                  radius(s.radius, maps_.global, seen.on_surfaces, 2),
-                  radius(s.volume_radius, maps_.volume, seen.in_media, 3)};
+        first_ = {
+            radius(pass_caustic, PhotonMapKind::caustic, s.caustic_radius, s.caustic_photons, aims_.caustic.get()),
+            radius(pass_global, PhotonMapKind::global, s.radius, s.photons, aims_.global.get()),
+            radius(pass_volume, PhotonMapKind::volume, s.volume_radius, s.volume_photons, aims_.global.get())};
     }
 
     /// Sets the estimators of the present pass.

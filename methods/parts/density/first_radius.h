@@ -24,6 +24,12 @@ struct SeenPlaces {
 /// The places of 8192 eye paths spread over the image; adds the rays traced to `rays`.
 SeenPlaces seen_places(const Scene& scene, const WalkSettings& settings, std::uint64_t seed, std::uint64_t& rays);
 
+/// How many passes' paths from the lights first_radius() needs, if a pass has `paths` of them.
+inline std::uint64_t pilot_passes(double paths) {
+    constexpr double enough = 65536;
+    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(enough / paths)));
+}
+
 /// A radius [scene units] as a fact of a run, in scene diagonals.
 std::pair<std::string, std::string> radius_fact(std::string name, double radius, const Scene& scene);
 
@@ -46,7 +52,7 @@ struct TriedRadius {
     double bias_over_variance = 0;  ///< squared bias over variance, of means over the passes
 };
 
-/// Tries a radius.
+/// Tries a radius on the points of several `passes` together; the result is that of one.
 ///
 /// With points of powers w, the density S(r) = sum w / (pi r^2) has the variance sum w^2 / (pi r^2)^2, because points come
 /// as a Poisson process. Its bias is 2 (S(r) - S(r / sqrt 2)). The square of the bias is the product of those of two
@@ -54,8 +60,8 @@ struct TriedRadius {
 /// passes is that of the first times N^(-2/3) / (2 - alpha), and on surfaces the squared bias is that of the first times
 /// N^(-2/3) / alpha^2, so the ratio is the same for any number of passes. In media (`dimensions` = 3) balls stand for discs.
 template <typename Point, typename Weigh>
-TriedRadius try_radius(double r, const KdTree<Point>& points, const std::vector<WeighedPlace>& places, int dimensions,
-                       const Weigh& weigh) {
+TriedRadius try_radius(double r, const KdTree<Point>& points, double passes, const std::vector<WeighedPlace>& places,
+                       int dimensions, const Weigh& weigh) {
     constexpr double alpha = 2.0 / 3;
     const double outside = 1, inside = 1 - std::pow(double{narrow_radius}, -dimensions);
     const double narrow2 = sqr(double{narrow_radius} * r);
@@ -73,8 +79,9 @@ TriedRadius try_radius(double r, const KdTree<Point>& points, const std::vector<
         variance += place.weight * squares;
         squared_bias += place.weight * (2 * bias[0]) * (2 * bias[1]);
     }
-    tried.points /= static_cast<double>(places.size());
-    if (variance > 0) tried.bias_over_variance = squared_bias / variance * (2 - alpha) / sqr(alpha);
+    tried.points /= passes * static_cast<double>(places.size());
+    // The sums grow with the passes: the variance of one pass is that of the sum over `passes`, its bias over `passes`^2.
+    if (variance > 0) tried.bias_over_variance = squared_bias / (passes * variance) * (2 - alpha) / sqr(alpha);
     return tried;
 }
 
@@ -84,12 +91,12 @@ TriedRadius try_radius(double r, const KdTree<Point>& points, const std::vector<
 /// as r^-2. The search doubles the discs until it is 4 times the variance: half of that disc has the least error then.
 /// Errors are relative: they count with 1 / (S^2 + the median's S^2), with S the density of the ten nearest points.
 ///
-/// It begins with a radius within which the densest quarter of the places has 1/20 of a point or more. The
-/// footprint of a pixel would be too small in a dim scene. A fiftieth of the diagonal if there is no place with ten
+/// It begins with a radius within which the densest quarter of the places has 1/20 of a point or more. `points` are those of
+/// `passes` passes together: with the few of a small image the bias would drown in noise (pilot_passes()). The footprint of a pixel would be too small in a dim scene. A fiftieth of the diagonal if there is no place with ten
 /// points within a tenth of the diagonal. weigh(point) is the power of a point, or 0 if it does not count.
 template <typename Point, typename Weigh>
-double first_radius(const KdTree<Point>& points, const std::vector<Vec3>& places, double most, int dimensions,
-                    float diagonal, const Weigh& weigh) {
+double first_radius(const KdTree<Point>& points, double passes, const std::vector<Vec3>& places, double most,
+                    int dimensions, float diagonal, const Weigh& weigh) {
     constexpr std::size_t nearest = 10;
     constexpr double points_at_start = 0.05, never = std::numeric_limits<double>::infinity();
     const double longest = 0.1 * double{diagonal};
@@ -111,9 +118,9 @@ double first_radius(const KdTree<Point>& points, const std::vector<Vec3>& places
         place.weight = 1 / (sqr(median / place.weight) + 1);
 
     const double step = std::pow(2.0, 1.0 / dimensions);
-    double r = std::pow(quarter * points_at_start / nearest, 1.0 / dimensions);
+    double r = std::pow(quarter * points_at_start * passes / nearest, 1.0 / dimensions);
     for (; r * step < longest; r *= step) {
-        const TriedRadius larger = try_radius(r * step, points, weighed, dimensions, weigh);
+        const TriedRadius larger = try_radius(r * step, points, passes, weighed, dimensions, weigh);
         if (larger.points > most || larger.bias_over_variance > 4) break;
     }
     return r;

@@ -42,7 +42,7 @@ TEST(ShrinkingRadius, StartsAtTheDensityOfPhotons) {
     const SeenPlaces places = seen_places(*scene.scene, {3, false, false}, 1, rays);
     EXPECT_EQ(places.on_surfaces.size(), 8192u);
     EXPECT_EQ(rays, 8192u);
-    const double r = first_radius(PhotonMap(walk.photons, walk.unit), places.on_surfaces, 10, 2,
+    const double r = first_radius(PhotonMap(walk.photons, walk.unit), 1, places.on_surfaces, 10, 2,
                                   scene.scene->diagonal(), [](const Photon&) { return 1.0; });
     EXPECT_LT(std::numbers::pi * r * r * lambda, 10.3);
     EXPECT_GT(std::numbers::pi * r * r * lambda, 4.9);
@@ -54,7 +54,8 @@ TEST(ShrinkingRadius, StartsAtTheDensityOfPhotons) {
 // r^6 = 64 / (3 pi a^2 lambda k^4). The search finds it within the factor of one step either way.
 TEST(ShrinkingRadius, StartsWhereBiasAndVarianceBalance) {
     for (const double waves : {2.0, 8.0})
-        for (const std::size_t count : {20000u, 200000u}) {
+        for (const auto& [count, passes] :
+             {std::pair(20000u, 1.0), std::pair(200000u, 1.0), std::pair(200000u, 10.0)}) {
             const double k = 2 * std::numbers::pi * waves;
             std::mt19937_64 random(count);
             std::uniform_real_distribution<double> number(0, 1);
@@ -69,11 +70,13 @@ TEST(ShrinkingRadius, StartsWhereBiasAndVarianceBalance) {
                 places.emplace_back(static_cast<float>(0.1 + 0.8 * number(random)),
                                     static_cast<float>(0.1 + 0.8 * number(random)), 0.f);
             const double expected =
-                std::pow(64 / (3 * std::numbers::pi * 0.25 * static_cast<double>(count) * std::pow(k, 4)), 1.0 / 6);
+                std::pow(64 / (3 * std::numbers::pi * 0.25 * count / passes * std::pow(k, 4)), 1.0 / 6);
             const double r =
-                first_radius(PhotonMap(photons, 1), places, 1e9, 2, 1.4f, [](const Photon&) { return 1.0; });
-            EXPECT_LT(r / expected, std::numbers::sqrt2) << waves << " waves, " << count << " photons";
-            EXPECT_GT(r / expected, 1 / std::numbers::sqrt2) << waves << " waves, " << count << " photons";
+                first_radius(PhotonMap(photons, 1), passes, places, 1e9, 2, 1.4f, [](const Photon&) { return 1.0; });
+            EXPECT_LT(r / expected, std::numbers::sqrt2)
+                << waves << " waves, " << count << " photons, " << passes << " passes";
+            EXPECT_GT(r / expected, 1 / std::numbers::sqrt2)
+                << waves << " waves, " << count << " photons, " << passes << " passes";
         }
 }
 
