@@ -297,8 +297,9 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
         scene.objects(part_of_sensor);  // a sensor may refer to them
     scene.finish();
     if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
-    const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
+    const auto taken = integrator ? parse_integrator(*integrator, builder.ids()) : ParsedIntegrator{INT_MAX, false};
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
+    parsed.sensor.hide_emitters(taken.hides_emitters);
     // Spectra and textures are only checked here; whatever refers to one reads it again. The range of an emission
     // includes those of all other colours.
     for (const auto& spectrum : spectra)
@@ -318,7 +319,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     return {.name = std::filesystem::path(path).stem().string(),
             .scene = std::make_shared<const Scene>(std::move(parts)),
             .sample_count = parsed.sample_count,
-            .max_edges = max_edges,
+            .max_edges = taken.max_edges,
             .content_hash = hash.hex()};
 }
 

@@ -161,19 +161,20 @@ bool has_sound_rays(const Sensor& sensor) {
     return true;
 }
 
-int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
+ParsedIntegrator integrator_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
     if (depth == deepest_integrator) throw InputError(integrator.where, "integrators are nested too deeply");
     Properties properties(*integrator.element, ids);
     const std::string& type =
         properties.plugin({"path", "direct", "volpath", "volpathmis", "ptracer", "prb", "prb_basic", "prbvolpath",
                            "direct_projective", "prb_projective", "aov", "moment", "stokes", "depth"});
-    if (properties.boolean("hide_emitters", false))
-        properties.reject("hide_emitters", "'hide_emitters' is not supported yet");
-    if (type == "direct" || type == "direct_projective") return 2;
+    const bool hides = properties.boolean("hide_emitters", false);
+    if (type == "direct" || type == "direct_projective") return {2, hides};
     const auto max_depth = properties.integer("max_depth", -1);
-    if (max_depth) return *max_depth < 0 ? INT_MAX : *max_depth;
+    if (max_depth) return {*max_depth < 0 ? INT_MAX : *max_depth, hides};
     const auto nested = properties.objects("integrator");
-    return nested.empty() ? INT_MAX : max_edges_of(nested[0], ids, depth + 1);
+    if (nested.empty()) return {INT_MAX, hides};
+    const ParsedIntegrator inner = integrator_of(nested[0], ids, depth + 1);
+    return {inner.max_edges, inner.hides_emitters || hides};
 }
 
 }  // namespace
@@ -217,6 +218,8 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     return {result, sample_count, medium};
 }
 
-int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }
+ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& ids) {
+    return integrator_of(integrator, ids, 0);
+}
 
 }  // namespace gib
