@@ -179,6 +179,12 @@ ParsedIntegrator integrator_of(const NestedObject& integrator, const XmlIds& ids
 
 }  // namespace
 
+double parse_half_width(Properties& properties, double aspect) {
+    Sensor::Parameters view;
+    parse_field_of_view(properties, view);
+    return Sensor::tan_half_width(view.fov, view.fov_axis, aspect);
+}
+
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution) {
     Properties properties(*sensor.element, ids);

@@ -21,6 +21,10 @@ struct ParsedSensor {
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution);
 
+/// Reads a perspective's field of view (fov with fov_axis, or focal_length). Returns half the width at distance 1 of an
+/// image of width / height = `aspect`.
+double parse_half_width(Properties& properties, double aspect);
+
 /// What the methods take from an integrator.
 struct ParsedIntegrator {
     int max_edges;        ///< of the longest path that Mitsuba's integrator follows; INT_MAX: unlimited

@@ -74,6 +74,10 @@ public:
         ReconstructionFilter filter = ReconstructionFilter::gaussian(0.5f);
     };
 
+    /// Half the width at distance 1 of the image that a perspective's field of view spans, for an image of width /
+    /// height = `aspect`.
+    static double tan_half_width(double fov, FovAxis axis, double aspect);
+
     explicit Sensor(const Parameters& parameters);
 
     int width() const { return width_; }

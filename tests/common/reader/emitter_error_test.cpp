@@ -52,11 +52,11 @@ std::string to_world(const std::string& operation) {
 const std::string squares = "<texture name=\"texture\" type=\"checkerboard\"/>";
 
 TEST(EmitterErrors, Plugins) {
-    expect_errors(
-        {{emitter("sky", ""), "3:10",
-          "the emitter 'sky' is not supported; supported are: point, spot, directional, constant, envmap, area"},
-         {emitter("area", ""), "3:1", "must stand in a shape"},
-         {"<shape type=\"sphere\">\n<emitter type=\"constant\"/></shape>", "3:10", "supported are: area"}});
+    expect_errors({{emitter("sky", ""), "3:10",
+                    "the emitter 'sky' is not supported; supported are: point, spot, projector, directional, constant, "
+                    "envmap, area"},
+                   {emitter("area", ""), "3:1", "must stand in a shape"},
+                   {"<shape type=\"sphere\">\n<emitter type=\"constant\"/></shape>", "3:10", "supported are: area"}});
 }
 
 TEST(EmitterErrors, UnknownParametersAndWrongKinds) {
