@@ -140,6 +140,27 @@ TEST(Principled, ClearCoatIsAddedWithItsOwnDistribution) {
     }
 }
 
+// All lobes together. The values come from a script that reproduces those of Mitsuba 3's own test of this material
+// (test_principled.py, test05) to all their digits; here both directions are unit vectors.
+TEST(Principled, SumOfAllLobesIsThatOfMitsuba) {
+    const Principled m{.base_color = Color::Constant(0.5f),
+                       .roughness = 0.5f,
+                       .anisotropic = 0.3f,
+                       .metallic = 0.3f,
+                       .spec_trans = 0.5f,
+                       .spec_tint = 0.6f,
+                       .sheen = 0.9f,
+                       .sheen_tint = 0.9f,
+                       .flatness = 0.5f,
+                       .clearcoat = 0.3f,
+                       .clearcoat_gloss = 0.5f,
+                       .eta = static_cast<float>(Principled::eta_of_specular(0.4))};
+    const Vec3 wo = direction_at(45, 0);
+    for (const auto& [degrees, expected] : {std::pair(0.0, 0.0956009f), std::pair(30.0, 0.0646102f),
+                                            std::pair(60.0, 0.066804f), std::pair(80.0, 0.0807701f)})
+        EXPECT_NEAR(f_of(m, wo, direction_at(degrees, 0))[0], expected, 1e-5f) << degrees;
+}
+
 // The integral of D cos is 1, and samples of normals have this density: the mean of sin^2 by both agrees.
 TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
     for (float alpha : {0.001f, 0.03f, 0.1f, 0.5f}) {
