@@ -22,8 +22,9 @@ namespace gib {
 ///  - clear coat: clearcoat / 4 F D1 G1(wo) G1(wi) with Schlick's F0 = 0.04, the density D1 of Gtr1 and Smith's G1 of
 ///    GGX at roughness 0.25. As in Mitsuba 3 this lobe is not divided by 4 cos_o cos_i, as it is in Burley's paper.
 /// Main lobes have alpha_u = roughness^2 / a and alpha_v = roughness^2 a with a = sqrt(1 - 0.9 anisotropic), at least
-/// 0.001. Without refraction the model is one-sided. It is reciprocal, but may reflect more light than it receives:
-/// by some percent where a rough white base meets the other lobes, and by `sheen` at grazing angles.
+/// 0.001. Without refraction the model is one-sided. It is reciprocal, but bright base colours reflect more light than
+/// they receive. A white base of specular 0.5 reflects, at 0, 60 and 80 degrees to the normal, 1.03, 1.07 and 1.23 of
+/// the light at roughness 0.2, and 1.05, 1.08 and 1.31 at roughness 1; a full clear coat adds 0.03, sheen 0.05.
 struct Principled {
     Color base_color = Color::Constant(0.5f);
     float roughness = 0.5f;
