@@ -104,6 +104,11 @@ Color Texture::mean() const {
     return 0.5f * (board.color0.mean() + board.color1.mean());
 }
 
+double Texture::aspect() const {
+    const auto* bitmap = varying_ ? varying_->bitmap() : nullptr;
+    return bitmap ? static_cast<double>(bitmap->bitmap->width()) / bitmap->bitmap->height() : 1;
+}
+
 Color Texture::minimum() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->minimum();

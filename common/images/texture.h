@@ -56,6 +56,8 @@ public:
     /// The mean over all texels, or over both colours of a checkerboard with equal weight. It is the mean over uv in
     /// [0, 1]^2 if `to_uv` maps this square to itself.
     Color mean() const;
+    /// Width / height of the texels of a bitmap; 1 of other textures.
+    double aspect() const;
     /// Lower and upper bounds of each channel.
     Color minimum() const;
     Color maximum() const;

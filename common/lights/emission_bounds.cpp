@@ -199,6 +199,10 @@ struct BundleOf {
         return from_point(light.position(), light.cone_of(direction_lower(box), direction_upper(box)));
     }
 
+    RayBundle operator()(const ProjectorLight& light) const {
+        return from_point(light.position(), light.cone_of(direction_lower(box), direction_upper(box)));
+    }
+
     RayBundle operator()(const DirectionalLight& light) const {
         return from_infinity(light.scene, {-light.direction.cast<double>().normalized(), 0});
     }
@@ -288,8 +292,7 @@ RayBundle emission_bundle(const Light& light, const std::vector<Shape>& shapes, 
 }
 
 std::array<bool, 4> emission_dimensions(const Light& light) {
-    if (std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light))
-        return {false, false, true, true};
+    if (is_point(light)) return {false, false, true, true};
     if (std::holds_alternative<DirectionalLight>(light)) return {true, true, false, false};
     return {true, true, true, true};
 }

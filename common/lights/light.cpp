@@ -107,6 +107,10 @@ struct LightSampler {
         return from_point(light.position(), [&](const Vec3& w) { return light.intensity(w); });
     }
 
+    std::optional<LightSample> operator()(const ProjectorLight& light) const {
+        return from_point(light.position(), [&](const Vec3& w) { return light.intensity(w); });
+    }
+
     std::optional<LightSample> operator()(const DirectionalLight& light) const {
         return distant_sample(light.scene, p, -light.direction, light.irradiance, 1.f, true);
     }
@@ -188,6 +192,11 @@ struct EmissionSampler {
         return {from_point(light.position(), sample.w), sample.power, Vec3::Zero()};
     }
 
+    EmissionSample operator()(const ProjectorLight& light) const {
+        const ProjectorLight::Direction sample = light.sample(u_direction);
+        return {from_point(light.position(), sample.w), sample.power, Vec3::Zero()};
+    }
+
     EmissionSample operator()(const DirectionalLight& light) const {
         return from_infinity(light.scene, -light.direction, light.irradiance.cast<double>());
     }
@@ -249,6 +258,7 @@ struct EmissionPdf {
     }
     double operator()(const PointLight&) const { return 1 / (4 * std::numbers::pi); }
     double operator()(const SpotLight& light) const { return light.pdf_w(w); }
+    double operator()(const ProjectorLight& light) const { return light.pdf_w(w); }
     double operator()(const DirectionalLight& light) const { return 1 / light.scene.area(); }
     double operator()(const ConstantEnvironment& light) const {
         return double{uniform_sphere_pdf_w} / light.scene.area();
@@ -262,6 +272,7 @@ struct PowerOf {
     Colord operator()(const AreaLight& light) const { return power_of_area(light, light.radiance); }
     Colord operator()(const PointLight& light) const { return 4 * std::numbers::pi * light.intensity.cast<double>(); }
     Colord operator()(const SpotLight& light) const { return light.power(); }
+    Colord operator()(const ProjectorLight& light) const { return light.power(); }
     Colord operator()(const DirectionalLight& light) const {
         return light.scene.area() * light.irradiance.cast<double>();
     }

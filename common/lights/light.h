@@ -4,6 +4,7 @@
 
 #include "common/images/texture.h"
 #include "common/lights/environment_map.h"
+#include "common/lights/projector_light.h"
 #include "common/lights/spot_light.h"
 #include "common/shapes/shape.h"
 
@@ -67,25 +68,30 @@ struct MappedEnvironment {
     BoundingSphere scene;
 };
 
-using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, ConstantEnvironment, MappedEnvironment>;
+using Light = std::variant<AreaLight, PointLight, SpotLight, ProjectorLight, DirectionalLight, ConstantEnvironment,
+                           MappedEnvironment>;
 
 /// Whether the light lies at infinity in every direction, so that rays that leave the scene find it.
 inline bool is_environment(const Light& light) {
     return std::holds_alternative<ConstantEnvironment>(light) || std::holds_alternative<MappedEnvironment>(light);
 }
 
-/// Whether the light shines from one point or in one direction, so that only light sampling finds it.
-inline bool is_delta(const Light& light) {
+/// Whether the light shines from one point.
+inline bool is_point(const Light& light) {
     return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light) ||
-           std::holds_alternative<DirectionalLight>(light);
+           std::holds_alternative<ProjectorLight>(light);
 }
+
+/// Whether the light shines from one point or in one direction, so that only light sampling finds it.
+inline bool is_delta(const Light& light) { return is_point(light) || std::holds_alternative<DirectionalLight>(light); }
 
 /// A point of a light as seen from a point that it may light.
 struct LightSample {
     Vec3 wi;         ///< from the lit point to the light, unit
     float distance;  ///< from the lit point to the light [scene units]; infinite for a light at infinity
     /// Emitted radiance towards the point [W/(sr m^2)]; may be black. For delta lights it is instead intensity /
-    /// distance^2 (point, spot) or the irradiance (directional) [W/m^2], and pdf_w is the probability of the choice.
+    /// distance^2 (lights at a point) or the irradiance (directional) [W/m^2], and pdf_w is the probability of the
+    /// choice.
     Color Le;
     float pdf_w;  ///< [1/sr], the choice of the light included
     bool delta;   ///< only light sampling finds this light
@@ -128,7 +134,7 @@ EmissionSample sample_emission(const Light& light, const std::vector<Shape>& sha
 
 /// The density of sample_emission() at a start in direction w, whose angle with the normal of an area light has this
 /// cosine. Its unit is that of the light's start: [1/(m^2 sr)] for an area light (the area on its surface) and an
-/// environment (across w), [1/sr] for a point or spot light, [1/m^2] (across w) for a directional light. In double,
+/// environment (across w), [1/sr] for a light at a point, [1/m^2] (across w) for a directional light. In double,
 /// because the extent of a scene is not bounded.
 double emission_pdf(const Light& light, const Vec3& w, float cos_light);
 

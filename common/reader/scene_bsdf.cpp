@@ -304,6 +304,39 @@ void read(ModelReader<Phong>& model) {
     model.conserve_energy();
 }
 
+/// Reads `eta` or `specular` of a principled. As in Mitsuba, an interface that light passes has a change of index.
+float parse_principled_index(Properties& properties, bool transmits) {
+    properties.exclude("eta", "specular");
+    const double specular = properties.within("specular", 0.5, 0, 1);
+    const double eta = properties.positive("eta", 1);
+    if (!properties.has("eta"))
+        return static_cast<float>(Principled::eta_of_specular(transmits && specular == 0 ? 1e-3 : specular));
+    if (!(eta >= lowest_relative_index && eta <= highest_relative_index))
+        properties.reject("eta", "'eta' must be between {} and {}, not {:g}", lowest_relative_index,
+                          highest_relative_index, eta);
+    return transmits && eta == 1 ? 1.001f : static_cast<float>(eta);
+}
+
+void read(ModelReader<Principled>& model) {
+    model.color("base_color", 0.5f, ColorRange::unit, [](Principled& m, const Color& c) { m.base_color = c; });
+    const auto number = [&](const char* name, float fallback, auto set) { model.number(name, fallback, set, 1.f); };
+    number("roughness", 0.5f, [](Principled& m, float x) { m.roughness = x; });
+    number("anisotropic", 0.f, [](Principled& m, float x) { m.anisotropic = x; });
+    number("metallic", 0.f, [](Principled& m, float x) { m.metallic = x; });
+    number("spec_trans", 0.f, [](Principled& m, float x) { m.spec_trans = x; });
+    number("spec_tint", 0.f, [](Principled& m, float x) { m.spec_tint = x; });
+    number("sheen", 0.f, [](Principled& m, float x) { m.sheen = x; });
+    number("sheen_tint", 0.f, [](Principled& m, float x) { m.sheen_tint = x; });
+    number("flatness", 0.f, [](Principled& m, float x) { m.flatness = x; });
+    number("clearcoat", 0.f, [](Principled& m, float x) { m.clearcoat = x; });
+    number("clearcoat_gloss", 0.f, [](Principled& m, float x) { m.clearcoat_gloss = x; });
+    model->eta = parse_principled_index(model.properties(), model->spec_trans > 0.f);
+    // Mitsuba's shares of the samples, which change no image.
+    for (const char* name :
+         {"diffuse_reflectance_sampling_rate", "main_specular_sampling_rate", "clearcoat_sampling_rate"})
+        model.properties().not_negative(name, 1);
+}
+
 template <typename Model>
 Material parse_model(Properties& properties, TextureFiles& files) {
     ModelReader<Model> model(properties, files);
@@ -392,6 +425,7 @@ constexpr BsdfPlugin plugins[] = {
     {"plastic", parse_model<Plastic>},
     {"roughplastic", parse_model<RoughPlastic>},
     {"phong", parse_model<Phong>},
+    {"principled", parse_model<Principled>},
     {"twosided", parse_twosided},
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},

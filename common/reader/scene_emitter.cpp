@@ -2,6 +2,7 @@
 
 #include "common/core/reject.h"
 #include "common/images/linear_file.h"
+#include "common/reader/scene_sensor.h"
 #include "common/xml/scene_spectrum.h"
 
 namespace gib {
@@ -76,6 +77,19 @@ SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& o
             std::move(slide)};
 }
 
+ProjectorLight parse_projector(Properties& properties, TextureFiles& files, const Vec3d& origin) {
+    const Mat4d to_world = properties.transform("to_world");
+    const Texture image = parse_textured(properties, "irradiance", 1, ColorRange::emission, files);
+    const auto scale = static_cast<float>(properties.not_negative("scale", 1));
+    const double half_width = parse_half_width(properties, image.aspect());
+    return {recentred_position(properties, to_world.topRightCorner<3, 1>(), origin),
+            rigid_axes(properties, to_world, false),
+            image,
+            scale,
+            half_width,
+            image.aspect()};
+}
+
 DirectionalLight parse_directional(Properties& properties) {
     const auto direction = properties.point("direction");
     const Mat4d to_world = properties.transform("to_world");
@@ -116,12 +130,14 @@ Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files) {
 
 Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin) {
     Properties properties(*emitter.element, files.ids());
-    const std::string& type = properties.plugin({"point", "spot", "directional", "constant", "envmap", "area"});
+    const std::string& type =
+        properties.plugin({"point", "spot", "projector", "directional", "constant", "envmap", "area"});
     if (type == "area") throw InputError(emitter.where, "an area emitter must stand in a shape");
     check_sampling_weight(properties);
     const auto parse = [&]() -> Light {
         if (type == "point") return parse_point(properties, origin);
         if (type == "spot") return parse_spot(properties, files, origin);
+        if (type == "projector") return parse_projector(properties, files, origin);
         if (type == "directional") return parse_directional(properties);
         if (type == "envmap") return parse_envmap(properties, files);
         return ConstantEnvironment{color_property(properties, "radiance", 1, ColorRange::emission), {}};

@@ -10,9 +10,9 @@ namespace gib {
 Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files);
 
 /// Reads an emitter: point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width,
-/// texture), directional (direction or to_world, irradiance), constant (radiance) or envmap (filename, scale,
-/// to_world). Positions are moved by -origin. Sampling weights are checked but have no effect, because lights are
-/// chosen by their power. Throws InputError.
+/// texture), projector (to_world, irradiance, scale, a perspective's field of view), directional (direction or
+/// to_world, irradiance), constant (radiance) or envmap (filename, scale, to_world). Positions are moved by -origin.
+/// Sampling weights are checked but have no effect, because lights are chosen by their power. Throws InputError.
 Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin);
 
 }  // namespace gib

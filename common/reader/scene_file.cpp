@@ -298,8 +298,9 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
         scene.objects(part);  // a sensor or a medium may refer to them
     scene.finish();
     if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
-    const int max_edges = integrator ? parse_max_edges(*integrator, builder.ids()) : INT_MAX;
+    const auto taken = integrator ? parse_integrator(*integrator, builder.ids()) : ParsedIntegrator{INT_MAX, false};
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
+    parsed.sensor.hide_emitters(taken.hides_emitters);
     // Whatever refers to an object reads it. One that nothing refers to is read here, so that its errors are seen.
     const auto check_unused = [&](const std::vector<NestedObject>& objects, const auto& read) {
         for (const auto& object : objects) {
@@ -329,7 +330,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     return {.name = std::filesystem::path(path).stem().string(),
             .scene = std::make_shared<const Scene>(std::move(parts)),
             .sample_count = parsed.sample_count,
-            .max_edges = max_edges,
+            .max_edges = taken.max_edges,
             .content_hash = hash.hex(),
             .warnings = warnings.messages()};
 }

@@ -165,27 +165,34 @@ bool has_sound_rays(const Sensor& sensor) {
     return true;
 }
 
-int max_edges_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
+ParsedIntegrator integrator_of(const NestedObject& integrator, const XmlIds& ids, int depth) {
     if (depth == deepest_integrator) throw InputError(integrator.where, "integrators are nested too deeply");
     Properties properties(*integrator.element, ids);
     const std::string& type = integrator.element->required("type").value;
-    if (properties.boolean("hide_emitters", false))
-        properties.reject("hide_emitters", "'hide_emitters' is not supported yet");
-    if (type == "direct" || type == "direct_projective") return 2;
+    const bool hides = properties.boolean("hide_emitters", false);
+    if (type == "direct" || type == "direct_projective") return {2, hides};
     const auto max_depth = properties.integer("max_depth", -1);
     constexpr std::string_view known[] = {
         "path",       "direct", "volpath", "volpathmis",        "ptracer",        "prb",    "prb_basic",
         "prbvolpath", "aov",    "moment",  "direct_projective", "prb_projective", "stokes", "depth"};
     if (std::find(std::begin(known), std::end(known), type) == std::end(known))
-        ids.warn(integrator.where,
-                 fmt::format("integrator '{}': the method is chosen by its name here; {}", type,
-                             max_depth ? "only max_depth is taken from it" : "nothing is taken from it"));
-    if (max_depth) return *max_depth < 0 ? INT_MAX : *max_depth;
+        ids.warn(integrator.where, fmt::format("integrator '{}': the method is chosen by its name here; {}", type,
+                                               max_depth ? "only max_depth and hide_emitters are taken from it"
+                                                         : "only hide_emitters is taken from it"));
+    if (max_depth) return {*max_depth < 0 ? INT_MAX : *max_depth, hides};
     const auto nested = properties.objects("integrator");
-    return nested.empty() ? INT_MAX : max_edges_of(nested[0], ids, depth + 1);
+    if (nested.empty()) return {INT_MAX, hides};
+    const ParsedIntegrator inner = integrator_of(nested[0], ids, depth + 1);
+    return {inner.max_edges, inner.hides_emitters || hides};
 }
 
 }  // namespace
+
+double parse_half_width(Properties& properties, double aspect) {
+    Sensor::Parameters view;
+    parse_field_of_view(properties, view);
+    return Sensor::tan_half_width(view.fov, view.fov_axis, aspect);
+}
 
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution) {
@@ -224,6 +231,8 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     return {result, sample_count, medium};
 }
 
-int parse_max_edges(const NestedObject& integrator, const XmlIds& ids) { return max_edges_of(integrator, ids, 0); }
+ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& ids) {
+    return integrator_of(integrator, ids, 0);
+}
 
 }  // namespace gib

@@ -21,8 +21,18 @@ struct ParsedSensor {
 ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
                           const std::optional<std::pair<int, int>>& resolution);
 
-/// The number of edges of the longest path that any of Mitsuba's integrators follows; INT_MAX: unlimited. Other
-/// parameters of the integrator have no effect. Throws InputError for hide_emitters.
-int parse_max_edges(const NestedObject& integrator, const XmlIds& ids);
+/// Reads a perspective's field of view (fov with fov_axis, or focal_length). Returns half the width at distance 1 of an
+/// image of width / height = `aspect`.
+double parse_half_width(Properties& properties, double aspect);
+
+/// What the methods take from an integrator.
+struct ParsedIntegrator {
+    int max_edges;        ///< of the longest path that Mitsuba's integrator follows; INT_MAX: unlimited
+    bool hides_emitters;  ///< see Sensor::hides_emitters()
+};
+
+/// Reads an integrator; its other parameters have no effect. An integrator without a max_depth takes that of the one
+/// inside it; emitters are hidden if either of them says so.
+ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& ids);
 
 }  // namespace gib

@@ -88,6 +88,8 @@ std::set<Index> indices(const Material& material) {
         if constexpr (std::is_same_v<Node, TexturedScattering>) {
             if (const auto* smooth = std::get_if<Dielectric>(&node.model)) return {{smooth->eta, smooth->cauchy_b}};
             if (const auto* rough = std::get_if<RoughDielectric>(&node.model)) return {{rough->eta, rough->cauchy_b}};
+            const auto* principled = std::get_if<Principled>(&node.model);
+            if (principled && principled->traits().refraction) return {{principled->eta, 0.f}};
             return {};
         } else if constexpr (std::is_same_v<Node, Blend>) {
             std::set<Index> all = indices(*node.first);

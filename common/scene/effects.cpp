@@ -66,7 +66,9 @@ Effects effects_of(const Scene& scene) {
     for (const Light& light : scene.lights()) {
         const auto* area = std::get_if<AreaLight>(&light);
         const auto* spot = std::get_if<SpotLight>(&light);
-        if ((area && area->texture) || (spot && spot->is_textured())) effects.add(Effect::textures);
+        const auto* projector = std::get_if<ProjectorLight>(&light);
+        if ((area && area->texture) || (spot && spot->is_textured()) || (projector && projector->is_textured()))
+            effects.add(Effect::textures);
     }
     if (lobes.specular()) effects.add(Effect::specular_reflection);
     if (lobes.refraction) effects.add(Effect::refraction);

@@ -109,6 +109,8 @@ public:
         if (!sides.boundary) return before;
         return medium(w.dot(hit.ng) > 0.f ? sides.exterior : sides.interior);
     }
+    /// Whether the camera looks through this surface, a lamp, because it sees no emitters.
+    bool hidden_from_camera(const SurfaceHit& hit) const { return hit.emitter && sensor_.hides_emitters(); }
     bool bounds_medium(const SurfaceHit& hit) const { return media_sides_[hit.shape].boundary; }
     const Bounds& bounds() const { return bounds_; }
     /// The diagonal of the box around all surfaces [scene units]; lengths given as fractions refer to it.

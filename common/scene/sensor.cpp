@@ -90,18 +90,12 @@ ReconstructionFilter::Pixel ReconstructionFilter::choose_pixel(const Vec2& film,
     return {x, y, sum_x * sum_y};
 }
 
-namespace {
-
-/// Half the width of the image at distance 1, for an image of width / height = `aspect`.
-double tan_half_width(const Sensor::Parameters& p, double aspect) {
-    const double tan_half = std::tan(p.fov * std::numbers::pi / 360);
-    using Axis = Sensor::FovAxis;
-    if (p.fov_axis == Axis::diagonal) return tan_half / std::sqrt(1 + 1 / (aspect * aspect));
-    const bool spans_height = p.fov_axis == Axis::y || p.fov_axis == (aspect > 1 ? Axis::smaller : Axis::larger);
+double Sensor::tan_half_width(double fov, FovAxis axis, double aspect) {
+    const double tan_half = std::tan(fov * std::numbers::pi / 360);
+    if (axis == FovAxis::diagonal) return tan_half / std::sqrt(1 + 1 / (aspect * aspect));
+    const bool spans_height = axis == FovAxis::y || axis == (aspect > 1 ? FovAxis::smaller : FovAxis::larger);
     return spans_height ? tan_half * aspect : tan_half;
 }
-
-}  // namespace
 
 Sensor::Sensor(const Parameters& p)
     : projection_(p.projection),
@@ -123,7 +117,8 @@ Sensor::Sensor(const Parameters& p)
     volume_ = std::abs(axes.determinant());
     const Crop crop = p.crop.value_or(Crop{Vec2d(p.width, p.height), Vec2d::Zero()});
     const double width = crop.film.x(), height = crop.film.y();
-    const double half_width = p.projection == Projection::perspective ? tan_half_width(p, width / height) : 1.0;
+    const double half_width =
+        p.projection == Projection::perspective ? tan_half_width(p.fov, p.fov_axis, width / height) : 1.0;
     const double half_height = half_width * height / width;
     crop_offset_ = crop.offset.cast<float>();
     scale_ = Vec2d(-2 * half_width / width, -2 * half_height / height).cast<float>();

@@ -74,6 +74,10 @@ public:
         ReconstructionFilter filter = ReconstructionFilter::gaussian(0.5f);
     };
 
+    /// Half the width at distance 1 of the image that a perspective's field of view spans, for an image of width /
+    /// height = `aspect`.
+    static double tan_half_width(double fov, FovAxis axis, double aspect);
+
     explicit Sensor(const Parameters& parameters);
 
     int width() const { return width_; }
@@ -109,6 +113,11 @@ public:
     /// Moves the camera by a vector [scene units], for a scene that is recentred.
     void translate(const Vec3d& by);
 
+    /// Whether the camera's own rays see no emitter (Mitsuba 3's `hide_emitters`): until they are scattered, lamps are
+    /// passed as if they were not there, and the environment is black.
+    bool hides_emitters() const { return hides_emitters_; }
+    void hide_emitters(bool hide) { hides_emitters_ = hide; }
+
 private:
     Vec3 lens_shift(const Vec2& u_lens) const;
 
@@ -121,7 +130,7 @@ private:
     Vec3 left_, up_, forward_;  ///< columns of to_world's linear part
     Eigen::Matrix3d to_axes_;   ///< from a vector to its coordinates along left, up and forward
     double volume_;             ///< |det| of these axes
-    bool has_lens_;
+    bool has_lens_, hides_emitters_ = false;
     float aperture_radius_, inv_focus_distance_;
     Vec2 crop_offset_;
     Vec2 scale_, offset_;  ///< film position -> camera-space (x, y) at z = 1 (perspective) or at any z (orthographic)

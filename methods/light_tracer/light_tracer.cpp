@@ -105,7 +105,8 @@ public:
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("light_tracer"));
         if (has_delta_lobe(scene)) plan.unresolved = find_method("light_tracer").components;
-        else if (scene.environment() && scene.sensor().is_orthographic()) plan.unresolved = {Component::emission};
+        else if (scene.environment() && scene.sensor().is_orthographic() && !scene.sensor().hides_emitters())
+            plan.unresolved = {Component::emission};
         add_light_paths(plan, scene, max_edges_);
         return plan;
     }

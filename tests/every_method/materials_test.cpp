@@ -46,6 +46,10 @@ std::vector<NamedMaterial> materials() {
         {"roughplastic_dull", bsdf("roughplastic", rgb("diffuse_reflectance", "0.7") + distribution("beckmann", 0.3))},
         {"phong_sharp", bsdf("phong", number("exponent", 400))},
         {"phong_dull", bsdf("phong", number("exponent", 10))},
+        {"principled_coated", bsdf("principled", rgb("base_color", "0.6 0.3 0.2") + number("clearcoat", 1) +
+                                                     number("clearcoat_gloss", 0.2) + number("metallic", 0.3))},
+        {"principled_glass",
+         bsdf("principled", rgb("base_color", "0.6 0.3 0.2") + number("spec_trans", 0.6) + number("roughness", 0.6))},
         {"blend", bsdf("blendbsdf", number("weight", 0.3) + grey + bsdf("roughconductor", distribution("ggx", 0.05)))},
         {"mask", bsdf("mask", number("opacity", 0.4) + grey)},
         {"null", bsdf("null")},

@@ -171,6 +171,25 @@ struct ModelsOf {
             models.push_back({fmt::format("phong {}", exponent), bsdf("phong", number("exponent", exponent))});
         return models;
     }
+    Models operator()(std::type_identity<Principled>) const {
+        const std::string amber = "<rgb name='base_color' value='0.6, 0.4, 0.1'/>", glass = number("eta", 1.5);
+        return {
+            {"principled", bsdf("principled", "")},
+            {"principled metal",
+             bsdf("principled", amber + number("metallic", 1) + number("roughness", 0.4) + number("anisotropic", 0.8))},
+            {"principled of many lobes",
+             bsdf("principled", amber + number("sheen", 0.3) + number("sheen_tint", 0.5) + number("flatness", 0.4) +
+                                    number("spec_tint", 0.5) + number("clearcoat", 0.7) +
+                                    number("clearcoat_gloss", 0.4) + number("metallic", 0.3))},
+            {"principled glass", bsdf("principled", amber + glass + number("spec_trans", 1)), 1.5, {}, true},
+            {"principled of all lobes",
+             bsdf("principled", amber + glass + number("spec_trans", 0.5) + number("metallic", 0.2) +
+                                    number("roughness", 0.3) + number("clearcoat", 1)),
+             1.5,
+             {},
+             true},
+        };
+    }
 
 private:
     const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";

@@ -221,6 +221,22 @@ SamplerCase emission_spot_case(double cutoff_degrees, double beam_degrees) {
         pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
 }
 
+/// Where the rays of a projector along z cross the plane at distance 1: uniform over its image.
+SamplerCase emission_projector_case(double fov_degrees) {
+    const double size = std::tan(fov_degrees * std::numbers::pi / 360);
+    const ScenePointer scene =
+        lit_by<ProjectorLight>(small_shape + "<emitter type='projector'>" + number("fov", fov_degrees) + "</emitter>");
+    const double edge = size * (1 + 1e-5);  // holds the rounding of directions
+    const std::vector<double> breaks = {-1.1 * size, -edge, edge, 1.1 * size};
+    return plane_case(
+        fmt::format("emission: image, projector {}", fov_degrees), {breaks, breaks},
+        [scene](const RandomNumbers& r) {
+            const Vec3 w = scene->sample_emission(r.choice.x(), r.u, r.v).ray.d;
+            return Vec2(w.x() / w.z(), w.y() / w.z());
+        },
+        [edge](const Vec2d& x) { return x.cwiseAbs().maxCoeff() <= edge ? 1 / (4 * sqr(edge)) : 0; });
+}
+
 /// An environment map of noise and a sun of one texel, which has most of the light.
 std::string sunny_map(const TemporaryFolder& folder) {
     return envmap_xml(folder, image_of(16, 9, [](int x, int y) {
@@ -294,6 +310,9 @@ struct LightCasesOf {
     }
     Cases operator()(std::type_identity<SpotLight>) const {
         return {emission_spot_case(20, 15), emission_spot_case(120, 0), emission_spot_case(1, 0.9)};
+    }
+    Cases operator()(std::type_identity<ProjectorLight>) const {
+        return {emission_projector_case(40), emission_projector_case(110)};
     }
     Cases operator()(std::type_identity<DirectionalLight>) const { return {emission_disk_case()}; }
     Cases operator()(std::type_identity<ConstantEnvironment>) const {

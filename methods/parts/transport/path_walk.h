@@ -68,6 +68,7 @@ public:
     /// Radiance [W/(sr m^2)] that the path finds at the end of its ray, emitted by the surface there or, without a
     /// surface, by the environment: Le, weighted against light sampling from the previous vertex. Times beta.
     Color emitted(const std::optional<SurfaceHit>& hit) const {
+        if (ray.hides_emitters) return Color::Zero();
         if (!hit) {
             if (!scene().environment()) return Color::Zero();
             return at.beta * escaped_radiance(scene(), at.previous, at.pdf_w, ray.ray.d);
@@ -78,8 +79,13 @@ public:
     }
 
     /// Passes through the surface with the probability that there is none: a hole of a mask, or the boundary of a
-    /// medium that does not refract. If it does, the path goes straight on and gains no vertex.
+    /// medium that does not refract. If it does, the path goes straight on and gains no vertex. A path that sees no
+    /// emitters passes through lamps.
     bool passes_through(const SurfaceHit& hit) {
+        if (ray.hides_emitters && hit.emitter) {
+            trace_from(hit, ray.ray.d);
+            return true;
+        }
         const float pass_through = hit.bsdf->pass_through();
         if (!(pass_through > 0.f) || !(sampler.get_1d(dimension::first_hole + at.holes++) < pass_through)) return false;
         trace_from(hit, ray.ray.d);
@@ -132,12 +138,14 @@ public:
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
         ++at.vertex;
+        ray.hides_emitters = false;
         trace_from(hit, wi);
     }
     /// The same from a scattering event at p in the medium.
     void go_on(const Vec3& p, const Vec3& wi) {
         at.previous = p;
         ++at.vertex;
+        ray.hides_emitters = false;
         ray.ray = {p, wi};
         rays.trace(ray);
     }

@@ -36,7 +36,7 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
         }
         rays.trace_from_camera(std::span(packet).first(count), found);
         for (std::size_t i = 0; i < count; ++i)
-            body(first + i, TracedRay{packet[i], found[i]}, *samplers[i]);
+            body(first + i, TracedRay{packet[i], found[i], sensor.hides_emitters()}, *samplers[i]);
     }
 }
 

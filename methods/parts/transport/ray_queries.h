@@ -23,6 +23,7 @@ struct RayLog {
 struct TracedRay {
     Ray ray;
     std::optional<Intersection> found = {};
+    bool hides_emitters = false;  ///< a ray of a camera that sees no emitters, up to the first scattering
 };
 
 /// The straight way between two points, both of them off their surfaces.
@@ -102,23 +103,8 @@ public:
         return transmittance({origin, to.target, to.wi, to.distance}, medium, u);
     }
     /// The same between any two points; the origin lies in `medium`.
-    Color transmittance(Segment way, const Medium* medium, NumberStream& u) {
-        for (Color transmitted = Color::Ones();;) {
-            TracedRay part{Ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f}};
-            trace(part);
-            const auto hit = surface_hit(part);
-            if (hit) transmitted *= hit->bsdf->pass_through();
-            if (is_black(transmitted)) return transmitted;
-            if (medium) {
-                const float length = hit                        ? part.found->t * part.ray.d.norm()
-                                     : way.distance == infinity ? infinity
-                                                                : part.ray.d.norm();
-                transmitted *= medium->transmittance(way.origin, way.direction, length, u);
-            }
-            if (!hit) return transmitted;
-            medium = scene_.medium_beyond(*hit, way.direction, medium);
-            if (!step_beyond(*hit, way.origin, way.target, way.direction)) return transmitted;
-        }
+    Color transmittance(const Segment& way, const Medium* medium, NumberStream& u) {
+        return transmittance(way, medium, u, [](const SurfaceHit& hit) { return hit.bsdf->pass_through(); });
     }
 
     /// The share of light that reaches the camera along its ray from a point at `target` off its surface, by channel.
@@ -129,14 +115,14 @@ public:
         const float length = way.norm();
         ray.d = way / length;
         ray.t_max = std::min(ray.t_max, length);
-        if (!on_surface && !scene_.has_holes() && !scene_.has_media()) {
+        if (!on_surface && !scene_.has_holes() && !scene_.has_media() && !scene_.sensor().hides_emitters()) {
             note(ray, true);
             return Color::Constant(scene_.occluded(ray) ? 0.f : 1.f);
         }
         std::optional<Intersection> found;
         trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
         const auto hit = scene_.surface_hit(ray, found);
-        Color transmitted = Color::Constant(hit ? hit->bsdf->pass_through() : 1.f);
+        Color transmitted = Color::Constant(hit ? passed_by_camera(*hit) : 1.f);
         if (is_black(transmitted)) return transmitted;
         const Medium* medium = scene_.camera_medium();
         if (medium)
@@ -146,7 +132,8 @@ public:
         const Vec3 beyond = offset_origin(*hit, ray.d);
         if (is_past(beyond, target, ray.d)) return transmitted;
         const Segment rest{beyond, target, ray.d, (target - beyond).norm()};
-        return transmitted * transmittance(rest, scene_.medium_beyond(*hit, ray.d, medium), u);
+        return transmitted * transmittance(rest, scene_.medium_beyond(*hit, ray.d, medium), u,
+                                           [this](const SurfaceHit& next) { return passed_by_camera(next); });
     }
 
     /// The medium at p in a scene with media; null stands for vacuum. The surfaces between the camera, whose medium
@@ -165,6 +152,32 @@ public:
     }
 
 private:
+    /// The share of the camera's rays that pass a surface straight on.
+    float passed_by_camera(const SurfaceHit& hit) const {
+        return scene_.hidden_from_camera(hit) ? 1.f : hit.bsdf->pass_through();
+    }
+
+    /// transmittance() with the share `passed(hit)` of light that each surface lets through.
+    template <typename Passed>
+    Color transmittance(Segment way, const Medium* medium, NumberStream& u, Passed passed) {
+        for (Color transmitted = Color::Ones();;) {
+            TracedRay part{Ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f}};
+            trace(part);
+            const auto hit = surface_hit(part);
+            if (hit) transmitted *= passed(*hit);
+            if (is_black(transmitted)) return transmitted;
+            if (medium) {
+                const float length = hit                        ? part.found->t * part.ray.d.norm()
+                                     : way.distance == infinity ? infinity
+                                                                : part.ray.d.norm();
+                transmitted *= medium->transmittance(way.origin, way.direction, length, u);
+            }
+            if (!hit) return transmitted;
+            medium = scene_.medium_beyond(*hit, way.direction, medium);
+            if (!step_beyond(*hit, way.origin, way.target, way.direction)) return transmitted;
+        }
+    }
+
     float visibility_through_holes(Segment way) {
         for (float visibility = 1.f;;) {
             const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};

@@ -105,7 +105,9 @@ private:
     }
 
     /// Light that the camera sees itself is found even if no other is.
-    bool finds_lights() const { return !used_.only_merging && (used_.hits || walk_.at.vertex == 0); }
+    bool finds_lights() const {
+        return !used_.only_merging && !walk_.ray.hides_emitters && (used_.hits || walk_.at.vertex == 0);
+    }
 
     void find_environment() {
         if (!finds_lights() || !scene_.environment()) return;

@@ -137,6 +137,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
 std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, const LightPaths& paths,
                                        const SplatFilm& film, const CameraNumbers& u, NumberStream& flights) {
     const Sensor& sensor = rays.scene().sensor();
+    if (light.hit && rays.scene().hidden_from_camera(*light.hit)) return std::nullopt;
     const auto seen = view_of(sensor, light.p, u);
     if (!seen) return std::nullopt;
     const Ray& ray = seen->view.ray;
@@ -163,7 +164,7 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
                                               const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const Sensor& sensor = scene.sensor();
-    if (sensor.is_orthographic()) return std::nullopt;
+    if (sensor.is_orthographic() || sensor.hides_emitters()) return std::nullopt;
     const Vec2 lens = u.bsdf_direction();
     const auto light = scene.sample_light(sensor.lens_point(lens), u.light_choice(), u.light_position());
     if (!light || light->delta || is_black(light->Le)) return std::nullopt;

@@ -98,8 +98,7 @@ private:
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
         const double sampling = double{scene_.light_pdf_w(p, start.light, origin, start.ray.d)};
-        const bool from_point = std::holds_alternative<PointLight>(light_) || std::holds_alternative<SpotLight>(light_);
-        sums_ = at_light(from_point ? sampling * distance2 : sampling);
+        sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
         sums_.arrive(1, cosine, true, merging, focuses);
     }
 

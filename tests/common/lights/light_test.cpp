@@ -279,6 +279,10 @@ std::vector<std::pair<std::string, std::string>> every_light(const TemporaryFold
     return {{"point", "<emitter type='point'><point name='position' x='0' y='0' z='3'/></emitter>"},
             {"spot", spot_xml(70, 20, "<rgb name='intensity' value='1 2 3'/>")},
             {"slide", spot_xml(50, 20, checkers)},
+            {"projector",
+             "<emitter type='projector'><float name='fov' value='50'/><rgb name='irradiance' value='1 2 "
+             "3'/><transform name='to_world'><lookat origin='0,0,3' target='0.5,0,0' "
+             "up='0,1,0'/></transform></emitter>"},
             {"directional", "<emitter type='directional'><rgb name='irradiance' value='1 2 3'/></emitter>"},
             {"constant", "<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>"},
             {"envmap", envmap_xml(folder, image)},
@@ -357,6 +361,8 @@ TEST(EveryLight, EmissionIsItsValueByItsDensity) {
                 value = at->intensity;
             } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
                 value = spot->intensity(w);
+            } else if (const auto* projector = std::get_if<ProjectorLight>(&light)) {
+                value = projector->intensity(w);
             } else if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
                 value = sun->irradiance;
             } else {

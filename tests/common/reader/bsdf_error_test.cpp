@@ -76,7 +76,8 @@ const Colours reflectances[] = {{"diffuse", {"reflectance"}},
                                 {"roughconductor", {"specular_reflectance"}},
                                 {"plastic", {"diffuse_reflectance", "specular_reflectance"}},
                                 {"roughplastic", {"diffuse_reflectance", "specular_reflectance"}},
-                                {"phong", {"diffuse_reflectance", "specular_reflectance"}}};
+                                {"phong", {"diffuse_reflectance", "specular_reflectance"}},
+                                {"principled", {"base_color"}}};
 
 TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
     const TemporaryFolder folder;
@@ -100,6 +101,10 @@ TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
          "int_ior, ext_ior, nonlinear, sample_visible, distribution, alpha, alpha_u, alpha_v, diffuse_reflectance, "
          "specular_reflectance"},
         {"phong", "", "exponent, diffuse_reflectance, specular_reflectance"},
+        {"principled", "",
+         "base_color, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, "
+         "clearcoat_gloss, specular, eta, diffuse_reflectance_sampling_rate, main_specular_sampling_rate, "
+         "clearcoat_sampling_rate"},
         {"blendbsdf", grey + grey, "<bsdf>, weight"},
         {"mask", grey, "opacity, <bsdf>"},
         {"null", "", "nothing"},
@@ -408,6 +413,21 @@ TEST(BsdfErrors, BitmapsThatCannotBeRead) {
                     StartsWith(at + "'" + name + "' must not be negative, but its texture has -0.5"))
             << type;
     }
+}
+
+TEST(BsdfErrors, PrincipledTakesSharesOfOneAndOneIndex) {
+    for (const char* name : {"roughness", "anisotropic", "metallic", "spec_trans", "spec_tint", "sheen", "sheen_tint",
+                             "flatness", "clearcoat", "clearcoat_gloss"}) {
+        const std::string quoted = std::string("'") + name + "'";
+        EXPECT_EQ(error_of("principled", number(name, "1")), "no error");
+        expect_errors({{"principled", number(name, "1.5"), number_place(name), quoted + " must be at most 1, not 1.5"},
+                       {"principled", number(name, "-0.5"), number_place(name), quoted}});
+    }
+    expect_errors({{"principled", number("specular", "1.1"), number_place("specular"), "must be between 0 and 1"},
+                   {"principled", number("eta", "0"), number_place("eta"), "'eta' must be above 0"},
+                   {"principled", number("eta", "1000"), number_place("eta"), "must be between 0.01 and 100"}});
+    EXPECT_THAT(error_of("principled", number("eta", "1.5") + number("specular", "0.5")),
+                testing::HasSubstr("give either 'specular' or 'eta'"));
 }
 
 }  // namespace

@@ -52,11 +52,11 @@ std::string to_world(const std::string& operation) {
 const std::string squares = "<texture name=\"texture\" type=\"checkerboard\"/>";
 
 TEST(EmitterErrors, Plugins) {
-    expect_errors(
-        {{emitter("sky", ""), "3:10",
-          "the emitter 'sky' is not supported; supported are: point, spot, directional, constant, envmap, area"},
-         {emitter("area", ""), "3:1", "must stand in a shape"},
-         {"<shape type=\"sphere\">\n<emitter type=\"constant\"/></shape>", "3:10", "supported are: area"}});
+    expect_errors({{emitter("sky", ""), "3:10",
+                    "the emitter 'sky' is not supported; supported are: point, spot, projector, directional, constant, "
+                    "envmap, area"},
+                   {emitter("area", ""), "3:1", "must stand in a shape"},
+                   {"<shape type=\"sphere\">\n<emitter type=\"constant\"/></shape>", "3:10", "supported are: area"}});
 }
 
 TEST(EmitterErrors, UnknownParametersAndWrongKinds) {
@@ -105,6 +105,9 @@ TEST(EmitterErrors, Places) {
          {emitter("spot", to_world("<translate x=\"1e30\"/>")), "3:1", "too far away"},
          {emitter("spot", to_world("<scale x=\"2\"/>")), "4:1", "the to_world of 'spot' must not shear or scale"},
          {emitter("spot", to_world("<matrix value=\"1 1 0  0 1 0  0 0 1\"/>")), "4:1", "must not shear"},
+         {emitter("projector", to_world("<scale value=\"2\"/>")), "4:1",
+          "the to_world of 'projector' must not scale or"},
+         {emitter("projector", number("fov", "180")), "4:19", "'fov' must be between 0 and 180 degrees, not 180"},
          {emitter("spot", "<point name=\"position\" x=\"1\" y=\"0\" z=\"0\"/>"), "4:1", "does not take"},
          {emitter("directional", direction + to_world("<scale value=\"2\"/>")), "5:1",
           "give either 'direction' or 'to_world'"},

@@ -251,8 +251,8 @@ TEST(SceneErrors, Sensors) {
 
 TEST(SceneErrors, Integrators) {
     expect_errors(
-        {{ball + "\n<integrator type=\"path\">\n<boolean name=\"hide_emitters\" value=\"true\"/></integrator>", "4:31",
-          "'hide_emitters' is not supported yet"},
+        {{ball + "\n<integrator type=\"path\">\n<boolean name=\"hide_emitters\" value=\"maybe\"/></integrator>", "4:31",
+          "maybe"},
          {ball + "\n<integrator type=\"path\">\n<integer name=\"max_depth\" value=\"-2\"/></integrator>", "4:27",
           "'max_depth' must be between -1 and"}});
 }

@@ -60,6 +60,7 @@ std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
         {"spot", "<emitter type='spot'>" + aim + "<float name='cutoff_angle' value='35'/></emitter>"},
         {"wide spot", "<emitter type='spot'>" + aim +
                           "<float name='cutoff_angle' value='140'/><float name='beam_width' value='0'/></emitter>"},
+        {"projector", "<emitter type='projector'>" + aim + "<float name='fov' value='60'/></emitter>"},
         {"directional", "<emitter type='directional'><vector name='direction' x='0.3' y='0.4' z='-1'/></emitter>"},
         {"level directional", "<emitter type='directional'><vector name='direction' x='0.6' y='0.8' z='0'/></emitter>"},
         {"constant", "<emitter type='constant'/>"},

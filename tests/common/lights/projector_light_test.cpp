@@ -1,0 +1,116 @@
+// Tests of the projector against closed forms of its irradiance, and as the counterpart of a camera.
+
+#include "common/scene/scene.h"
+#include "tests/support/light_fixtures.h"
+#include "tests/support/scene_fixtures.h"
+
+namespace gib {
+namespace {
+
+using test::load;
+using test::mean_of;
+using test::render;
+
+/// A black ball far behind the projectors of these tests, since a scene needs a surface.
+const std::string ball = "<shape type='sphere'><point name='center' x='0' y='0' z='-50'/></shape>";
+
+std::string projector(const std::string& parameters) {
+    return "<emitter type='projector'>" + parameters + "</emitter>";
+}
+
+/// The sum of the irradiances [W/m^2] at p on a surface of normal n. `p` is in the file's coordinates.
+Color irradiance(const Scene& scene, const Vec3& p_file, const Vec3& n) {
+    const Vec3 p = p_file + scene.sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
+    const auto light = scene.sample_light(p, 0.5f, {0.5f, 0.5f});
+    if (!light) return Color::Zero();
+    EXPECT_TRUE(light->delta);
+    return light->Le * (std::max(light->wi.dot(n), 0.f) / light->pdf_w);
+}
+
+// A plane across the axis at distance z receives pi B scale / z^2 everywhere within the image, and nothing beside it.
+TEST(ProjectorLight, IrradianceOfAPlaneIsTheImage) {
+    const auto scene = load(ball + projector("<float name='fov' value='60'/><float name='scale' value='3'/><rgb "
+                                             "name='irradiance' value='2, 1, 0.5'/>"));
+    const float edge = std::tan(30.f * pi / 180.f);
+    for (const float z : {1.f, 4.f})
+        for (const float x : {-0.99f, -0.3f, 0.f, 0.99f})
+            for (const float y : {-0.98f, 0.1f, 0.7f}) {
+                const Color E = irradiance(*scene.scene, Vec3(x * edge * z, y * edge * z, z), -Vec3::UnitZ());
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_NEAR(E[c], pi * 3.f * (c == 0 ? 2.f : c == 1 ? 1.f : 0.5f) / sqr(z), 1e-3f) << x << ' ' << y;
+            }
+    for (const Vec3& p : {Vec3(1.01f * edge, 0, 1), Vec3(0, -1.01f * edge, 1), Vec3(0, 0, -1)})
+        EXPECT_TRUE(is_black(irradiance(*scene.scene, p, -Vec3::UnitZ())));
+    const double power = std::numbers::pi * 6 * 4 * sqr(static_cast<double>(edge));
+    EXPECT_NEAR(power_of(scene.scene->lights()[0])[0], power, 1e-4 * power);
+}
+
+// A camera in the projector's place with the same angle of view sees each texel in the pixel that shows it: the
+// irradiance of a plane at distance 1 is pi times that texel. The image has no symmetry.
+TEST(ProjectorLight, ThrowsItsImageAsACameraTakesIt) {
+    const test::TemporaryFolder folder;
+    const Image image = test::image_of(6, 4, test::noise);
+    write_exr(folder / "slide.exr", {{{"", image}}, {}});
+    const std::string pose =
+        "<transform name='to_world'><lookat origin='1, 2, 3' target='2, 2.5, 2' up='0, 1, 0.3'/></transform>";
+    for (const std::string& view : {std::string("<float name='fov' value='50'/>"),
+                                    std::string("<float name='fov' value='50'/><string name='fov_axis' value='y'/>"),
+                                    std::string("<string name='focal_length' value='35mm'/>")}) {
+        const auto scene = test::scene_of(test::scene_xml(
+            "<sensor type='perspective'>" + view + pose +
+            "<film type='hdrfilm'><integer name='width' value='6'/><integer name='height' value='4'/><rfilter "
+            "type='box'/></film></sensor>" +
+            ball +
+            projector(view + pose + "<texture type='bitmap' name='irradiance'><string name='filename' value='" +
+                      (folder / "slide.exr") + "'/><string name='filter_type' value='nearest'/></texture>")));
+        const Sensor& camera = scene.scene->sensor();
+        const auto& light = std::get<ProjectorLight>(scene.scene->lights()[0]);
+        EXPECT_TRUE(light.is_textured());
+        const Vec3 axis = (camera.generate_ray(2, 1, {0.99999f, 0.99999f}).d).normalized();
+        for (int y = 0; y < 4; ++y)
+            for (int x = 0; x < 6; ++x) {
+                const Vec3 w = camera.generate_ray(x, y, {0.5f, 0.5f}).d;
+                const Color at_plane = light.intensity(w) * (std::pow(w.dot(axis), 3.f) * inv_pi);
+                const Color texel = image.at(static_cast<std::size_t>(6 * y + x));
+                EXPECT_TRUE(((at_plane - texel).abs() <= 1e-3f).all()) << x << ' ' << y << ": " << at_plane.transpose();
+            }
+        Colord mean = Colord::Zero();
+        for (std::size_t i = 0; i < image.pixels(); ++i)
+            mean += image.at(i).cast<double>() / 24;
+        const double area = 1 / light.pdf_w(axis);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(light.power()[c], std::numbers::pi * area * mean[c], 5e-3 * light.power()[c]);
+    }
+}
+
+/// A white screen at distance 2 in front of a projector, seen by a camera beside the projector, and a grey wall.
+LoadedScene room() {
+    return test::scene_of(test::scene_xml(
+        "<sensor type='perspective'><float name='fov' value='30'/><transform name='to_world'><lookat origin='0, 0, 0' "
+        "target='0, 0, 2' up='0, 1, 0'/></transform>" +
+        test::box_film(8) +
+        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/><translate z='2'/></transform>" +
+        test::diffuse(0.5) +
+        "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate x='2' "
+        "z='1'/></transform>" +
+        test::diffuse(0.8) + "</shape>" +
+        projector("<float name='fov' value='80'/><rgb name='irradiance' value='4'/>")));
+}
+
+class ProjectedLight : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Registry, ProjectedLight, testing::ValuesIn(names_of_comparable_methods()),
+                         [](const auto& name) { return name.param; });
+
+// The screen of reflectance rho at distance z shows rho B / z^2; what the wall adds agrees with path tracing.
+TEST_P(ProjectedLight, IsTheImageOnAScreenAndAgreesBeyondIt) {
+    const LoadedScene scene = room();
+    const Colord direct = mean_of(*render(scene, GetParam(), 256)[Component::direct]);
+    // Light paths spread over the whole screen: 16384 of them reach the image's 64 pixels with an error of some 1 %.
+    EXPECT_NEAR(direct[1], 0.5 * 4 / 4, test::samples_pixels(find_method(GetParam())) ? 1e-3 : 0.05);
+    const double path = mean_of(render(scene, "path", 4096).total())[1];
+    const double total = mean_of(render(scene, GetParam(), 1024).total())[1];
+    EXPECT_NEAR(total, path, 0.02 * path);
+}
+
+}  // namespace
+}  // namespace gib

@@ -1,0 +1,244 @@
+// Tests of the principled model against closed forms of its lobes and against the models that it contains.
+
+#include "common/materials/principled.h"
+
+#include "common/materials/gtr1.h"
+#include "common/materials/rough_scattering.h"
+#include "tests/common/materials/scattering_fixtures.h"
+
+#include <gtest/gtest.h>
+
+namespace gib {
+namespace {
+
+const Color amber(0.8f, 0.5f, 0.1f);
+
+double schlick_weight(double cosine) { return std::pow(1 - cosine, 5); }
+
+Color f_of(const Principled& m, const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) {
+    return m.f_local(wo, wi, transport).sum();
+}
+
+void expect_color(const Color& found, const Color& expected, float tolerance, const std::string& name) {
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(found[c], expected[c], tolerance * std::max(expected.maxCoeff(), 1e-3f)) << name << ' ' << c;
+}
+
+TEST(Principled, SpecularIsTheReflectanceAtNormalIncidence) {
+    for (double specular : {0.0, 0.1, 0.5, 1.0}) {
+        const double eta = Principled::eta_of_specular(specular);
+        EXPECT_NEAR(sqr((eta - 1) / (eta + 1)), 0.08 * specular, 1e-12) << specular;
+    }
+}
+
+// At normal incidence and reflection Schlick's weights are 0: f = c / pi + F0 / (4 pi alpha^2). Flat light is 5 / 8 of
+// the diffuse one there.
+TEST(Principled, AlongTheNormalIsDiffuseAndReflectedLight) {
+    Principled m{.base_color = amber, .roughness = 0.6f};
+    const Vec3 n = Vec3::UnitZ();
+    const float alpha = 0.36f, reflected = 0.04f / (4.f * pi * sqr(alpha));
+    expect_color(f_of(m, n, n), amber * inv_pi + reflected, 1e-5f, "plain");
+    m.flatness = 1.f;
+    expect_color(f_of(m, n, n), 0.625f * amber * inv_pi + reflected, 1e-5f, "flat");
+    m.metallic = 1.f;
+    expect_color(f_of(m, n, n), amber / (4.f * pi * sqr(alpha)), 1e-5f, "metal");
+}
+
+// Towards where the light comes from d is 0: with Schlick's weight w and R = 2 roughness, Burley's diffuse light is
+// (1 - w / 2)^2 + R (2 w + w^2 (R - 1)).
+TEST(Principled, RetroReflectionFollowsBurley) {
+    for (double degrees : {20.0, 60.0, 85.0})
+        for (float roughness : {0.2f, 0.9f}) {
+            Principled m{.base_color = amber, .roughness = roughness, .eta = 1.f};
+            const Vec3 w = direction_at(degrees, 0.4);
+            const double weight = schlick_weight(static_cast<double>(w.z())), r = 2 * static_cast<double>(roughness);
+            const double share = sqr(1 - weight / 2) + r * (2 * weight + sqr(weight) * (r - 1));
+            expect_color(f_of(m, w, w), amber * static_cast<float>(share / std::numbers::pi), 1e-4f, "retro");
+            m.flatness = 1.f;
+            const double s = sqr(1 + weight * (r / 2 - 1));
+            const double flat = 1.25 * (s * (0.5 / static_cast<double>(w.z()) - 0.5) + 0.5);
+            expect_color(f_of(m, w, w), amber * static_cast<float>(flat / std::numbers::pi), 1e-4f, "flat");
+        }
+}
+
+// A metal is a rough conductor whose reflectance is Schlick's, c + (1 - c) w(d).
+TEST(Principled, MetalIsARoughConductorWithSchlicksReflectance) {
+    const Principled m{.base_color = amber, .roughness = 0.7f, .anisotropic = 0.8f, .metallic = 1.f};
+    const float aspect = std::sqrt(1.f - 0.9f * 0.8f);
+    const RoughConductor mirror{{}, {MicrofacetType::ggx, 0.49f / aspect, 0.49f * aspect}};
+    for (double a : {0.0, 40.0, 80.0})
+        for (double b : {10.0, 60.0, 88.0}) {
+            const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 1.9);
+            const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+            const Color reflectance = amber + static_cast<float>(weight) * (1.f - amber);
+            expect_color(f_of(m, wo, wi), reflectance * mirror.f_local(wo, wi, Transport::radiance).sum(), 1e-4f,
+                         "metal");
+        }
+    const Principled dark{.base_color = amber, .roughness = 0.7f, .anisotropic = 0.8f, .metallic = 1.f, .eta = 1.f};
+    const Vec3 w = direction_at(30, 0.1);
+    expect_color(f_of(dark, w, w), f_of(m, w, w), 1e-6f, "without a change of index");
+}
+
+TEST(Principled, WhiteGlassIsARoughDielectric) {
+    const Principled m{.base_color = Color::Ones(), .roughness = 0.6f, .spec_trans = 1.f, .eta = 1.4f};
+    const RoughDielectric glass{1.4f, 0.f, {MicrofacetType::ggx, 0.36f, 0.36f}};
+    int bright = 0;
+    for (double a : {5.0, 50.0, 85.0, 120.0, 170.0})
+        for (double b : {10.0, 70.0, 95.0, 140.0, 175.0})
+            for (Transport transport : {Transport::radiance, Transport::power}) {
+                const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 3.3);
+                const Color expected = glass.f_local(wo, wi, transport).sum();
+                expect_color(f_of(m, wo, wi, transport), expected, 1e-4f, std::to_string(a) + ' ' + std::to_string(b));
+                if (expected[0] > 1e-3f) ++bright;
+            }
+    EXPECT_GT(bright, 20);
+    Principled tinted = m;
+    tinted.base_color = amber;
+    tinted.metallic = 0.25f;
+    const Vec3 wo = direction_at(20, 0.3), wi = direction_at(165, 3.3);
+    expect_color(f_of(tinted, wo, wi), 0.75f * amber.sqrt() * f_of(m, wo, wi), 1e-4f, "transmitted");
+    const Vec3 inside = direction_at(150, 0.3);
+    expect_color(f_of(tinted, wi, inside), 0.75f * f_of(m, wi, inside), 1e-4f, "reflected inside");
+}
+
+TEST(Principled, SheenAndTintsFollowSchlicksWeight) {
+    const Vec3 wo = direction_at(70, 0.3), wi = direction_at(75, 3.0);
+    const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+    const Color tint = amber / luminance(amber);
+    const Principled plain{.base_color = amber, .metallic = 0.5f};
+    Principled m = plain;
+    m.sheen = 0.8f;
+    m.sheen_tint = 0.25f;
+    const Color added = f_of(m, wo, wi) - f_of(plain, wo, wi);
+    expect_color(added, 0.5f * 0.8f * static_cast<float>(weight) * (0.75f + 0.25f * tint), 1e-4f, "sheen");
+
+    const Principled shiny{.base_color = amber, .roughness = 0.6f, .eta = 1.5f};
+    Principled tinted = shiny;
+    tinted.spec_tint = 1.f;
+    const Vec3 n = Vec3::UnitZ();
+    expect_color(f_of(tinted, n, n) - f_of(shiny, n, n), 0.04f * (tint - 1.f) / (4.f * pi * sqr(0.36f)), 1e-3f, "tint");
+}
+
+// The lobe that Mitsuba 3 adds: clearcoat / 4 F D G1 G1, with F0 = 0.04 and G1 of roughness 1 / 4.
+TEST(Principled, ClearCoatIsAddedWithItsOwnDistribution) {
+    for (float gloss : {0.f, 0.5f, 1.f}) {
+        const Principled plain{.base_color = amber};
+        Principled m = plain;
+        m.clearcoat = 0.6f;
+        m.clearcoat_gloss = gloss;
+        const Vec3 wo = direction_at(40, 0.3), wi = direction_at(44, 3.4);
+        const Vec3d h = (wo.cast<double>() + wi.cast<double>()).normalized();
+        const double alpha2 = sqr(0.1 + static_cast<double>(gloss) * (0.001 - 0.1));
+        const double density = (alpha2 - 1) / (std::numbers::pi * std::log(alpha2) * (1 + (alpha2 - 1) * sqr(h.z())));
+        const auto g1 = [](double c) { return 2 / (1 + std::sqrt(1 + 0.0625 * (1 - c * c) / (c * c))); };
+        const double fresnel = 0.04 + 0.96 * schlick_weight(wo.cast<double>().dot(h));
+        const double expected =
+            0.15 * fresnel * density * g1(static_cast<double>(wo.z())) * g1(static_cast<double>(wi.z()));
+        const LobeValues found = m.f_local(wo, wi, Transport::radiance);
+        EXPECT_NEAR(found.specular[0], expected, 1e-3 * expected) << gloss;
+        expect_color(found.diffuse, f_of(plain, wo, wi), 1e-6f, "the rest");
+    }
+}
+
+// All lobes together. The values come from a script that reproduces those of Mitsuba 3's own test of this material
+// (test_principled.py, test05) to all their digits; here both directions are unit vectors.
+TEST(Principled, SumOfAllLobesIsThatOfMitsuba) {
+    const Principled m{.base_color = Color::Constant(0.5f),
+                       .roughness = 0.5f,
+                       .anisotropic = 0.3f,
+                       .metallic = 0.3f,
+                       .spec_trans = 0.5f,
+                       .spec_tint = 0.6f,
+                       .sheen = 0.9f,
+                       .sheen_tint = 0.9f,
+                       .flatness = 0.5f,
+                       .clearcoat = 0.3f,
+                       .clearcoat_gloss = 0.5f,
+                       .eta = static_cast<float>(Principled::eta_of_specular(0.4))};
+    const Vec3 wo = direction_at(45, 0);
+    for (const auto& [degrees, expected] : {std::pair(0.0, 0.0956009f), std::pair(30.0, 0.0646102f),
+                                            std::pair(60.0, 0.066804f), std::pair(80.0, 0.0807701f)})
+        EXPECT_NEAR(f_of(m, wo, direction_at(degrees, 0))[0], expected, 1e-5f) << degrees;
+}
+
+// The integral of D cos is 1, and samples of normals have this density: the mean of sin^2 by both agrees.
+TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
+    for (float alpha : {0.001f, 0.03f, 0.1f, 0.5f}) {
+        const Gtr1 facets{alpha};
+        constexpr int n = 200'000;
+        double sum = 0, sines = 0;
+        for (int i = 0; i < n; ++i) {
+            // t = sin^2 in logarithmic steps from alpha^2 / 1e6 to 1.
+            const double a = static_cast<double>(alpha), low = 1e-6 * a * a, step = -std::log(low) / n;
+            const double t = low * std::exp((i + 0.5) * step);
+            const Vec3 m = Vec3d(std::sqrt(t), 0, std::sqrt(1 - t)).cast<float>();
+            const double share = std::numbers::pi * static_cast<double>(facets.density(m)) * t * step;
+            sum += share;
+            sines += t * share;
+        }
+        EXPECT_NEAR(sum, 1, 2e-3) << alpha;
+        double mean = 0;
+        constexpr int samples = 1 << 14;
+        for (std::uint32_t i = 0; i < samples; ++i) {
+            const Vec3 m = facets.sample(Sampler(PointSet::sobol, 1, 1, i).get_2d(0));
+            EXPECT_NEAR(m.norm(), 1.f, 1e-5f);
+            mean += static_cast<double>(sqr(m.x()) + sqr(m.y())) / samples;
+        }
+        EXPECT_NEAR(mean / sines, 1, 5e-3) << alpha;
+    }
+}
+
+std::vector<Principled> models() {
+    return {
+        {.base_color = amber},
+        {.base_color = amber, .roughness = 0.f, .clearcoat = 1.f, .clearcoat_gloss = 1.f},
+        {.base_color = Color(1.f, 0.f, 0.f), .roughness = 1.f, .anisotropic = 1.f, .metallic = 1.f},
+        {.base_color = Color::Zero(), .roughness = 0.4f, .sheen = 1.f, .sheen_tint = 1.f, .eta = 1.f},
+        {.base_color = amber, .roughness = 0.3f, .spec_trans = 1.f, .spec_tint = 1.f, .eta = 1.001f},
+        {.base_color = amber,
+         .roughness = 0.5f,
+         .metallic = 0.3f,
+         .spec_trans = 0.6f,
+         .flatness = 0.5f,
+         .clearcoat = 0.5f,
+         .eta = 0.7f},
+    };
+}
+
+TEST(Principled, NothingIsEverNaN) {
+    for (std::size_t i = 0; i < models().size(); ++i)
+        expect_finite(models()[i], "principled " + std::to_string(i));
+}
+
+TEST(Principled, SamplesCarryTheirOwnValueAndDensity) {
+    for (const Principled& m : models())
+        for (double degrees : {0.0, 45.0, 80.0, 89.0})
+            expect_samples_agree(m, direction_at(degrees, 0.3), 1e-5f, "principled", 8.f);
+}
+
+// Only light that comes through the surface is scattered on its back.
+TEST(Principled, IsOneSidedUnlessItTransmits) {
+    const Principled opaque{.base_color = amber, .clearcoat = 1.f};
+    const Vec3 below = direction_at(130, 0.2);
+    EXPECT_FALSE(opaque.sample_local(below, 0.5f, {0.3f, 0.3f}, Transport::radiance, Lobes::all));
+    EXPECT_TRUE(is_black(f_of(opaque, below, direction_at(150, 0.3))));
+    EXPECT_TRUE(is_black(f_of(opaque, direction_at(20, 0.2), below)));
+    EXPECT_FALSE(opaque.traits().transmission);
+    const Principled glass{.base_color = amber, .spec_trans = 0.5f};
+    EXPECT_TRUE(glass.traits().transmission && glass.traits().refraction);
+    EXPECT_FALSE(is_black(f_of(glass, below, direction_at(30, 3.3))));
+}
+
+TEST(Principled, LobesCountByTheirRoughness) {
+    const Principled sharp{.base_color = amber, .roughness = 0.3f};  // alpha 0.09
+    EXPECT_TRUE(sharp.traits().diffuse && sharp.traits().glossy && sharp.traits().rough);
+    const Principled dull{.base_color = amber, .roughness = 0.33f};
+    EXPECT_TRUE(dull.traits().diffuse && !dull.traits().glossy);
+    EXPECT_TRUE((Principled{.base_color = amber, .roughness = 0.33f, .clearcoat = 0.1f}.traits().glossy));
+    EXPECT_TRUE((Principled{.base_color = amber, .anisotropic = 0.1f}.traits().anisotropic));
+    EXPECT_FALSE((Principled{.base_color = amber, .roughness = 0.1f, .metallic = 1.f}.traits().diffuse));
+    EXPECT_FALSE((Principled{.base_color = Color::Zero(), .eta = 1.f}.traits().scatters()));
+}
+
+}  // namespace
+}  // namespace gib
