@@ -293,7 +293,7 @@ TEST_F(Bitmaps, AreLookedUpAtTheTransformedUv) {
     const Vec2 offset(0.1f, -0.3f);
     const Texture plain(bitmap), moved = with_transform(bitmap, linear, offset);
     for (const Vec2& uv : {Vec2(0, 0), Vec2(0.3f, 0.9f), Vec2(0.7f, 0.2f)})
-        EXPECT_TRUE(moved.color(uv).isApprox(plain.color(linear * uv + offset), 1e-5f));
+        EXPECT_TRUE(moved.color(uv).isApprox(plain.color(Vec2(linear * uv + offset)), 1e-5f));
     EXPECT_TRUE((moved.mean() == plain.mean()).all());
 }
 
@@ -316,8 +316,8 @@ TEST_F(Bitmaps, HaveTheGradientOfTheirValue) {
                 Vec2 forward, backward;
                 for (int k = 0; k < 2; ++k) {
                     const Vec2 step = h * Vec2::Unit(k);
-                    forward[k] = (texture.value(uv + step) - texture.value(uv)) / h;
-                    backward[k] = (texture.value(uv) - texture.value(uv - step)) / h;
+                    forward[k] = (texture.value(Vec2(uv + step)) - texture.value(uv)) / h;
+                    backward[k] = (texture.value(uv) - texture.value(Vec2(uv - step))) / h;
                 }
                 if ((forward - backward).norm() > 0.02f * (forward.norm() + 0.1f)) continue;
                 ++compared;
