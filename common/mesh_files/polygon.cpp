@@ -62,17 +62,15 @@ private:
     }
 
     /// Whether corner i and its neighbours make a triangle that lies in the polygon. A corner that is nearer to it than
-    /// the rounding counts as one inside, or it could be left in a line with all that remain.
+    /// the rounding counts as one inside; without this all corners that remain could lie in a line.
     bool is_ear(std::size_t i, double least) const {
         const Vec3d &a = place(before(i)), &b = place(i), &c = place(after(i));
         if (!(facing(a, b, c) > least)) return false;
         for (std::size_t k = 0; k < corners_.size(); ++k) {
-            const Vec3d &p = place(k), &q = place(after(k));
+            const Vec3d& p = place(k);
             // A corner may stand twice, where a bridge leads to a hole.
             const bool is_own = p == a || p == b || p == c;
             if (!is_own && std::min({facing(a, b, p), facing(b, c, p), facing(c, a, p)}) >= -least) return false;
-            // An edge from a second corner in the place of b enters the triangle there and leaves it through ca.
-            if (facing(c, a, p) * facing(c, a, q) < 0 && facing(p, q, c) * facing(p, q, a) < 0) return false;
         }
         return true;
     }

@@ -176,6 +176,9 @@ TEST_F(MeshAttributeTextures, LampsEmitTheAttribute) {
         ASSERT_TRUE(sample);
         const Vec3 q = p + sample->distance * sample->wi + Vec3(0.5f, 0.5f, 0);
         expect_color(sample->Le / 8, Color(q.x(), q.y(), 0.5f), "sample");
+        const EmissionSample start = loaded.scene->sample_emission(0.5f, Vec2(u, v), Vec2(0.3f, 0.4f));
+        const Vec3 o = start.ray.o + Vec3(0.5f, 0.5f, 0);
+        expect_color((start.power / (8 * std::numbers::pi)).cast<float>(), Color(o.x(), o.y(), 0.5f), "emission");
     }
 }
 
