@@ -116,7 +116,8 @@ private:
         ParsedShapes shapes = parse_shapes(properties, files_, hash_);
         displace_shapes(properties, shapes, textures_);
         properties.finish();
-        warnings_.insert(warnings_.end(), shapes.warnings.begin(), shapes.warnings.end());
+        for (const auto& warning : shapes.warnings)  // several shapes may read one file
+            if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
         std::optional<Texture> radiance;
         if (emitter) {
             const MeshInView view(textures_, mesh_of(shapes));

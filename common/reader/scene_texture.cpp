@@ -66,7 +66,7 @@ Texture parse_checkerboard(Properties& properties, ColorRange range, TextureFile
     return Texture(std::move(texture));
 }
 
-/// A value that is neither converted nor checked, as in Mitsuba 3.8.
+/// A value that is neither converted nor checked, as in Mitsuba 3.
 Texture parse_raw_constant(Properties& properties) {
     properties.require("value");
     const auto& children = properties.element().children;

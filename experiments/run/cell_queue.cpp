@@ -135,6 +135,8 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         if (options.repeat) options.repeat->check_scene(entry, loaded.content_hash);
         progress_.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+        for (const auto& warning : loaded.warnings)
+            progress_.message("warning: " + warning);
         plan_methods(loaded);
         scenes_.push_back({.entry = entry, .content_hash = loaded.content_hash, .sample_count = loaded.sample_count});
     }

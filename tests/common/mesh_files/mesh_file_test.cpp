@@ -110,6 +110,14 @@ TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
     EXPECT_THAT(mesh.warnings[1], StartsWith("m.obj:12:1: unknown word"));
 }
 
+TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
+    const test::TemporaryFolder folder;
+    const std::string obj = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nW 1\nf 1 2 3\n");
+    const std::string shape = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
+    EXPECT_EQ(load_scene(folder.write("s.xml", test::scene_with(shape + shape))).warnings,
+              std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
+}
+
 TEST(ObjFile, ErrorsNameThePlace) {
     EXPECT_THAT(obj_error("v 0 0\nf 1 1 1\n"), StartsWith("m.obj:1:6: a number is missing"));
     EXPECT_THAT(obj_error("v 0 0 0\nv 0 x 0\n"), StartsWith("m.obj:2:5: bad number 'x'"));
