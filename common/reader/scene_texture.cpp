@@ -131,8 +131,10 @@ Texture TextureFiles::attribute(const std::string& name, float scale, const Sour
             for (const std::uint32_t vertex : triangle)
                 texture.colors.push_back(it->values[vertex]);
     }
-    for (Color& color : texture.colors)
+    for (Color& color : texture.colors) {
         color *= scale;
+        if (!color.isFinite().all()) reject(where, "the 'scale' of the attribute '{}' is too large: {:g}", name, scale);
+    }
     return Texture(std::move(texture));
 }
 

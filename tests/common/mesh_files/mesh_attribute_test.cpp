@@ -194,6 +194,13 @@ TEST_F(MeshAttributeTextures, ErrorsNameThePlace) {
                 HasSubstr("there is no attribute 'vertex_color' here"));
     EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='2'/>")))),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
+    std::string bright = painted_square;
+    bright.replace(bright.find("0 0 0 0 0 0.5 0.25"), 18, "0 0 0 0 0 1e30 0.25");
+    folder_.write("square.ply", bright);
+    EXPECT_THAT(
+        error_of(square("<emitter type='area'>" +
+                        attribute("radiance", "vertex_color", "<float name='scale' value='1e30'/>") + "</emitter>")),
+        HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
     EXPECT_EQ(error_of(diffuse(attribute("reflectance", "vertex_any"), "unused") + square("")), "no error");
 }
 
