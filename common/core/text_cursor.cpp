@@ -9,13 +9,7 @@
 
 namespace gib {
 
-namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-}  // namespace
-
-bool TextCursor::at_word_end() const { return at_line_end() || is_blank(*at_); }
+bool TextCursor::at_word_end() const { return at_line_end() || at_blank(); }
 
 void TextCursor::fail_number(const char* expected) {
     const SourceLocation where = location();
@@ -25,7 +19,7 @@ void TextCursor::fail_number(const char* expected) {
 }
 
 void TextCursor::skip_blanks() {
-    while (at_ != end_ && is_blank(*at_))
+    while (at_blank())
         ++at_;
 }
 
@@ -46,7 +40,7 @@ void TextCursor::next_line() {
 std::string_view TextCursor::word() {
     skip_blanks();
     const char* first = at_;
-    while (!at_line_end() && !is_blank(*at_))
+    while (!at_word_end())
         ++at_;
     return {first, static_cast<std::size_t>(at_ - first)};
 }

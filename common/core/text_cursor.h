@@ -19,6 +19,8 @@ public:
     bool at_end() const { return at_ == end_; }
     bool at_line_end() const { return at_ == end_ || *at_ == '\n'; }
     char peek() const { return at_ == end_ ? '\0' : *at_; }
+    /// Whether a space, a tab or a carriage return comes next.
+    bool at_blank() const { return peek() == ' ' || peek() == '\t' || peek() == '\r'; }
     std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
     std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
     SourceLocation location() const { return location_of(at_); }

@@ -60,6 +60,14 @@ bool on_diagonal(const CheckerboardTexture& texture, const Vec2& uv) {
     return (st.x() - std::floor(st.x()) > 0.5f) == (st.y() - std::floor(st.y()) > 0.5f);
 }
 
+Color color_of(const MeshAttributeTexture& attribute, const TexturePoint& at) {
+    const std::size_t i = at.triangle;
+    if (attribute.per_face) return attribute.colors[i];
+    const float b1 = at.weights.x(), b2 = at.weights.y();
+    const Color* corner = &attribute.colors[3 * i];
+    return (1.f - b1 - b2) * corner[0] + b1 * corner[1] + b2 * corner[2];
+}
+
 bool is_grey(const Color& c) { return c[0] == c[1] && c[1] == c[2]; }
 
 }  // namespace
@@ -67,27 +75,50 @@ bool is_grey(const Color& c) { return c[0] == c[1] && c[1] == c[2]; }
 Vec2 UvTransform::operator()(const Vec2& uv) const { return linear * uv + offset; }
 
 struct Texture::Varying {
-    std::variant<BitmapTexture, CheckerboardTexture> kind;
+    /// An attribute with the mean and the bounds of its colours.
+    struct Attribute {
+        MeshAttributeTexture texture;
+        Color mean, minimum, maximum;
+
+        explicit Attribute(MeshAttributeTexture given) : texture(std::move(given)) {
+            Colord sum = Colord::Zero();
+            minimum = maximum = texture.colors.front();
+            for (const Color& c : texture.colors) {
+                sum += c.cast<double>();
+                minimum = minimum.min(c);
+                maximum = maximum.max(c);
+            }
+            mean = (sum / static_cast<double>(texture.colors.size())).cast<float>();
+        }
+        /// The clamp keeps rounding from lifting a reflectance above 1.
+        Color color(const TexturePoint& at) const { return color_of(texture, at).max(minimum).min(maximum); }
+    };
+    std::variant<BitmapTexture, CheckerboardTexture, Attribute> kind;
 
     const BitmapTexture* bitmap() const { return std::get_if<BitmapTexture>(&kind); }
+    const Attribute* attribute() const { return std::get_if<Attribute>(&kind); }
     const CheckerboardTexture& checkerboard() const { return std::get<CheckerboardTexture>(kind); }
 };
 
 Texture::Texture(BitmapTexture bitmap) : varying_(std::make_shared<const Varying>(Varying{std::move(bitmap)})) {}
 Texture::Texture(CheckerboardTexture checkerboard)
     : varying_(std::make_shared<const Varying>(Varying{std::move(checkerboard)})) {}
+Texture::Texture(MeshAttributeTexture attribute)
+    : varying_(std::make_shared<const Varying>(Varying{Varying::Attribute(std::move(attribute))})) {}
 
-Color Texture::varying_color(const Vec2& uv) const {
-    if (const auto* bitmap = varying_->bitmap()) return color_of(*bitmap, uv);
+Color Texture::varying_color(const TexturePoint& at) const {
+    if (const auto* bitmap = varying_->bitmap()) return color_of(*bitmap, at.uv);
+    if (const auto* attribute = varying_->attribute()) return attribute->color(at);
     const auto& board = varying_->checkerboard();
-    return (on_diagonal(board, uv) ? board.color0 : board.color1).color(uv);
+    return (on_diagonal(board, at.uv) ? board.color0 : board.color1).color(at);
 }
 
-float Texture::value(const Vec2& uv) const {
+float Texture::value(const TexturePoint& at) const {
     if (!varying_) return is_grey(constant_) ? constant_[0] : constant_.mean();
-    if (const auto* bitmap = varying_->bitmap()) return number(color_of(*bitmap, uv), bitmap->bitmap->grey());
+    if (const auto* bitmap = varying_->bitmap()) return number(color_of(*bitmap, at.uv), bitmap->bitmap->grey());
+    if (const auto* attribute = varying_->attribute()) return number(attribute->color(at), attribute->texture.grey);
     const auto& board = varying_->checkerboard();
-    return (on_diagonal(board, uv) ? board.color1 : board.color0).value(uv);
+    return (on_diagonal(board, at.uv) ? board.color1 : board.color0).value(at);
 }
 
 Vec2 Texture::gradient(const Vec2& uv) const {
@@ -100,6 +131,7 @@ bool Texture::has_gradient() const { return !varying_ || varying_->bitmap(); }
 Color Texture::mean() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->mean();
+    if (const auto* attribute = varying_->attribute()) return attribute->mean;
     const auto& board = varying_->checkerboard();
     return 0.5f * (board.color0.mean() + board.color1.mean());
 }
@@ -112,6 +144,7 @@ double Texture::aspect() const {
 Color Texture::minimum() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->minimum();
+    if (const auto* attribute = varying_->attribute()) return attribute->minimum;
     const auto& board = varying_->checkerboard();
     return board.color0.minimum().min(board.color1.minimum());
 }
@@ -119,6 +152,7 @@ Color Texture::minimum() const {
 Color Texture::maximum() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->maximum();
+    if (const auto* attribute = varying_->attribute()) return attribute->maximum;
     const auto& board = varying_->checkerboard();
     return board.color0.maximum().max(board.color1.maximum());
 }

@@ -3,8 +3,10 @@
 
 #include "common/core/wrap.h"
 #include "common/images/texture_bitmap.h"
+#include "common/images/texture_point.h"
 
 #include <memory>
+#include <vector>
 
 namespace gib {
 
@@ -32,29 +34,40 @@ struct BitmapTexture {
 /// A checkerboard of 2 x 2 squares in [0, 1]^2, repeated.
 struct CheckerboardTexture;
 
-/// A colour that varies over a surface: a constant, a bitmap or a checkerboard. Cheap to copy: pixels are shared.
+/// Colours of one mesh (Mitsuba's `mesh_attribute`): three for each triangle, at its vertices, which are interpolated
+/// linearly, or one for each triangle.
+struct MeshAttributeTexture {
+    std::vector<Color> colors;
+    bool per_face = false;
+    bool grey = false;  ///< the attribute is a number, not a colour
+};
+
+/// A colour that varies over a surface: a constant, a bitmap, a checkerboard or an attribute of the surface's mesh.
+/// Cheap to copy: pixels are shared.
 class Texture {
 public:
     explicit Texture(const Color& constant) : constant_(constant) {}
     explicit Texture(BitmapTexture bitmap);
     explicit Texture(CheckerboardTexture checkerboard);
+    explicit Texture(MeshAttributeTexture attribute);
 
     bool constant() const { return !varying_; }
-    /// The colour at uv: linear RGB with sRGB's primaries, within minimum() and maximum() for every uv. A coordinate
-    /// that is not finite counts as 0. Throws RunError if the file of a paged image has disappeared.
-    Color color(const Vec2& uv) const { return varying_ ? varying_color(uv) : constant_; }
+    /// The colour at a place: linear RGB with sRGB's primaries, within minimum() and maximum() everywhere. A coordinate
+    /// that is not finite counts as 0. Throws RunError if the file of a paged image has disappeared. An attribute is
+    /// looked up on the mesh that it belongs to.
+    Color color(const TexturePoint& at) const { return varying_ ? varying_color(at) : constant_; }
     /// The texture as one number, as Mitsuba's eval_1 returns it: a grey value itself, the luminance of a bitmap's
     /// colour, or the mean of a constant colour's channels. The two colours of a checkerboard are exchanged here, as
-    /// they are in Mitsuba.
-    float value(const Vec2& uv) const;
+    /// they are in Mitsuba. Of an attribute's colour it is the luminance, too; Mitsuba refuses it.
+    float value(const TexturePoint& at) const;
     /// The derivative of value() with respect to (u, v), per unit of uv. It is 0 for the filter `nearest` and
-    /// for a checkerboard.
+    /// for a checkerboard and an attribute.
     Vec2 gradient(const Vec2& uv) const;
-    /// Whether value() has a derivative; a checkerboard has none.
+    /// Whether value() has a derivative; a checkerboard and an attribute have none.
     bool has_gradient() const;
 
-    /// The mean over all texels, or over both colours of a checkerboard with equal weight. It is the mean over uv in
-    /// [0, 1]^2 if `to_uv` maps this square to itself.
+    /// The mean over all texels, over all colours of an attribute, or over both colours of a checkerboard with equal
+    /// weight. It is the mean over uv in [0, 1]^2 if `to_uv` maps this square to itself.
     Color mean() const;
     /// Width / height of the texels of a bitmap; 1 of other textures.
     double aspect() const;
@@ -64,7 +77,7 @@ public:
 
 private:
     struct Varying;
-    Color varying_color(const Vec2& uv) const;
+    Color varying_color(const TexturePoint& at) const;
 
     Color constant_ = Color::Zero();
     std::shared_ptr<const Varying> varying_;  ///< null: a constant

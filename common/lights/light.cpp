@@ -13,8 +13,9 @@ Color mean_over_surface(const Texture& texture, const AreaSampler& surface, cons
     constexpr std::uint32_t points = 1u << 16;
     Colord sum = Colord::Zero();
     for (std::uint32_t i = 0; i < points; ++i)
-        sum += texture.color(surface.sample_geometry(shape, Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).uv)
-                   .cast<double>();
+        sum +=
+            texture.color(surface.sample_geometry(shape, Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).texture_point())
+                .cast<double>();
     // If all points met dark parts of the texture, its plain mean is used, so that the light can still be chosen.
     return sum.maxCoeff() > 0 ? Color((sum / points).cast<float>()) : texture.mean();
 }
@@ -96,7 +97,7 @@ struct LightSampler {
         if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, std::get<Sphere>(shape), *cone, p, u);
         if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
         const SurfaceGeometry q = light.surface.sample_geometry(shape, u);
-        return seen_from_front(light, q, light.texture->color(q.uv));
+        return seen_from_front(light, q, light.texture->color(q.texture_point()));
     }
 
     std::optional<LightSample> operator()(const PointLight& light) const {
@@ -179,7 +180,7 @@ struct EmissionSampler {
         if (const auto* sphere = std::get_if<Sphere>(&shape)) return from_sphere(light, *sphere);
         if (!light.texture) return from_surface(light, light.surface.sample(shape, u_position), light.radiance);
         const SurfaceGeometry q = light.surface.sample_geometry(shape, u_position);
-        return from_surface(light, q, light.texture->color(q.uv));
+        return from_surface(light, q, light.texture->color(q.texture_point()));
     }
 
     EmissionSample operator()(const PointLight& light) const {

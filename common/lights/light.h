@@ -40,7 +40,7 @@ struct AreaLight {
     std::optional<Texture> texture;  ///< of the radiance; none: it is constant
     AreaSampler surface;
 
-    Color radiance_at(const Vec2& uv) const { return texture ? texture->color(uv) : radiance; }
+    Color radiance_at(const TexturePoint& at) const { return texture ? texture->color(at) : radiance; }
 };
 
 /// `intensity` [W/sr] in every direction.

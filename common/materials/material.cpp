@@ -73,8 +73,8 @@ private:
     void add(const TexturedScattering& node, const Passage& passage) {
         Bsdf::Layer layer{node.model, passage.share, passage.flipped};
         for (const TexturedParameter& p : node.parameters) {
-            if (p.set_color) p.set_color(layer.model, p.texture.color(point_.uv).max(0.f));
-            else p.set_value(layer.model, p.texture.value(point_.uv));
+            if (p.set_color) p.set_color(layer.model, p.texture.color(point_.texture_point()).max(0.f));
+            else p.set_value(layer.model, p.texture.value(point_.texture_point()));
         }
         if (stratum_) disperse(layer.model, *stratum_);
         if (passage.tilted) {
@@ -86,14 +86,14 @@ private:
     void add(const Nothing&, const Passage& passage) { pass_through(passage, passage.share); }
     void add(const Blend& node, Passage passage) {
         const float share = passage.share;
-        const float weight = std::clamp(node.weight.value(point_.uv), 0.f, 1.f);
+        const float weight = std::clamp(node.weight.value(point_.texture_point()), 0.f, 1.f);
         passage.share = share * (1.f - weight);
         add(*node.first, passage);
         passage.share = share * weight;
         add(*node.second, passage);
     }
     void add(const Mask& node, Passage passage) {
-        const float opacity = std::clamp(node.opacity.value(point_.uv), 0.f, 1.f);
+        const float opacity = std::clamp(node.opacity.value(point_.texture_point()), 0.f, 1.f);
         pass_through(passage, passage.share * (1.f - opacity));
         passage.share *= opacity;
         add(*node.nested, passage);
@@ -118,7 +118,7 @@ private:
         add_perturbed(*node.nested, node.options, passage, tilted);
     }
     void add(const NormalMap& node, const Passage& passage) {
-        const Color c = node.normal.color(point_.uv);
+        const Color c = node.normal.color(point_.texture_point());
         add_perturbed(*node.nested, node.options, passage, passage.frame.to_world(Vec3((2.f * c - 1.f).matrix())));
     }
     /// `normal` may have any length; without a direction (zero or not finite) it tilts nothing.

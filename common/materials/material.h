@@ -63,8 +63,12 @@ struct NormalMap {
 struct MaterialPoint {
     Vec2 uv;
     Vec3 ng;
-    Vec3 dp_du, dp_dv;  ///< [scene units per unit of uv]
-    Frame shading;      ///< its first axis along dp_du
+    Vec3 dp_du, dp_dv;            ///< [scene units per unit of uv]
+    Frame shading;                ///< its first axis along dp_du
+    std::uint32_t triangle = 0;   ///< of a mesh
+    Vec2 weights = Vec2::Zero();  ///< the barycentric weights of its second and third vertex
+
+    TexturePoint texture_point() const { return {uv, triangle, weights}; }
 };
 
 class Material {

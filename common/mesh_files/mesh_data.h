@@ -11,21 +11,32 @@
 
 namespace gib {
 
+/// Numbers or colours that a mesh file gives to its vertices or faces.
+struct MeshAttribute {
+    std::string name;  ///< as Mitsuba 3 names it: `vertex_` or `face_`, then what the file calls it
+    bool per_face = false;
+    bool grey = false;          ///< one number instead of three, in all channels of `values`
+    std::vector<Color> values;  ///< one for each vertex or for each triangle
+};
+
 struct MeshData {
     std::vector<Vec3d> positions;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<Vec3>
         normals;  ///< per vertex, of any length, zero where the file has none; empty: the file has none at all
     std::vector<Vec2> uvs;  ///< per vertex or empty
+    std::vector<MeshAttribute> attributes;
+    std::vector<std::string> warnings;  ///< about what the reader passed over, each with its place in the file
 };
 
-/// Reads a Wavefront OBJ file: v, vt, vn and f; other statements are passed over. Faces are fanned into triangles.
-/// The corners that name the same v/vt/vn share a vertex. Throws InputError at the place in `file`.
+/// Reads a Wavefront OBJ file: v, vt, vn and f. Other statements of the format are passed over, and so is any unknown
+/// one, with a warning at the first of each name. Faces are parted into triangles (polygon.h). The corners that name the
+/// same v/vt/vn share a vertex. Throws InputError at the place in `file`.
 MeshData parse_obj(std::string_view text, const std::string& file);
 
-/// Reads a Stanford PLY file, ascii or binary. Properties that are not needed are skipped, faces are fanned into
-/// triangles. Throws InputError at the place in `file`; for binary data this is the last line of the header, with the
-/// byte offset.
+/// Reads a Stanford PLY file, ascii or binary, with the attributes that Mitsuba 3 finds in it (ply_attributes.h). Other
+/// properties are skipped, faces are parted into triangles (polygon.h). Throws InputError at the place in `file`; for
+/// binary data this is the last line of the header, with the byte offset.
 MeshData parse_ply(std::string_view content, const std::string& file);
 
 struct SerializedMesh {

@@ -3,6 +3,10 @@
 #include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
+#include "common/mesh_files/polygon.h"
+
+#include <algorithm>
+#include <set>
 
 namespace gib {
 
@@ -17,12 +21,24 @@ struct Corner {
 
 constexpr std::uint32_t none = ~0u;
 
+/// Statements of the format that say nothing about the triangles: groups, materials, points, lines and how to show
+/// them.
+constexpr std::string_view passed_over[] = {"g",      "o",        "s",        "mg",         "usemtl",   "mtllib",
+                                            "usemap", "maplib",   "l",        "p",          "vp",       "lod",
+                                            "bevel",  "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+
+/// The three bytes that some programs write before UTF-8 text.
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
 class ObjParser {
 public:
     ObjParser(std::string_view text, const std::string& file) : cursor_(text, file) {
         // Short lines have 20 to 30 bytes. A guess that is too high only wastes address space.
         positions_.reserve(text.size() / 64);
         mesh_.triangles.reserve(text.size() / 64);
+        if (text.starts_with(byte_order_mark))
+            for (std::size_t i = 0; i < byte_order_mark.size(); ++i)
+                cursor_.advance();
     }
 
     MeshData parse() {
@@ -30,13 +46,16 @@ public:
             parse_statement();
         if (mesh_.triangles.empty()) throw InputError(cursor_.location(), "the mesh is empty: it has no faces");
         collect_vertices();
+        triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
     }
 
 private:
     void parse_statement() {
         cursor_.skip_blanks();
-        const std::string_view keyword = cursor_.peek() == '#' ? std::string_view() : cursor_.word();
+        if (cursor_.at_line_end() || cursor_.peek() == '#') return;
+        cursor_.mark();
+        const std::string_view keyword = cursor_.word();
         if (keyword == "v") {
             Vec3d p;
             for (int i = 0; i < 3; ++i)
@@ -54,12 +73,18 @@ private:
             uvs_.push_back(uv);
         } else if (keyword == "f") {
             parse_face();
+        } else if (std::ranges::find(passed_over, keyword) == std::end(passed_over) &&
+                   unknown_.insert(keyword).second) {
+            mesh_.warnings.push_back(
+                format_location(cursor_.marked(), fmt::format("unknown word '{}': lines that start with it are passed "
+                                                              "over",
+                                                              keyword)));
         }
     }
 
     void parse_face() {
-        std::uint32_t first = 0, previous = 0;
-        int corners = 0;
+        const std::size_t first_triangle = mesh_.triangles.size();
+        std::uint32_t first = 0, previous = 0, corners = 0;
         for (cursor_.skip_blanks(); !cursor_.at_line_end() && cursor_.peek() != '#'; cursor_.skip_blanks(), ++corners) {
             const std::uint32_t vertex = vertex_of(parse_corner());
             if (corners == 0) first = vertex;
@@ -67,6 +92,7 @@ private:
             previous = vertex;
         }
         if (corners < 3) reject(cursor_.location(), "a face has only {} vertices", corners);
+        if (corners > 3) fans_.push_back({first_triangle, corners});
     }
 
     /// Reads a corner: v, v/vt, v//vn or v/vt/vn.
@@ -84,6 +110,8 @@ private:
     /// Reads an index, which counts from 1, or from the end if it is negative. Returns it from 0.
     std::uint32_t parse_index(std::size_t size, const char* what) {
         cursor_.mark();
+        // A number after a blank would be the next corner's.
+        if (cursor_.at_blank()) reject(cursor_.marked(), "a {} index is missing", what);
         const std::int64_t given = cursor_.integer(), count = static_cast<std::int64_t>(size);
         const std::int64_t index = given < 0 ? count + given : given - 1;
         if (given == 0 || index < 0 || index >= count)
@@ -127,6 +155,8 @@ private:
     std::vector<Corner> corners_;                   ///< the corner of each vertex of the mesh
     std::vector<std::uint32_t> first_of_position_;  ///< the first vertex at a position
     std::vector<std::uint32_t> next_;               ///< the next vertex at the same position
+    std::vector<Fan> fans_;
+    std::set<std::string_view> unknown_;  ///< words that were warned of
     bool has_uvs_ = false, has_normals_ = false;
     MeshData mesh_;
 };

@@ -1,12 +1,16 @@
 // Reads Stanford PLY files, ascii or binary.
 
+#include "common/color/srgb.h"
 #include "common/core/binary.h"
 #include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 #include "common/mesh_files/mesh_data.h"
+#include "common/mesh_files/ply_attributes.h"
+#include "common/mesh_files/polygon.h"
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace gib {
@@ -27,27 +31,41 @@ struct Type {
     std::size_t size;  ///< [bytes]
     bool is_float;
     double (*read)(const char* bytes, std::endian order);
+    double largest;
 };
 
-constexpr Type types[] = {
-    {"char", "int8", 1, false, number_at<std::int8_t>},    {"uchar", "uint8", 1, false, number_at<std::uint8_t>},
-    {"short", "int16", 2, false, number_at<std::int16_t>}, {"ushort", "uint16", 2, false, number_at<std::uint16_t>},
-    {"int", "int32", 4, false, number_at<std::int32_t>},   {"uint", "uint32", 4, false, number_at<std::uint32_t>},
-    {"float", "float32", 4, true, number_at<float>},       {"double", "float64", 8, true, number_at<double>}};
+template <typename T>
+constexpr Type type_of(std::string_view name, std::string_view other_name) {
+    return {name, other_name, sizeof(T), std::is_floating_point_v<T>, number_at<T>, std::numeric_limits<T>::max()};
+}
 
-/// The meaning of a property; properties of role `other` are read and dropped.
+constexpr Type types[] = {type_of<std::int8_t>("char", "int8"),    type_of<std::uint8_t>("uchar", "uint8"),
+                          type_of<std::int16_t>("short", "int16"), type_of<std::uint16_t>("ushort", "uint16"),
+                          type_of<std::int32_t>("int", "int32"),   type_of<std::uint32_t>("uint", "uint32"),
+                          type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
+
+/// The meaning of a property; properties of role `other` are dropped unless they hold an attribute.
 enum class Role { x, y, z, nx, ny, nz, u, v, corners, other };
+
+/// Where the values of a property go: a channel of an attribute, by its number among those of the element.
+struct Slot {
+    std::size_t attribute;
+    std::optional<Eigen::Index> channel;  ///< none: the attribute is one number
+};
 
 struct Property {
     Type type;
     std::optional<Type> count_type;  ///< of a list; none: a single value
     Role role;
+    std::string name;
+    std::optional<Slot> slot{};
 };
 
 struct Element {
     std::string name;
     std::uint64_t count;
     std::vector<Property> properties;
+    std::vector<PlyAttribute> attributes{};
 
     bool has(Role role) const {
         return std::any_of(properties.begin(), properties.end(), [&](const auto& p) { return p.role == role; });
@@ -103,6 +121,8 @@ public:
             } else if (keyword == "end_header") {
                 if (!format) throw InputError(where, "the PLY header has no 'format'");
                 cursor_.end_line();
+                for (Element& element : elements_)
+                    find_attributes(element);
                 return {*format, std::move(elements_), where};
             } else if (keyword == "comment" || keyword == "obj_info") {
                 cursor_.next_line();
@@ -138,6 +158,21 @@ private:
         elements_.push_back({name, static_cast<std::uint64_t>(count), {}});
     }
 
+    static void find_attributes(Element& element) {
+        if (element.name != "vertex" && element.name != "face") return;
+        std::vector<std::string> names;
+        for (const Property& p : element.properties)
+            names.push_back(p.role == Role::other && !p.count_type ? p.name : "");
+        element.attributes = ply_attributes(element.name, names);
+        for (std::size_t a = 0; a < element.attributes.size(); ++a) {
+            const auto& properties = element.attributes[a].properties;
+            if (properties.size() == 1) element.properties[properties.front()].slot = Slot{a, std::nullopt};
+            else
+                for (std::size_t k = 0; k < properties.size(); ++k)
+                    element.properties[properties[k]].slot = Slot{a, static_cast<Eigen::Index>(k)};
+        }
+    }
+
     void parse_property(const SourceLocation& where) {
         if (elements_.empty()) throw InputError(where, "a 'property' before the first 'element'");
         Element& element = elements_.back();
@@ -149,10 +184,11 @@ private:
             word = cursor_.word();
         }
         const Type type = type_named(word);
-        const Role role = role_of(element.name, cursor_.word(), count_type.has_value());
+        const std::string name(cursor_.word());
+        const Role role = role_of(element.name, name, count_type.has_value());
         if (role == Role::corners && type.is_float) throw InputError(where, "vertex indices must be integers");
         if (role != Role::other && element.has(role)) throw InputError(where, "this property is given twice");
-        element.properties.push_back({type, count_type, role});
+        element.properties.push_back({type, count_type, role, name});
     }
 
     Type type_named(std::string_view name) const {
@@ -240,6 +276,7 @@ public:
         if (mesh_.triangles.empty()) throw InputError(header_.end, "the mesh is empty: it has no faces");
         // Faces that stand before the vertices could not be checked while they were read.
         if (largest_index_ >= mesh_.positions.size()) index_out_of_range(largest_index_);
+        triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
     }
 
@@ -256,6 +293,28 @@ private:
         return static_cast<std::uint64_t>(count);
     }
 
+    /// Adds the attributes of an element, still without values, to the mesh. Returns the number of the first.
+    std::size_t add_attributes(const Element& element) {
+        const std::size_t first = mesh_.attributes.size();
+        for (const PlyAttribute& attribute : element.attributes)
+            mesh_.attributes.push_back({attribute.name, element.name == "face", attribute.properties.size() == 1, {}});
+        return first;
+    }
+
+    /// Reads a value of an attribute. Mitsuba takes integers, scaled by the largest of their type, as sRGB.
+    void read_attribute(const Property& property, std::vector<Color>& values) {
+        const double stored = reader_.read(property.type);
+        if (!fits_float(stored))
+            reject(reader_.location(), "the attribute '{}' is too large or not finite: {:g}{}", property.name, stored,
+                   reader_.place());
+        const float value = property.type.is_float
+                                ? static_cast<float>(stored)
+                                : linear_from_srgb(static_cast<float>(stored / property.type.largest));
+        const auto& [attribute, channel] = *property.slot;
+        if (channel) values[attribute][*channel] = value;
+        else values[attribute].setConstant(value);
+    }
+
     void read_vertices(const Element& element, std::size_t expected) {
         if (!element.has(Role::x) || !element.has(Role::y) || !element.has(Role::z))
             throw InputError(header_.end, "the vertices of the PLY file have no x, y and z");
@@ -264,11 +323,14 @@ private:
         mesh_.positions.reserve(expected);
         if (normals) mesh_.normals.reserve(expected);
         if (uvs) mesh_.uvs.reserve(expected);
+        const std::size_t first_attribute = add_attributes(element);
+        std::vector<Color> attributes(element.attributes.size());
         for (std::uint64_t i = 0; i < element.count; ++i) {
             double values[static_cast<std::size_t>(Role::corners)] = {};
             for (const auto& property : element.properties) {
                 if (property.role == Role::other) {
-                    skip(property);
+                    if (property.slot) read_attribute(property, attributes);
+                    else skip(property);
                     continue;
                 }
                 const double value = reader_.read(property.type);
@@ -284,6 +346,8 @@ private:
             mesh_.positions.emplace_back(values[0], values[1], values[2]);
             if (normals) mesh_.normals.push_back(Vec3d(values[3], values[4], values[5]).cast<float>());
             if (uvs) mesh_.uvs.push_back(Vec2d(values[6], values[7]).cast<float>());
+            for (std::size_t a = 0; a < attributes.size(); ++a)
+                mesh_.attributes[first_attribute + a].values.push_back(attributes[a]);
         }
     }
 
@@ -291,16 +355,24 @@ private:
         if (!element.has(Role::corners))
             throw InputError(header_.end, "the faces of the PLY file have no vertex_index or vertex_indices");
         mesh_.triangles.reserve(expected);
-        for (std::uint64_t i = 0; i < element.count; ++i)
+        const std::size_t first_attribute = add_attributes(element);
+        std::vector<Color> attributes(element.attributes.size());
+        for (std::uint64_t i = 0; i < element.count; ++i) {
             for (const auto& property : element.properties) {
                 if (property.role == Role::corners) read_face(property, i);
+                else if (property.slot) read_attribute(property, attributes);
                 else skip(property);
             }
+            // Every triangle of the face has the face's attributes.
+            for (std::size_t a = 0; a < attributes.size(); ++a)
+                mesh_.attributes[first_attribute + a].values.resize(mesh_.triangles.size(), attributes[a]);
+        }
     }
 
     void read_face(const Property& property, std::uint64_t face) {
         const std::uint64_t count = read_count(*property.count_type);
         if (count < 3) reject(reader_.location(), "face {} has only {} vertices{}", face, count, reader_.place());
+        const std::size_t first_triangle = mesh_.triangles.size();
         std::uint32_t first = 0, previous = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
             const double index = reader_.read(property.type);
@@ -312,6 +384,7 @@ private:
             if (i >= 2) mesh_.triangles.push_back({first, previous, vertex});
             previous = vertex;
         }
+        if (count > 3) fans_.push_back({first_triangle, static_cast<std::uint32_t>(count)});
     }
 
     [[noreturn]] void index_out_of_range(double index) const {
@@ -322,6 +395,7 @@ private:
     const Header& header_;
     Reader& reader_;
     MeshData mesh_;
+    std::vector<Fan> fans_;
     std::uint32_t largest_index_ = 0;
 };
 

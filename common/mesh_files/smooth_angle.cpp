@@ -39,6 +39,9 @@ void compute_normals_between_creases(MeshData& mesh, double angle) {
     const FloatTrapsPaused paused;  // places that overflowed in a transform are refused once the whole scene is known
     const double least_cosine = std::cos(angle * std::numbers::pi / 180);
     MeshData parted;
+    parted.attributes = mesh.attributes;
+    for (MeshAttribute& attribute : parted.attributes)
+        if (!attribute.per_face) attribute.values.clear();
     parted.triangles.resize(mesh.triangles.size());
     for (const auto& [place, corners] : corners_by_place(mesh)) {
         // A vertex of the new mesh: its normal, and the old vertex, whose uv it has.
@@ -57,6 +60,9 @@ void compute_normals_between_creases(MeshData& mesh, double angle) {
                 parted.positions.push_back(mesh.positions[old]);
                 parted.normals.push_back(normal);
                 if (!mesh.uvs.empty()) parted.uvs.push_back(mesh.uvs[old]);
+                for (std::size_t i = 0; i < mesh.attributes.size(); ++i)
+                    if (!mesh.attributes[i].per_face)
+                        parted.attributes[i].values.push_back(mesh.attributes[i].values[old]);
             }
             parted.triangles[corner.face][corner.index] = vertex->second;
         }

@@ -114,7 +114,7 @@ public:
     void number(const std::string& name, float fallback, Set set, float highest) {
         const Texture texture = parse_textured_number(properties_, name, fallback, ColorRange::non_negative, files_);
         check_highest(name, texture, highest);
-        set(model_, texture.constant() ? texture.value(Vec2::Zero()) : texture.maximum().maxCoeff());
+        set(model_, texture.constant() ? texture.value(Vec2(0, 0)) : texture.maximum().maxCoeff());
         if (texture.constant()) return;
         parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
     }

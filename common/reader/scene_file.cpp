@@ -3,6 +3,7 @@
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
 #include "common/reader/scene_bsdf.h"
+#include "common/reader/scene_displacement.h"
 #include "common/reader/scene_emitter.h"
 #include "common/reader/scene_medium.h"
 #include "common/reader/scene_ms3d.h"
@@ -27,8 +28,14 @@ public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash, LoadWarnings& warnings)
         : ids_(xml.root, warnings), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
-    void check_texture(const NestedObject& texture) { parse_texture(texture, ColorRange::emission, textures_); }
-    void check_bsdf(const NestedObject& bsdf) { parse_bsdf(bsdf, textures_); }
+    void check_texture(const NestedObject& texture) {
+        const MeshInView none(textures_);
+        parse_texture(texture, ColorRange::emission, textures_);
+    }
+    void check_bsdf(const NestedObject& bsdf) {
+        const MeshInView none(textures_);
+        parse_bsdf(bsdf, textures_);
+    }
     void add_medium(const NestedObject& medium) { medium_index(medium); }
     void set_camera_medium(const std::optional<NestedObject>& medium) {
         camera_medium_ = medium ? medium_index(*medium) : no_medium;
@@ -105,12 +112,17 @@ private:
             }
         properties.number("silhouette_sampling_weight");  // for Mitsuba's derivatives; no effect here
         ParsedShapes shapes = parse_shapes(properties, files_, hash_);
+        displace_shapes(properties, shapes, textures_);
         properties.finish();
+        for (const auto& warning : shapes.warnings)
+            ids_.warn({}, warning);  // it names its own place
         std::optional<Texture> radiance;
         if (emitter) {
+            const MeshInView view(textures_, mesh_of(shapes));
             radiance = parse_area_emitter(*emitter, textures_);
             area_emitters_.insert(emitter->element);
         }
+        const std::uint32_t material = bsdf ? material_index(*bsdf, mesh_of(shapes)) : 0;
         std::map<std::uint32_t, std::uint32_t> index_of_material;
         BoundsD bounds;
         for (auto& part : shapes.parts) {
@@ -124,7 +136,7 @@ private:
             if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
                 pending.radiance = Texture(shapes.materials[*part.material].emissive);
             if (bsdf) {
-                pending.material = material_index(*bsdf);
+                pending.material = material;
             } else if (part.material) {
                 const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
                 if (is_new)
@@ -136,6 +148,12 @@ private:
             to.push_back(std::move(pending));
         }
         return bounds;
+    }
+
+    /// The mesh of an element with one shape, for its attributes; null if the shape is none.
+    static const MeshData* mesh_of(const ParsedShapes& shapes) {
+        const auto* mesh = shapes.parts.size() == 1 ? std::get_if<ParsedMesh>(&shapes.parts.front().shape) : nullptr;
+        return mesh ? &mesh->data : nullptr;
     }
 
     /// The group of a <shape type="shapegroup">, which is read at its first mention.
@@ -235,12 +253,20 @@ private:
         return lights;
     }
 
-    /// A bsdf that several shapes refer to is one material.
-    std::uint32_t material_index(const NestedObject& bsdf) {
-        const auto [it, is_new] =
-            material_of_element_.emplace(bsdf.element, static_cast<std::uint32_t>(materials_.size()));
-        if (is_new) materials_.push_back(parse_bsdf(bsdf, textures_));
-        return it->second;
+    /// A bsdf that several shapes refer to is one material, unless it takes attributes of their meshes.
+    std::uint32_t material_index(const NestedObject& bsdf, const MeshData* mesh) {
+        if (const auto it = material_of_element_.find(bsdf.element); it != material_of_element_.end())
+            return it->second;
+        const MeshInView view(textures_, mesh);
+        Material material = parse_bsdf(bsdf, textures_);
+        if (!view.attribute_taken()) return keep_material(bsdf, std::move(material));
+        materials_.push_back(std::move(material));
+        return static_cast<std::uint32_t>(materials_.size() - 1);
+    }
+
+    std::uint32_t keep_material(const NestedObject& bsdf, Material&& material) {
+        materials_.push_back(std::move(material));
+        return material_of_element_[bsdf.element] = static_cast<std::uint32_t>(materials_.size() - 1);
     }
 
     /// A medium that several shapes refer to is one. It is read once the scene's origin is known.

@@ -172,7 +172,11 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
         options.face_normals |= mesh.face_normals;
         return finished_mesh(std::move(mesh.data), options, to_world);
     }
-    return finished_mesh(type == "obj" ? parse_obj(content, path) : parse_ply(content, path), options, to_world);
+    MeshData data = type == "obj" ? parse_obj(content, path) : parse_ply(content, path);
+    std::vector<std::string> warnings = std::move(data.warnings);
+    ParsedShapes shapes = finished_mesh(std::move(data), options, to_world);
+    shapes.warnings = std::move(warnings);
+    return shapes;
 }
 
 void check_range(const Vec3d& p, const SourceLocation& where) {

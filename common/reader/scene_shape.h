@@ -35,6 +35,7 @@ struct ParsedShapes {
     };
     std::vector<Part> parts;
     std::vector<Ms3dMaterial> materials;
+    std::vector<std::string> warnings;  ///< about the file
 
     ParsedShapes() = default;
     template <typename Shape>

@@ -3,6 +3,9 @@
 #include "common/core/reject.h"
 #include "common/xml/scene_spectrum.h"
 
+#include <fmt/ranges.h>
+#include <algorithm>
+
 namespace gib {
 
 OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : element_(object.element), files_(files) {
@@ -15,6 +18,18 @@ OpenElement::OpenElement(const NestedObject& object, TextureFiles& files) : elem
 }
 
 OpenElement::~OpenElement() { files_.open_.erase(element_); }
+
+MeshInView::MeshInView(TextureFiles& files, const MeshData* mesh) : files_(files) {
+    files_.mesh_ = mesh;
+    files_.attribute_taken_ = false;
+}
+
+MeshInView::MeshInView(TextureFiles& files) : MeshInView(files, nullptr) { files_.only_checked_ = true; }
+
+MeshInView::~MeshInView() {
+    files_.mesh_ = nullptr;
+    files_.only_checked_ = false;
+}
 
 namespace {
 
@@ -51,6 +66,27 @@ Texture parse_checkerboard(Properties& properties, ColorRange range, TextureFile
     return Texture(std::move(texture));
 }
 
+/// A value that is neither converted nor checked, as in Mitsuba 3.
+Texture parse_raw_constant(Properties& properties) {
+    properties.require("value");
+    const auto& children = properties.element().children;
+    const bool is_number = std::any_of(children.begin(), children.end(), [](const XmlElement& child) {
+        return child.tag == "float" || child.tag == "integer";
+    });
+    if (is_number) return Texture(Color::Constant(static_cast<float>(properties.number("value", 0))));
+    const Vec3d value = *properties.point("value");
+    if (!fits_float(value.cwiseAbs().maxCoeff())) properties.reject("value", "'value' is too large");
+    return Texture(Color(value.cast<float>().array()));
+}
+
+Texture parse_mesh_attribute(Properties& properties, TextureFiles& files) {
+    const std::string name = properties.required_string("name");
+    const auto scale = static_cast<float>(properties.number("scale", 1));
+    if (!name.starts_with("vertex_") && !name.starts_with("face_"))
+        properties.reject("name", "the name of an attribute begins with 'vertex_' or 'face_', not '{}'", name);
+    return files.attribute(name, scale, properties.where("name"));
+}
+
 Texture parse_within(const NestedObject& object, const std::string& name, ColorRange range, TextureFiles& files) {
     Texture texture = parse_texture(object, range, files);
     const float lowest = texture.minimum().minCoeff(), highest = texture.maximum().maxCoeff();
@@ -69,6 +105,39 @@ std::string TextureFiles::path(const std::string& name, const SourceLocation& wh
     return path;
 }
 
+Texture TextureFiles::attribute(const std::string& name, float scale, const SourceLocation& where) {
+    attribute_taken_ = true;
+    if (only_checked_) return Texture(Color::Zero());
+    if (!mesh_)
+        reject(where, "there is no attribute '{}' here: only bsdfs and emitters of a mesh take attributes", name);
+    // Mitsuba's documentation names a colour vertex_PREFIX, its reader of files vertex_PREFIX_color.
+    const auto is_named = [&](const MeshAttribute& a) { return a.name == name || a.name + "_color" == name; };
+    const auto it = std::find_if(mesh_->attributes.begin(), mesh_->attributes.end(), is_named);
+    if (it == mesh_->attributes.end()) {
+        std::vector<std::string_view> names;
+        for (const MeshAttribute& attribute : mesh_->attributes)
+            names.push_back(attribute.name);
+        reject(where, "the mesh has no attribute '{}'; it has: {}", name,
+               names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")));
+    }
+    MeshAttributeTexture texture;
+    texture.per_face = it->per_face;
+    texture.grey = it->grey;
+    if (it->per_face) {
+        texture.colors = it->values;
+    } else {
+        texture.colors.reserve(3 * mesh_->triangles.size());
+        for (const auto& triangle : mesh_->triangles)
+            for (const std::uint32_t vertex : triangle)
+                texture.colors.push_back(it->values[vertex]);
+    }
+    for (Color& color : texture.colors) {
+        color *= scale;
+        if (!color.isFinite().all()) reject(where, "the 'scale' of the attribute '{}' is too large: {:g}", name, scale);
+    }
+    return Texture(std::move(texture));
+}
+
 std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, const SourceLocation& where, bool raw) {
     const std::string file = path(name, where);
     auto& bitmap = bitmaps_[{file, raw}];
@@ -80,8 +149,11 @@ std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, cons
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files) {
     const OpenElement open(object, files);
     Properties properties(*object.element, files.ids());
-    const bool is_bitmap = properties.plugin({"bitmap", "checkerboard"}) == "bitmap";
-    const Texture texture = is_bitmap ? parse_bitmap(properties, files) : parse_checkerboard(properties, range, files);
+    const std::string& type = properties.plugin({"bitmap", "checkerboard", "mesh_attribute", "rawconstant"});
+    const Texture texture = type == "bitmap"           ? parse_bitmap(properties, files)
+                            : type == "checkerboard"   ? parse_checkerboard(properties, range, files)
+                            : type == "mesh_attribute" ? parse_mesh_attribute(properties, files)
+                                                       : parse_raw_constant(properties);
     properties.finish();
     return texture;
 }
@@ -96,7 +168,7 @@ Texture parse_textured_number(Properties& properties, const std::string& name, f
                               TextureFiles& files) {
     if (const auto object = properties.named_object(name, "texture")) return parse_within(*object, name, range, files);
     const Texture color(color_property(properties, name, fallback, range));
-    return Texture(Color::Constant(color.value(Vec2::Zero())));
+    return Texture(Color::Constant(color.value(Vec2(0, 0))));
 }
 
 }  // namespace gib

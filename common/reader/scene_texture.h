@@ -2,6 +2,7 @@
 // Reads the <texture> elements of a scene file, and parameters that take a value or a texture.
 
 #include "common/images/texture.h"
+#include "common/mesh_files/mesh_data.h"
 #include "common/xml/xml_properties.h"
 
 #include <map>
@@ -24,11 +25,15 @@ public:
     /// The image of a file, which is loaded once. Throws InputError at `where` if there is no such file, and at the
     /// file itself if its content is wrong.
     std::shared_ptr<const Bitmap> bitmap(const std::string& name, const SourceLocation& where, bool raw);
+    /// The texture of an attribute of the mesh in view, times `scale`. Throws InputError at `where` if the mesh lacks
+    /// it.
+    Texture attribute(const std::string& name, float scale, const SourceLocation& where);
     /// The path of a file, whose content is added to the hash. Throws InputError at `where` if there is none.
     std::string path(const std::string& name, const SourceLocation& where);
 
 private:
     friend class OpenElement;
+    friend class MeshInView;
     const FileFinder& finder_;
     ContentHash& hash_;
     const XmlIds& ids_;
@@ -37,6 +42,27 @@ private:
     std::set<std::string> hashed_;
     std::set<const XmlElement*> open_;  ///< elements being parsed now, to find any that holds itself
     std::size_t parts_ = 0;             ///< of the outermost open element so far, one for each reference
+    const MeshData* mesh_ = nullptr;    ///< whose attributes textures take; null: of no mesh
+    bool only_checked_ = false;         ///< what is parsed now is parsed again for each shape that uses it
+    bool attribute_taken_ = false;      ///< an attribute was asked for since mesh_ or only_checked_ was set
+};
+
+/// While an object of this class lives, the textures that are parsed take their attributes from a mesh.
+class MeshInView {
+public:
+    /// `mesh` may be null, for a shape that is no mesh; an attribute is then an error.
+    MeshInView(TextureFiles& files, const MeshData* mesh);
+    /// For an element of the scene that shapes may refer to: attributes are checked without a mesh and are black.
+    explicit MeshInView(TextureFiles& files);
+    ~MeshInView();
+    MeshInView(const MeshInView&) = delete;
+    MeshInView& operator=(const MeshInView&) = delete;
+
+    /// Whether a texture has asked for an attribute, so that what was parsed serves this mesh only.
+    bool attribute_taken() const { return files_.attribute_taken_; }
+
+private:
+    TextureFiles& files_;
 };
 
 /// Marks a texture or material as being parsed. Throws InputError if it is marked already, because references can
@@ -54,8 +80,8 @@ private:
     TextureFiles& files_;
 };
 
-/// Reads a bitmap or checkerboard. The constants in it must lie within `range`; images are not
-/// checked. Throws InputError.
+/// Reads a bitmap, a checkerboard, a rawconstant or a mesh_attribute. The constants in a checkerboard must lie within
+/// `range`; other values are not checked. Throws InputError.
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files);
 
 /// The colour parameter `name`: a value as color_property() takes it, or a texture within `range`.

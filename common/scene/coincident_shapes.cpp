@@ -47,21 +47,35 @@ Place place_of(const Cylinder& c) {
     return {3, c.base.x(), c.base.y(), c.base.z(), c.axis.x(), c.axis.y(), c.axis.z(), c.radius, 0, 0, 0};
 }
 
-/// Whether triangles i and i + 1 are the halves of a plane quadrilateral, as in rectangles and cubes.
+/// The normal of the front of a triangle; zero if it has no area.
+Vec3d unit_normal(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
+    const Vec3d a = mesh.vertex(t[0]).cast<double>();
+    const Vec3d n = (mesh.vertex(t[1]).cast<double>() - a).cross(mesh.vertex(t[2]).cast<double>() - a);
+    return n.stableNormalized();
+}
+
+/// Whether triangles i and i + 1 are the halves of a plane quadrilateral, as in rectangles and cubes. It is also parted
+/// by its other diagonal, so it must be convex: two neighbours in a fan about an inner point may not be.
 bool is_plane_quad(const Mesh& mesh, std::size_t i) {
     if (i + 1 >= mesh.triangles.size()) return false;
     const auto &t = mesh.triangles[i], &next = mesh.triangles[i + 1];
     if (t[0] != next[0] || t[2] != next[1]) return false;
-    return mesh.normal_of(i).stableNormalized().dot(mesh.normal_of(i + 1).stableNormalized()) > 1 - 1e-6;
+    const Vec3d normal = unit_normal(mesh, t);
+    const auto agrees = [&](const std::array<std::uint32_t, 3>& other) {
+        return unit_normal(mesh, other).dot(normal) > 1 - 1e-6;
+    };
+    return agrees(next) && agrees({t[0], t[1], next[2]}) && agrees({t[1], t[2], next[2]});
 }
 
-/// Calls `visit` with each place of a shape. A quadrilateral also has the places of its halves along the other
+/// Calls `visit` with each place of a shape. Triangles without area have none: no ray meets them, and they emit
+/// nothing. A quadrilateral also has the places of its halves along the other
 /// diagonal, because another shape may be split that way.
 template <typename Visit>
 void for_each_place(const Shape& shape, const Visit& visit) {
     if (const auto* mesh = std::get_if<Mesh>(&shape)) {
         for (std::size_t i = 0; i < mesh->triangles.size(); ++i) {
             const auto& [a, b, c] = mesh->triangles[i];
+            if (mesh->normal_of(i).isZero(0)) continue;
             std::apply(visit, place_of_triangle(*mesh, {a, b, c}));
             if (!is_plane_quad(*mesh, i)) continue;
             const std::uint32_t d = mesh->triangles[i + 1][2];

@@ -123,8 +123,13 @@ std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional
 }
 
 MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {
-    MaterialPoint point{
-        .uv = hit.uv, .ng = hit.ng, .dp_du = Vec3::Zero(), .dp_dv = Vec3::Zero(), .shading = hit.shading};
+    MaterialPoint point{.uv = hit.uv,
+                        .ng = hit.ng,
+                        .dp_du = Vec3::Zero(),
+                        .dp_dv = Vec3::Zero(),
+                        .shading = hit.shading,
+                        .triangle = hit.primitive,
+                        .weights = hit.weights};
     if (!material.follows_uv()) return point;
     const SurfaceDerivatives derivatives = derivatives_at(hit);
     point.dp_du = derivatives.dp_du;

@@ -19,11 +19,11 @@ struct SurfaceHit : SurfaceGeometry {
     explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry), interpolated(geometry.ns) {}
 
     const Bsdf* bsdf = nullptr;
-    const AreaLight* emitter = nullptr;        ///< null: not a light
-    std::uint32_t light = 0;                   ///< index of the emitter among the scene's lights
-    Frame shading;                             ///< around ns; its first axis along dp_du where the material follows uv
-    std::uint32_t shape, primitive, instance;  ///< what was hit, for data computed on demand
-    Vec3 interpolated;                         ///< the file's shading normal, which is `ns` unless delta_only
+    const AreaLight* emitter = nullptr;  ///< null: not a light
+    std::uint32_t light = 0;             ///< index of the emitter among the scene's lights
+    Frame shading;                       ///< around ns; its first axis along dp_du where the material follows uv
+    std::uint32_t shape, instance;       ///< what was hit, for data computed on demand
+    Vec3 interpolated;                   ///< the file's shading normal, which is `ns` unless delta_only
     /// True if the ray arrives above one of the two normals, the file's shading normal and the geometric one, and
     /// below the other. `ns` is then the geometric normal, and only delta lobes (mirrors, smooth interfaces) scatter.
     bool delta_only = false;
@@ -33,7 +33,7 @@ struct SurfaceHit : SurfaceGeometry {
 
     /// Emitted radiance [W/(sr m^2)] towards wo.
     Color Le(const Vec3& wo) const {
-        return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(uv) : Color(Color::Zero());
+        return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(texture_point()) : Color(Color::Zero());
     }
     /// Whether the file's shading normal is the geometric one, from either side.
     bool is_flat() const { return interpolated == ng || interpolated == -ng; }

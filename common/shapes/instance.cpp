@@ -40,6 +40,8 @@ SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry
     s.ng = (n / length).cast<float>();
     s.ns = (instance.inverse.transpose() * in_group.ns.cast<double>()).normalized().cast<float>();
     s.uv = in_group.uv;
+    s.primitive = in_group.primitive;
+    s.weights = in_group.weights;
     // The offset is the sum of two bounds, each the distance of two parallel planes. The first is the group's offset,
     // which covers the rounding of p and of a ray's start in the group; the map divides such distances by `length`.
     // The second covers the rounding of p and of a ray's start in the scene.

@@ -4,6 +4,7 @@
 
 #include "common/core/huge_pages.h"
 #include "common/core/math.h"
+#include "common/images/texture_point.h"
 #include "common/sampling/warp.h"
 
 #include <array>
@@ -27,6 +28,10 @@ inline Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.do
 struct SurfaceGeometry : SurfacePoint {
     Vec3 ns;  ///< shading normal, unit
     Vec2 uv;
+    std::uint32_t primitive = 0;  ///< of a mesh: the triangle
+    Vec2 weights = Vec2::Zero();  ///< of a mesh: the barycentric weights of the triangle's second and third vertex
+
+    TexturePoint texture_point() const { return {uv, primitive, weights}; }
 };
 
 /// A mesh of triangles. The array of vertices has an extra element at the end, because Embree reads 16 bytes at
@@ -167,7 +172,7 @@ inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
 }
 
 inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const {
-    SurfaceGeometry s{point_at(i, b1, b2), Vec3(), Vec2(b1, b2)};
+    SurfaceGeometry s{point_at(i, b1, b2), Vec3(), Vec2(b1, b2), static_cast<std::uint32_t>(i), Vec2(b1, b2)};
     s.ns = normals.empty() ? s.ng : interpolated_normal(i, b1, b2, s.ng);
     if (!uvs.empty()) {
         const auto& t = triangles[i];

@@ -42,8 +42,8 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
         out << "unresolved: " << name_of(c) << "\n";
 }
 
-void warn_of(const std::vector<std::string>& damage) {
-    for (const auto& what : damage)
+void warn_of(const std::vector<std::string>& warnings) {
+    for (const auto& what : warnings)
         std::cerr << fmt::format("warning: {}\n", what);
 }
 

@@ -91,8 +91,8 @@ TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
     }
     // The first row in the file is closest to v = 0.
     bitmap.wrap = Wrap::clamp;
-    EXPECT_TRUE(Texture(bitmap).color({0, 0}).isApprox(p.color(0, 0)));
-    EXPECT_TRUE(Texture(bitmap).color({1, 1}).isApprox(p.color(2, 1)));
+    EXPECT_TRUE(Texture(bitmap).color(Vec2{0, 0}).isApprox(p.color(0, 0)));
+    EXPECT_TRUE(Texture(bitmap).color(Vec2{1, 1}).isApprox(p.color(2, 1)));
 }
 
 TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
@@ -132,7 +132,7 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
             const float ulp = std::nextafter(1.f, 0.f);
             for (const float u : {0.f, -0.f, 1.f, 2.f, ulp, -1e-30f, -1.f, 1e9f, -1e30f, infinity, -infinity, nan})
                 for (const float v : {0.f, 1.f, -1e-30f, -infinity, nan, 1e38f}) {
-                    const Color c = texture.color({u, v});
+                    const Color c = texture.color(Vec2{u, v});
                     EXPECT_TRUE((c >= texture.minimum()).all() && (c <= texture.maximum()).all()) << u << " " << v;
                     EXPECT_TRUE(texture.gradient({u, v}).allFinite());
                 }
@@ -145,7 +145,7 @@ TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
     for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
         bitmap.wrap = wrap;
         const Texture texture(bitmap);
-        EXPECT_TRUE((texture.color({infinity, infinity}) == texture.color({0.f, 0.f})).all());
+        EXPECT_TRUE((texture.color(Vec2{infinity, infinity}) == texture.color(Vec2{0.f, 0.f})).all());
     }
 }
 
@@ -182,7 +182,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
     }
     // Between black and white, the mean is 0.5, not the 0.21 that decoding after the filter would give.
     const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, {OIIO::TypeDesc::UINT8, 0, {}, {}});
-    EXPECT_NEAR(Texture(BitmapTexture{load(edge)}).value({0.5f, 0.5f}), 0.5, 1e-6);
+    EXPECT_NEAR(Texture(BitmapTexture{load(edge)}).value(Vec2{0.5f, 0.5f}), 0.5, 1e-6);
 }
 
 TEST_F(Bitmaps, OfSixteenBitsAreSrgbAndFloatsAreLinear) {
@@ -220,9 +220,9 @@ TEST_F(Bitmaps, IgnoreAlphaAndDoNotMultiplyByIt) {
 TEST_F(Bitmaps, OfOneGreyHaveTheirValueAsNumberAndOthersTheirLuminance) {
     const Picture grey = picture(4, 4, 1), colour = picture(4, 4, 3);
     const Texture first(texture_of(grey));
-    EXPECT_EQ(first.value({0.3f, 0.8f}), first.color({0.3f, 0.8f})[2]);
+    EXPECT_EQ(first.value(Vec2{0.3f, 0.8f}), first.color(Vec2{0.3f, 0.8f})[2]);
     const Texture second(BitmapTexture{load(write_image(folder_ / "c.exr", 4, 4, 3, colour.values))});
-    EXPECT_EQ(second.value({0.3f, 0.8f}), luminance(second.color({0.3f, 0.8f})));
+    EXPECT_EQ(second.value(Vec2{0.3f, 0.8f}), luminance(second.color(Vec2{0.3f, 0.8f})));
 }
 
 TEST_F(Bitmaps, MeasureTheirTexels) {
@@ -293,7 +293,7 @@ TEST_F(Bitmaps, AreLookedUpAtTheTransformedUv) {
     const Vec2 offset(0.1f, -0.3f);
     const Texture plain(bitmap), moved = with_transform(bitmap, linear, offset);
     for (const Vec2& uv : {Vec2(0, 0), Vec2(0.3f, 0.9f), Vec2(0.7f, 0.2f)})
-        EXPECT_TRUE(moved.color(uv).isApprox(plain.color(linear * uv + offset), 1e-5f));
+        EXPECT_TRUE(moved.color(uv).isApprox(plain.color(Vec2(linear * uv + offset)), 1e-5f));
     EXPECT_TRUE((moved.mean() == plain.mean()).all());
 }
 
@@ -316,8 +316,8 @@ TEST_F(Bitmaps, HaveTheGradientOfTheirValue) {
                 Vec2 forward, backward;
                 for (int k = 0; k < 2; ++k) {
                     const Vec2 step = h * Vec2::Unit(k);
-                    forward[k] = (texture.value(uv + step) - texture.value(uv)) / h;
-                    backward[k] = (texture.value(uv) - texture.value(uv - step)) / h;
+                    forward[k] = (texture.value(Vec2(uv + step)) - texture.value(uv)) / h;
+                    backward[k] = (texture.value(uv) - texture.value(Vec2(uv - step))) / h;
                 }
                 if ((forward - backward).norm() > 0.02f * (forward.norm() + 0.1f)) continue;
                 ++compared;
@@ -354,9 +354,9 @@ TEST_F(Bitmaps, OfOnePixelAreConstant) {
 TEST(Textures, ThatAreConstantAreTheSameEverywhere) {
     const Texture texture(Color(0.1f, 0.2f, 0.3f));
     EXPECT_TRUE(texture.constant());
-    EXPECT_TRUE((texture.color({0.3f, 7}) == Color(0.1f, 0.2f, 0.3f)).all());
-    EXPECT_NEAR(texture.value({0, 0}), 0.2f, 1e-7f) << "the mean of the channels";
-    EXPECT_EQ(Texture(Color::Constant(0.3f)).value({0, 0}), 0.3f);
+    EXPECT_TRUE((texture.color(Vec2{0.3f, 7}) == Color(0.1f, 0.2f, 0.3f)).all());
+    EXPECT_NEAR(texture.value(Vec2{0, 0}), 0.2f, 1e-7f) << "the mean of the channels";
+    EXPECT_EQ(Texture(Color::Constant(0.3f)).value(Vec2{0, 0}), 0.3f);
     EXPECT_EQ(texture.gradient({0, 0}), Vec2(0, 0));
     EXPECT_TRUE((texture.mean() == texture.maximum()).all() && (texture.minimum() == texture.maximum()).all());
 }
@@ -382,7 +382,7 @@ TEST(Checkerboards, HaveTheirFirstColourOnTheDiagonal) {
     const Texture board(CheckerboardTexture{Texture(a), Texture(b), {}});
     EXPECT_FALSE(board.constant());
     for (const float shift : {0.f, 1.f, -3.f}) {
-        const auto color = [&](float u, float v) { return board.color({u + shift, v + shift}); };
+        const auto color = [&](float u, float v) { return board.color(Vec2{u + shift, v + shift}); };
         EXPECT_TRUE((color(0.25f, 0.25f) == a).all() && (color(0.75f, 0.75f) == a).all());
         EXPECT_TRUE((color(0.75f, 0.25f) == b).all() && (color(0.25f, 0.75f) == b).all());
         EXPECT_TRUE((color(0.5f, 0.5f) == a).all()) << "0.5 belongs to the first half";
@@ -391,22 +391,22 @@ TEST(Checkerboards, HaveTheirFirstColourOnTheDiagonal) {
     EXPECT_TRUE((board.minimum() == a.min(b)).all() && (board.maximum() == a.max(b)).all());
     EXPECT_FALSE(board.has_gradient());
     const FloatTrapsPaused paused;
-    EXPECT_TRUE(board.color({nan, infinity}).allFinite());
+    EXPECT_TRUE(board.color(Vec2{nan, infinity}).allFinite());
 }
 
 TEST(Checkerboards, ExchangeTheirColoursAsNumbers) {
     const Texture board(CheckerboardTexture{Texture(Color::Constant(0.25f)), Texture(Color::Constant(0.75f)), {}});
-    EXPECT_EQ(board.value({0.25f, 0.25f}), 0.75f);
-    EXPECT_EQ(board.value({0.75f, 0.25f}), 0.25f);
+    EXPECT_EQ(board.value(Vec2{0.25f, 0.25f}), 0.75f);
+    EXPECT_EQ(board.value(Vec2{0.75f, 0.25f}), 0.25f);
 }
 
 TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {
     const Texture inner(CheckerboardTexture{Texture(Color::Constant(1)), Texture(Color::Constant(0)), {}});
     const UvTransform twice{2 * Eigen::Matrix2f::Identity(), {0, 0}};
     const Texture board(CheckerboardTexture{inner, Texture(Color::Constant(0.5f)), twice});
-    EXPECT_EQ(board.color({0.1f, 0.1f})[0], 1);
-    EXPECT_EQ(board.color({0.3f, 0.1f})[0], 0.5f);
-    EXPECT_EQ(board.color({0.6f, 0.1f})[0], 0);  // on the outer diagonal, off the inner one
+    EXPECT_EQ(board.color(Vec2{0.1f, 0.1f})[0], 1);
+    EXPECT_EQ(board.color(Vec2{0.3f, 0.1f})[0], 0.5f);
+    EXPECT_EQ(board.color(Vec2{0.6f, 0.1f})[0], 0);  // on the outer diagonal, off the inner one
     EXPECT_EQ(board.mean()[0], 0.5f);
 }
 

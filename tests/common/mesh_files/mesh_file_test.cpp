@@ -92,6 +92,32 @@ TEST(ObjFile, ReadsCarriageReturnsAndNoLastLineEnd) {
     EXPECT_EQ(parse_obj("v 0 0 0\r\nv +1 0 0\r\nv 0 1e0 0\r\nf 1 2 3", "m.obj").triangles.size(), 1u);
 }
 
+TEST(ObjFile, SkipsAByteOrderMark) {
+    const MeshData mesh = parse_obj("\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 7\nf 1 2 3\n", "m.obj");
+    EXPECT_TRUE(mesh.warnings.empty());
+    EXPECT_EQ(mesh.positions[0], Vec3d(0, 0, 0));
+    EXPECT_DOUBLE_EQ(area_of(mesh), 0.5);
+}
+
+TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
+    const MeshData mesh = parse_obj(
+        "mtllib a.mtl\no a\ng a b\ns 1\nusemtl red\nl 1 2\nv 0 0 0\n  V 1 0 0\nV 1 0 1\nv 1 0 0\nv 0 1 "
+        "0\n\xEF\xBB\xBFv 1 1 "
+        "1\nf 1 2 3\n",
+        "m.obj");
+    ASSERT_EQ(mesh.warnings.size(), 2u);
+    EXPECT_EQ(mesh.warnings[0], "m.obj:8:3: unknown word 'V': lines that start with it are passed over");
+    EXPECT_THAT(mesh.warnings[1], StartsWith("m.obj:12:1: unknown word"));
+}
+
+TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
+    const test::TemporaryFolder folder;
+    const std::string obj = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nW 1\nf 1 2 3\n");
+    const std::string shape = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
+    EXPECT_EQ(load_scene(folder.write("s.xml", test::scene_with(shape + shape))).warnings,
+              std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
+}
+
 TEST(ObjFile, ErrorsNameThePlace) {
     EXPECT_THAT(obj_error("v 0 0\nf 1 1 1\n"), StartsWith("m.obj:1:6: a number is missing"));
     EXPECT_THAT(obj_error("v 0 0 0\nv 0 x 0\n"), StartsWith("m.obj:2:5: bad number 'x'"));
@@ -102,6 +128,10 @@ TEST(ObjFile, ErrorsNameThePlace) {
     EXPECT_THAT(obj_error("v 0 0 0\nf 0 1 1\n"), StartsWith("m.obj:2:3: vertex index 0 is out of range"));
     EXPECT_THAT(obj_error("v 0 0 0\nf 1/1 1 1\n"), StartsWith("m.obj:2:5: texture coordinate index 1 is out of range"));
     EXPECT_THAT(obj_error("v 0 0 0\nf 1 1\n"), StartsWith("m.obj:2:6: a face has only 2 vertices"));
+    EXPECT_THAT(obj_error("v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n"), StartsWith("m.obj:3:6: a normal index is missing"));
+    EXPECT_THAT(obj_error("v 0 0 0\nvt 0 0\nf 1/ 1 1/ 1\n"),
+                StartsWith("m.obj:3:5: a texture coordinate index is missing"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1 1//\r\n"), StartsWith("m.obj:2:10: a normal index is missing"));
     EXPECT_THAT(obj_error("v 0 0 0\n"), HasSubstr("the mesh is empty"));
     EXPECT_THAT(obj_error(""), StartsWith("m.obj:1:1: the mesh is empty"));
 }

@@ -232,7 +232,7 @@ TEST(SceneFile, NormalMapsMayBeOneColour) {
                                  "<bsdf type=\"diffuse\"/></bsdf></shape>");
         const Material& material = loaded.scene->material_of_shape(0);
         EXPECT_TRUE(material.is_bumped());
-        return std::get<NormalMap>(material.node()).normal.color({0.5f, 0.5f});
+        return std::get<NormalMap>(material.node()).normal.color(Vec2{0.5f, 0.5f});
     };
     const Color expected(0.5f, 0.25f, 1.f);
     for (const char* map :

@@ -74,25 +74,25 @@ protected:
 };
 
 TEST_F(SceneTextures, TakeValuesAsBefore) {
-    EXPECT_TRUE((reflectance("").color({0, 0}) == 0.5f).all());
+    EXPECT_TRUE((reflectance("").color(Vec2{0, 0}) == 0.5f).all());
     const Texture rgb = reflectance("<rgb name=\"reflectance\" value=\"0.1 0.2 0.3\"/>");
     EXPECT_TRUE(rgb.constant());
-    EXPECT_TRUE((rgb.color({0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
+    EXPECT_TRUE((rgb.color(Vec2{0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
     EXPECT_THAT(error_in("<rgb name=\"reflectance\" value=\"2\"/>"), StartsWith(main_ + ":3:25: "));
 }
 
 TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
     const Texture texture = reflectance(bitmap("two.png"));
     EXPECT_FALSE(texture.constant());
-    EXPECT_NEAR(texture.color({0.5f, 0.5f})[0], 0.5f, 1e-6);
-    EXPECT_NEAR(texture.color({0.75f, 0.5f})[1], decoded_128, 1e-6);
-    EXPECT_NEAR(texture.color({0, 0.5f})[0], 0.5f, 1e-6);
-    EXPECT_NEAR(texture.color({1.75f, 0.5f})[0], 1, 1e-6);
+    EXPECT_NEAR(texture.color(Vec2{0.5f, 0.5f})[0], 0.5f, 1e-6);
+    EXPECT_NEAR(texture.color(Vec2{0.75f, 0.5f})[1], decoded_128, 1e-6);
+    EXPECT_NEAR(texture.color(Vec2{0, 0.5f})[0], 0.5f, 1e-6);
+    EXPECT_NEAR(texture.color(Vec2{1.75f, 0.5f})[0], 1, 1e-6);
 }
 
 TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     const auto red = [&](const std::string& more, float u) {
-        return reflectance(bitmap("two.png", more)).color({u, 0.5f})[0];
+        return reflectance(bitmap("two.png", more)).color(Vec2{u, 0.5f})[0];
     };
     const std::string nearest = "<string name=\"filter_type\" value=\"nearest\"/>";
     EXPECT_EQ(red(nearest, 0.4f), 0);
@@ -102,7 +102,7 @@ TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", -5), 0);
     EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", 5), 1);
     const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
-    EXPECT_NEAR(raw.color({0.75f, 0.5f})[1], byte(128), 1e-6);
+    EXPECT_NEAR(raw.color(Vec2{0.75f, 0.5f})[1], byte(128), 1e-6);
     EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,
                 1e-6);
     EXPECT_NEAR(red("<transform name=\"to_uv\"><rotate z=\"1\" angle=\"180\"/></transform>", 0.25f), 1, 1e-6);
@@ -117,24 +117,24 @@ TEST_F(SceneTextures, MayBeReferredTo) {
     const std::string shared =
         "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"two.png\"/></texture>\n";
     const std::string refers = "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>";
-    EXPECT_NEAR(parse(shared + refers).texture.color({0.75f, 0.5f})[0], 1, 1e-6);
-    EXPECT_NEAR(parse(refers + shared).texture.color({0.75f, 0.5f})[0], 1, 1e-6);
+    EXPECT_NEAR(parse(shared + refers).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
+    EXPECT_NEAR(parse(refers + shared).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
     EXPECT_THAT(error_of(refers), StartsWith(main_ + ":2:46: there is no object with the id 't'"));
 }
 
 TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
     const std::string board = "<texture name=\"reflectance\" type=\"checkerboard\">";
     const Texture plain = reflectance(board + "</texture>");
-    EXPECT_EQ(plain.color({0.2f, 0.2f})[0], 0.4f);
-    EXPECT_EQ(plain.color({0.2f, 0.7f})[0], 0.2f);
+    EXPECT_EQ(plain.color(Vec2{0.2f, 0.2f})[0], 0.4f);
+    EXPECT_EQ(plain.color(Vec2{0.2f, 0.7f})[0], 0.2f);
     const Texture nested = reflectance(
         board +
         "<rgb name=\"color0\" value=\"0.1 0.2 0.3\"/><texture name=\"color1\" type=\"bitmap\"><string "
         "name=\"filename\" "
         "value=\"two.png\"/></texture><transform name=\"to_uv\"><scale x=\"2\" y=\"2\"/></transform></texture>");
-    EXPECT_EQ(nested.color({0.1f, 0.1f})[2], 0.3f);
-    EXPECT_EQ(nested.color({0.6f, 0.6f})[2], 0.3f);
-    EXPECT_NEAR(nested.color({0.75f, 0.4f})[1], decoded_128, 1e-6) << "the bitmap keeps the surface's own uv";
+    EXPECT_EQ(nested.color(Vec2{0.1f, 0.1f})[2], 0.3f);
+    EXPECT_EQ(nested.color(Vec2{0.6f, 0.6f})[2], 0.3f);
+    EXPECT_NEAR(nested.color(Vec2{0.75f, 0.4f})[1], decoded_128, 1e-6) << "the bitmap keeps the surface's own uv";
     EXPECT_TRUE(nested.maximum().isApprox(Color(1, decoded_128, 0.3f), 1e-5f));
 }
 
@@ -142,16 +142,16 @@ TEST_F(SceneTextures, AsNumbersTakeFloatsAndTextures) {
     const auto number = [&](const std::string& property) {
         return parse("<bsdf type=\"mask\">" + property + "</bsdf>", ColorRange::unit, Kind::number).texture;
     };
-    EXPECT_EQ(number("").value({0, 0}), 0.5f);
-    EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value({0, 0}), 0.3f);
-    EXPECT_NEAR(number(bitmap("two.png")).value({0.25f, 0.5f}), 0, 1e-6);
+    EXPECT_EQ(number("").value(Vec2{0, 0}), 0.5f);
+    EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value(Vec2{0, 0}), 0.3f);
+    EXPECT_NEAR(number(bitmap("two.png")).value(Vec2{0.25f, 0.5f}), 0, 1e-6);
     // Mitsuba's eval_1 of a constant colour is the mean of its channels, also within a texture.
     const Texture colour = number("<rgb name=\"reflectance\" value=\"0.1 0.2 0.6\"/>");
-    EXPECT_NEAR(colour.value({0, 0}), 0.3f, 1e-7f);
-    EXPECT_EQ(colour.value({0, 0}), colour.maximum()[0]);
-    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value({0, 0}), 0.25f);
+    EXPECT_NEAR(colour.value(Vec2{0, 0}), 0.3f, 1e-7f);
+    EXPECT_EQ(colour.value(Vec2{0, 0}), colour.maximum()[0]);
+    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value(Vec2{0, 0}), 0.25f);
     const std::string board = "<rgb name=\"color1\" value=\"0.1 0.2 0.6\"/></texture>";
-    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value({0.25f, 0.25f}), 0.3f,
+    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value(Vec2{0.25f, 0.25f}), 0.3f,
                 1e-7f);
     const auto error = [&](const std::string& property) {
         return error_of("<bsdf type=\"mask\">\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
@@ -173,14 +173,14 @@ TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
             return "<" + tag + " " + attributes + ">" + inside + "</" + tag + ">";
         };
         const Texture srgb = reflectance(object("name=\"reflectance\" type=\"srgb\"", colour));
-        EXPECT_TRUE((srgb.color({0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
+        EXPECT_TRUE((srgb.color(Vec2{0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
         const Texture uniform =
             reflectance(object("name=\"reflectance\" type=\"uniform\"", "<float name=\"value\" value=\"0.3\"/>"));
-        EXPECT_TRUE((uniform.color({0, 0}) == 0.3f).all());
+        EXPECT_TRUE((uniform.color(Vec2{0, 0}) == 0.3f).all());
         EXPECT_FALSE(reflectance(object("name=\"reflectance\" type=\"checkerboard\"", "")).constant());
         const Texture nested = reflectance("<texture name=\"reflectance\" type=\"checkerboard\">" +
                                            object("name=\"color0\" type=\"srgb\"", colour) + "</texture>");
-        EXPECT_EQ(nested.color({0.25f, 0.25f})[0], 0.4f);
+        EXPECT_EQ(nested.color(Vec2{0.25f, 0.25f})[0], 0.4f);
         const std::string shared = object("id=\"s\" type=\"srgb\"", colour);
         EXPECT_EQ(
             parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],

@@ -170,5 +170,28 @@ TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
                 HasSubstr("main.xml:2:31: this lamp lies exactly in the place of the one at " + part + ":3:"));
 }
 
+/// The error of a lamp with the corners (-1, -1), (1, -1), (1, 1), (-1, 1), the centre and (0, -1) of a square.
+std::string error_of_lamp(const std::string& faces) {
+    const TemporaryFolder folder;
+    folder.write("lamp.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 0\nv 0 -1 0\n" + faces);
+    return input_error_of([&] {
+        parse_scene(scene_with("<shape type='obj'><string name='filename' value='lamp.obj'/>" + emitter + "</shape>"),
+                    folder / "main.xml");
+    });
+}
+
+TEST(CoincidentShapes, FansAboutAnInnerPointAreNoLampTwice) {
+    // Two neighbours make a triangle with the centre in the middle of a side, or a quadrilateral that is not convex.
+    EXPECT_EQ(error_of_lamp("f 5 2 1\nf 5 1 4\nf 5 4 3\nf 5 3 2\n"), "no error");
+    EXPECT_EQ(error_of_lamp("f 5 4 6\nf 5 6 3\nf 5 3 4\n"), "no error");
+}
+
+TEST(CoincidentShapes, TrianglesWithoutAreaAreNoLampTwice) {
+    EXPECT_EQ(error_of_lamp("f 1 2 3\nf 1 1 2\nf 1 1 2\nf 1 6 2\nf 1 6 2\n"), "no error");
+    EXPECT_THAT(error_of_lamp("f 1 2 3\nf 1 1 2\nf 3 1 2\n"), HasSubstr("this lamp has a triangle twice"));
+    // Both halves along the other diagonal.
+    EXPECT_THAT(error_of_lamp("f 1 2 3 4\nf 2 3 4\n"), HasSubstr("this lamp has a triangle twice"));
+}
+
 }  // namespace
 }  // namespace gib::test
