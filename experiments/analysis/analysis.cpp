@@ -58,11 +58,12 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
                     const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
-                    double noise_floor) {
+                    const ReferenceQuality& quality) {
     TableRow row = plain_row(replicates, index, component);
-    row.noise_floor = noise_floor;
-    row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
-    row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
+    const double noise_floor = row.noise_floor = quality.noise_floors.at(component);
+    row.epsilon = quality.epsilon;
+    row.statistics = replicate_statistics(images, reference, r_total, row.epsilon);
+    row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);
@@ -93,8 +94,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
-    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total,
-                              quality.noise_floors.at(total_name)));
+    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality));
     rows.back().flip = mean_flip(replicates, totals, r_total, folder);
     for (Component c : all_components) {
         std::vector<Image> images;
@@ -103,19 +103,21 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         if (images.size() != replicates.images.size()) continue;
         const std::string name(name_of(c));
         if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.noise_floors.at(name)));
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality));
         else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, name));
     }
     return rows;
 }
 
 ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
-                            double epsilon) {
+                            const std::optional<double>& given_epsilon) {
+    const double epsilon = judgement.epsilon(given_epsilon);
     ReferenceQuality quality{.scene = scene.name,
                              .method = scene.reference_method,
                              .relative_error = relative_standard_error(judgement.total(), epsilon),
                              .target = scene.target,
-                             .notes = scene.notes};
+                             .notes = scene.notes,
+                             .epsilon = epsilon};
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())

@@ -22,6 +22,8 @@ namespace gib {
 namespace {
 
 constexpr int exit_wrong_input = 2;
+constexpr const char* epsilon_help =
+    "epsilon of relative errors [radiance^2] (default: (0.1 m)^2, m the mean luminance of the reference)";
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
@@ -124,7 +126,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("--target", options->target,
                         "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
-    command->add_option("--epsilon", options->epsilon, "epsilon of the relative error (default 0.01)");
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     add_threads(command, options->threads);
     add_set(command, options->parameters);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
@@ -138,7 +140,7 @@ void add_compare(CLI::App& app, Action& action) {
     command->add_option("IMAGES", *files, "TEST.exr [TEST.exr ...] REFERENCE.exr; several tests are replicates")
         ->required()
         ->expected(2, 1 << 20);
-    command->add_option("--epsilon", options->epsilon, "epsilon of relative errors (default 0.01)");
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_flag("--json", options->json, "print JSON");
     CLI::Option* z_test = command->add_flag(
         "--z-test", options->z_test,

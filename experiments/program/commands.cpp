@@ -5,6 +5,7 @@
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
@@ -120,7 +121,7 @@ int render(const RenderOptions& options, std::ostream& out) {
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const MethodLabel label = MethodLabel::parse(options.method);
     const auto methods = reference_methods(label);
-    require_epsilon(options.epsilon);
+    if (options.epsilon) require_epsilon(*options.epsilon);
     // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
     if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
         throw InputError("--max-seconds needs a finite number above 0");
@@ -144,8 +145,8 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);
-    out << fmt::format("relative standard error: {:.4g} % (epsilon {})\n", 100 * finished.relative_error,
-                       options.epsilon);
+    out << fmt::format("relative standard error: {:.4g} % (epsilon {:.6g})\n", 100 * finished.relative_error,
+                       finished.epsilon);
     return 0;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
 
-#include "experiments/plan/epsilon.h"
-
 #include <cstdint>
 #include <iosfwd>
 #include <map>
@@ -27,7 +25,7 @@ struct ReferenceOptions {
     std::string method = "auto";
     std::optional<std::string> target;
     std::optional<double> seconds;
-    double epsilon = default_epsilon;
+    std::optional<double> epsilon;  ///< of the relative error [radiance^2]; none: the default (epsilon.h)
     int threads = 0;
     std::map<std::string, std::string> parameters;
     std::string out;

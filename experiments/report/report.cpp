@@ -106,6 +106,7 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"method", quality.method},
                   {"samples", std::to_string(quality.samples)},
                   {"error", percent_text(quality.relative_error)},
+                  {"scene_epsilon", fmt::format("{:.4g}", quality.epsilon)},
                   {"target", quality.target ? data(percent_text(*quality.target)) : data(false)},
                   {"notes", list(quality.notes.begin(), quality.notes.end())},
                   {"cheapest", cheapest_data(quality, analysis)},
@@ -130,7 +131,8 @@ data page_data(const Analysis& analysis) {
     return object{
         {"title", index.title},
         {"plain_title", html_escape(index.title)},
-        {"epsilon", fmt::format("{}", index.epsilon)},
+        {"epsilon", index.epsilon ? fmt::format("{}", *index.epsilon)
+                                  : "(0.1 m)^2, m the mean luminance of the scene's reference"},
         {"seeds", counted(index.seeds, "seed")},
         {"threads", counted(index.threads, "thread")},
         {"missing_cells", optional_text(analysis.missing_cells ? std::to_string(analysis.missing_cells) : "")},

@@ -131,7 +131,6 @@ json report_data(const Analysis& analysis) {
         scenes[scene] = std::move(entry);
     }
     return {{"methods", analysis.index.methods},
-            {"epsilon", analysis.index.epsilon},
             {"targets", target_errors},
             {"scenes", std::move(scenes)}};
 }

@@ -187,6 +187,7 @@ void add_laws(Columns& c) {
     c.number("rel_mse_trimmed", trimmed, in_outliers, "relative RMSE without them %",
              if_outliers(trimmed, root_percent));
     c.number("rel_mse_top_share", share, in_outliers, "share of the worst %", if_outliers(share, percent_text));
+    c.number("epsilon", of(&TableRow::epsilon));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Selects the part of an image that is compared: all components but those that the reference does not resolve.
 
 #include "common/images/image.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/results/result_folder.h"
 
@@ -27,6 +28,8 @@ public:
     /// The sum of the image's components without the unresolved ones.
     Image total_of(const ComponentImages& image) const;
 
+    /// The epsilon of the relative errors of all layers, from what is given (epsilon_of()) [radiance^2].
+    double epsilon(const std::optional<double>& given) const { return epsilon_of(given, total().mean); }
     /// The errors, by name, of the total and of each judged component that both the image and the reference have.
     std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const;
 

@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/text/json_file.h"
 
 #include <fmt/format.h>
@@ -52,7 +53,8 @@ std::string CellIdentity::key() const {
     ContentHash hash;
     for (const auto& piece : {std::string("cell 1"), scene, method, std::to_string(seed), scene_hash,
                               std::to_string(spp), budget.seconds ? fmt::format("{}", *budget.seconds) : "",
-                              budget.passes ? fmt::format("{}", *budget.passes) : "", fmt::format("{}", epsilon),
+                              budget.passes ? fmt::format("{}", *budget.passes) : "",
+                              epsilon ? fmt::format("{}", *epsilon) : "relative",
                               std::to_string(threads), reference})
         hash.add(piece);
     return hash.hex();
@@ -136,7 +138,7 @@ ResultIndex ResultFolder::read_index() const {
     try {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();
-        require_epsilon(index.epsilon, {path});
+        if (index.epsilon) require_epsilon(*index.epsilon, {path});
         for (const auto& m : j.at("effects_missing"))
             index.effects_missing[{m.at("scene"), m.at("method")}] = m.at("effects");
         return index;
