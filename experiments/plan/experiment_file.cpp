@@ -40,8 +40,8 @@ void read_resolution(const TomlReader& reader, const toml::node& node, Experimen
     const auto& sizes = reader.filled_array(node, "resolution", "two numbers: width and height");
     if (sizes.size() != 2)
         throw InputError(reader.at(node), "'resolution' needs a list of two numbers: width and height");
-    experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, 1 << 16),
-                             reader.whole_number(sizes[1], "resolution", 1, 1 << 16)};
+    experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, most_pixels_across),
+                             reader.whole_number(sizes[1], "resolution", 1, most_pixels_across)};
 }
 
 Budget read_budget(const TomlReader& reader, const toml::node& node) {

@@ -44,12 +44,30 @@ void add_threads(CLI::App* command, int& threads) {
         ->check(CLI::Range(1, most_threads));
 }
 
-void add_set(CLI::App* command, std::map<std::string, std::string>& parameters) {
-    const auto set = [&parameters](const std::vector<std::string>& texts) { parameters = assignments(texts); };
+/// The width and height in a text such as 640x480.
+std::pair<int, int> resolution_in(const std::string& text) {
+    const std::size_t x = text.find('x');
+    const auto size_of = [&](const std::string& part) {
+        const auto size = number_from<int>(part);
+        return size && *size >= 1 && *size <= most_pixels_across ? *size : 0;
+    };
+    const int width = size_of(text.substr(0, x)), height = x == std::string::npos ? 0 : size_of(text.substr(x + 1));
+    if (width == 0 || height == 0)
+        reject({}, "--resolution needs WIDTHxHEIGHT, such as 640x480, two numbers from 1 to {}, not '{}'",
+               most_pixels_across, text);
+    return {width, height};
+}
+
+/// The options that decide how a scene file is loaded.
+void add_loading(CLI::App* command, SceneLoadOptions& loading) {
+    const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
     command
         ->add_option_function<std::vector<std::string>>("--set", set, "NAME=VALUE: sets a $parameter of the scene file")
         ->take_all()
         ->allow_extra_args(false);
+    const auto resize = [&loading](const std::string& text) { loading.resolution = resolution_in(text); };
+    command->add_option_function<std::string>("--resolution", resize,
+                                              "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
 /// Makes `work(*options)` the action of a command. The options live as long as the command.
@@ -110,7 +128,7 @@ void add_render(CLI::App& app, Action& action) {
         ->required();
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the image (EXR)")->required();
     command->footer("Methods and their parameters:\n" + parameter_help());
     perform_with(options, command, action, [](const auto& o) { return render(o, std::cout); });
@@ -128,7 +146,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     add_threads(command, options->threads);
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
     perform_with(options, command, action, [](const auto& o) { return make_reference_file(o, std::cout); });
 }
@@ -166,7 +184,7 @@ void add_compare(CLI::App& app, Action& action) {
 void add_plan(CLI::App& app, Action& action) {
     struct Options {
         std::string scene, method;
-        std::map<std::string, std::string> parameters;
+        SceneLoadOptions loading;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
@@ -174,9 +192,9 @@ void add_plan(CLI::App& app, Action& action) {
     command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
-    add_set(command, options->parameters);
+    add_loading(command, options->loading);
     perform_with(options, command, action,
-                 [](const auto& o) { return print_plan(o.scene, o.method, o.parameters, std::cout); });
+                 [](const auto& o) { return print_plan(o.scene, o.method, o.loading, std::cout); });
 }
 
 void add_list(CLI::App& app, Action& action) {

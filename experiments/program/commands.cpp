@@ -2,7 +2,6 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
-#include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/epsilon.h"
@@ -44,6 +43,19 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
         out << "unresolved: " << name_of(c) << "\n";
 }
 
+/// Warns of the effects of the scene that the method does not simulate, and of the components of which it leaves out
+/// paths.
+void warn_of_left_out(const Plan& plan, const MethodLabel& label, ProgressLine& progress) {
+    std::vector<std::string_view> effects;
+    for (Effect e : plan.missing.list())
+        effects.push_back(name_of(e));
+    if (!effects.empty())
+        progress.message(fmt::format("warning: '{}' does not simulate all effects of the scene; it leaves out: {}",
+                                     label.text(), fmt::join(effects, ", ")));
+    if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
+        progress.message("warning: " + incomplete);
+}
+
 void warn_of(const std::vector<std::string>& damage) {
     for (const auto& what : damage)
         std::cerr << fmt::format("warning: {}\n", what);
@@ -78,7 +90,7 @@ void check_writable(const std::string& path) {
 int render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     check_writable(options.out);
-    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const LoadedScene loaded = load_scene(options.scene, options.loading);
     const auto method = chosen.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
@@ -88,8 +100,7 @@ int render(const RenderOptions& options, std::ostream& out) {
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
-    if (const auto incomplete = incomplete_components(method->plan(*loaded.scene), chosen.label); !incomplete.empty())
-        progress.message("warning: " + incomplete);
+    warn_of_left_out(method->plan(*loaded.scene), chosen.label, progress);
     // Every checkpoint is kept until the next one, because a method may converge and end at any of them.
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
@@ -129,7 +140,7 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     ReferenceGoal goal{std::nullopt, options.seconds};
     if (options.target) goal.target = parse_target(*options.target);
     if (!goal.target && !goal.seconds) goal.target = parse_target("1%");
-    const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    const LoadedScene loaded = load_scene(options.scene, options.loading);
     const InterruptGuard guard;
     ProgressLine progress;
     FinishedReference finished;
@@ -150,14 +161,14 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     return 0;
 }
 
-int print_plan(const std::string& scene, const std::string& method,
-               const std::map<std::string, std::string>& parameters, std::ostream& out) {
+int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading,
+               std::ostream& out) {
     std::vector<ConfiguredMethod> chosen;
     if (method.empty())
         for (const auto& name : names_of_comparable_methods())
             chosen.emplace_back(MethodLabel{name, {}});
     else chosen.emplace_back(MethodLabel::parse(method));
-    const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    const LoadedScene loaded = load_scene(scene, loading);
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {

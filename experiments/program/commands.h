@@ -1,9 +1,10 @@
 #pragma once
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
 
+#include "common/reader/scene_file.h"
+
 #include <cstdint>
 #include <iosfwd>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ struct RenderOptions {
     std::string method;  ///< label
     std::uint64_t seed = 1;
     int threads = 0;
-    std::map<std::string, std::string> parameters;  ///< of the scene file
+    SceneLoadOptions loading;
     std::string out;
 };
 int render(const RenderOptions& options, std::ostream& out);
@@ -27,13 +28,13 @@ struct ReferenceOptions {
     std::optional<double> seconds;
     std::optional<double> epsilon;  ///< of the relative error [radiance^2]; none: the default (epsilon.h)
     int threads = 0;
-    std::map<std::string, std::string> parameters;
+    SceneLoadOptions loading;
     std::string out;
 };
 int make_reference_file(const ReferenceOptions& options, std::ostream& out);
 
-int print_plan(const std::string& scene, const std::string& method,
-               const std::map<std::string, std::string>& parameters, std::ostream& out);
+/// Prints the plans of a method, by its label, or of all methods if `method` is empty.
+int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading, std::ostream& out);
 
 int list_methods(bool parameters, std::ostream& out);
 int list_scenes(std::ostream& out);
