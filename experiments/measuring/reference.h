@@ -22,7 +22,7 @@ struct ReferenceWork {
     MethodLabel label;                              ///< of the reference, without spp
     ReferenceGoal goal;
     std::optional<double> epsilon;  ///< [radiance^2] of the relative error that `goal` bounds; none: the default
-    std::string path;  ///< of the file, which is read if it exists and written when it has improved
+    std::string path;               ///< of the file, which is read if it exists and written when it has improved
 };
 
 struct FinishedReference {

@@ -2,8 +2,8 @@
 // The epsilon of relative errors, (x - r)^2 / (r^2 + epsilon) [radiance^2], without which dark pixels would decide the
 // error.
 //
-// An epsilon that is given is absolute; papers take 0.01. Otherwise it is (0.1 m)^2, where m is the mean luminance of the
-// reference r [W/(sr m^2)]: pixels darker than a tenth of the mean weigh nearly alike, and brighter ones by 1 / r^2. If
+// An epsilon that is given is absolute; papers take 0.01. Otherwise it is (0.1 m)^2, where m is the mean luminance of
+// the reference r [W/(sr m^2)]: pixels darker than a tenth of the mean weigh nearly alike, brighter ones by 1 / r^2. If
 // another unit of light multiplies x and r by s, then m^2 and r^2 grow by s^2 as (x - r)^2 does, and the relative error
 // stays. The share of a hundredth makes it the papers' epsilon at a mean luminance of 1.
 
@@ -30,7 +30,7 @@ inline void require_epsilon(double epsilon, const SourceLocation& where = {}) {
 }
 
 /// The epsilon of errors relative to the image `r` [radiance^2]: the number that is given, else the default. The
-/// default keeps to the range above, so that a black reference has the smallest epsilon: any light is a huge error there.
+/// default keeps to the range above: a black reference has the smallest epsilon, and any light is a huge error there.
 double epsilon_of(const std::optional<double>& given, const Image& r);
 
 }  // namespace gib

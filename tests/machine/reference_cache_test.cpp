@@ -62,8 +62,8 @@ TEST_F(ReferenceCacheTest, StopsAfterTheSamePassesInAnyUnitOfLight) {
     };
     const auto made = [&](const MethodDescription& method, std::optional<double> epsilon, const std::string& file) {
         ProgressLine progress(false);
-        return make_reference({scene_, {&method}, MethodLabel{"fake", {}}, {0.02, std::nullopt}, epsilon, folder_ / file},
-                              progress);
+        return make_reference(
+            {scene_, {&method}, MethodLabel{"fake", {}}, {0.02, std::nullopt}, epsilon, folder_ / file}, progress);
     };
     const auto passes = [](const FinishedReference& r) { return std::stoul(r.reference.metadata.at("passes")); };
     const FinishedReference bright = made(method_, std::nullopt, "bright.exr");

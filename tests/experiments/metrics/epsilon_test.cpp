@@ -87,7 +87,8 @@ TEST(RelativeEpsilon, MakesEveryRelativeNumberTheSameInAnyUnitOfLight) {
         for (std::size_t i = 0; i < found.size(); ++i)
             EXPECT_NEAR(found[i], expected[i], 1e-5 * std::abs(expected[i]) + 1e-9) << "number " << i << ", " << unit;
     }
-    EXPECT_LT(relative_numbers(1e-4, 0.01)[0], 1e-3 * expected[0]) << "an absolute epsilon hides a dark picture's error";
+    EXPECT_LT(relative_numbers(1e-4, 0.01)[0], 1e-3 * expected[0])
+        << "an absolute epsilon hides a dark picture's error";
 }
 
 // The pilot of a reference shares the time alike in any unit of light.
