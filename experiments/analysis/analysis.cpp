@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
 #include "experiments/analysis/price.h"
+#include "experiments/analysis/scene_light.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 
@@ -94,8 +95,12 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
-    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality));
-    rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+    if (judgement.is_empty()) {
+        rows.push_back(plain_row(replicates, index, total_name));
+    } else {
+        rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality));
+        rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+    }
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
@@ -112,16 +117,17 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
 ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
                             const std::optional<double>& given_epsilon) {
     const double epsilon = judgement.epsilon(given_epsilon);
+    const ReferenceLayer& judged = judgement.is_empty() ? reference.total : judgement.total();
     ReferenceQuality quality{.scene = scene.name,
                              .method = scene.reference_method,
-                             .relative_error = relative_standard_error(judgement.total(), epsilon),
+                             .relative_error = relative_standard_error(judged, epsilon),
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[name] = noise_floor_of(*layer, judgement.total().mean, epsilon);
+        quality.noise_floors[name] = noise_floor_of(*layer, judged.mean, epsilon);
     return quality;
 }
 
@@ -164,11 +170,19 @@ std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& 
     return names;
 }
 
+/// ResultIndex::components_missing of a method; empty if it leaves out nothing.
+std::string components_missing(const ResultIndex& index, const std::string& scene, const std::string& method) {
+    const auto found = index.components_missing.find({scene, method});
+    return found == index.components_missing.end() ? "" : found->second;
+}
+
 void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
     const std::size_t first = analysis.cells.size();
     const auto names = add_cells(scene, folder, analysis);
     const Judgement judgement(reference);
     analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    SceneLight light(reference);
+    const std::size_t first_row = analysis.rows.size();
     for (const auto& method : analysis.index.methods) {
         Replicates replicates;
         for (std::size_t i = 0; i < names.size(); ++i) {
@@ -179,9 +193,14 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
             replicates.images.push_back(components_in(read_image(folder.cell_image(names[i]))));
         }
         if (replicates.cells.empty()) continue;
+        light.add(replicates.images, components_missing(analysis.index, scene.name, method));
         for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
             analysis.rows.push_back(std::move(row));
     }
+    for (std::size_t i = first_row; i < analysis.rows.size(); ++i)
+        analysis.rows[i].components_missing =
+            light.holding_light(components_missing(analysis.index, scene.name, analysis.rows[i].method));
+    analysis.references.back().unjudged = light.holding_light(names_of(reference.unresolved));
 }
 
 }  // namespace

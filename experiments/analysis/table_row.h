@@ -42,6 +42,8 @@ struct TableRow {
     double noise_floor = 0;      ///< of the reference [relative squared error], as Analysis::noise_floor() says
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
     double epsilon = 0;          ///< of the relative errors [radiance^2]
+    /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
+    std::string components_missing = {};
 };
 
 /// The accuracy of a scene's reference, and how it was made.
@@ -54,6 +56,9 @@ struct ReferenceQuality {
     /// noise_floor_of() [relative squared error] by component, `total` included.
     std::map<std::string, double> noise_floors = {};
     double epsilon = 0;  ///< of all relative errors of the scene [radiance^2]
+    /// Names of components that the reference does not resolve and that hold light, separated by `;`. If there is one,
+    /// no method is the best, because a part of its image is not judged.
+    std::string unjudged = {};
 };
 
 struct Analysis {
@@ -67,6 +72,8 @@ struct Analysis {
     /// The noise floor of a scene's reference, the relative
     /// squared error that is lost in its own noise; 0 if unknown.
     double noise_floor(const std::string& scene, const std::string& component) const;
+    /// ReferenceQuality::unjudged of a scene; empty if the whole image is judged.
+    std::string unjudged(const std::string& scene) const;
 };
 
 }  // namespace gib

@@ -82,11 +82,15 @@ data sections_data(const std::vector<Section>& all, const Keeps& keeps) {
     return sections;
 }
 
-/// The method that reaches each of asked_targets first.
+/// The method that reaches each of asked_targets first; none where a part of the light is not judged.
 data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
     list cheapest;
     for (const std::size_t t : asked_targets) {
         const TableRow* best = nullptr;
+        if (!quality.unjudged.empty()) {
+            cheapest.push_back(object{{"method", "not judged"}, {"seconds", false}});
+            continue;
+        }
         for (const TableRow& row : analysis.rows)
             if (row.scene == quality.scene && row.component == total_name && reaches(row, t) &&
                 (!best || row.times[t]->value < best->times[t]->value))

@@ -39,7 +39,7 @@ public:
     }
     json add(const Image& image) {
         json entry = add(pack_half(image.rgb, image.width, image.height, 3));
-        entry["black"] = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; });
+        entry["black"] = is_black(image);
         return entry;
     }
     const std::string& html() const { return html_; }

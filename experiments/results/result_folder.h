@@ -25,8 +25,8 @@ struct CellIdentity {
     std::uint32_t spp = 0;   ///< most passes; neither the label nor the scene need state them
     Budget budget;
     std::optional<double> epsilon;  ///< as the experiment gives it
-    int threads = 0;        ///< number of threads, on which the seconds depend
-    std::string reference;  ///< identity of the reference, its number of samples included
+    int threads = 0;                ///< number of threads, on which the seconds depend
+    std::string reference;          ///< identity of the reference, its number of samples included
 
     /// SHA-1 of all members, 40 hexadecimal digits.
     std::string key() const;
@@ -74,7 +74,9 @@ struct ResultIndex {
     std::vector<IndexScene> scenes;
     std::vector<std::string> methods;                                            ///< labels
     std::map<std::pair<std::string, std::string>, std::string> effects_missing;  ///< (scene, label) -> "name;name"
-    std::map<std::string, std::string> cell_keys;                                ///< folder name of a cell -> key
+    /// The components of which a method leaves out paths, in the same way.
+    std::map<std::pair<std::string, std::string>, std::string> components_missing;
+    std::map<std::string, std::string> cell_keys;  ///< folder name of a cell -> key
 };
 
 class ResultFolder {

@@ -171,6 +171,7 @@ void ExperimentRun::plan_methods(const LoadedScene& scene) {
     for (const auto& label : experiment_.methods) {
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
         effects_missing_[{scene.name, label.text()}] = plan.missing.names();
+        components_missing_[{scene.name, label.text()}] = names_of(plan.unresolved);
         if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
             progress_.message(fmt::format("warning: {}: {}", scene.name, incomplete));
     }
@@ -425,6 +426,7 @@ ResultIndex ExperimentRun::index() {
     for (const auto& label : experiment_.methods)
         index.methods.push_back(label.text());
     index.effects_missing = effects_missing_;
+    index.components_missing = components_missing_;
     for (const auto& cell : cells())
         if (!cell.scene->reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
     return index;
