@@ -10,9 +10,9 @@
 namespace gib {
 
 struct CompareOptions {
-    std::vector<std::string> tests;  ///< files; several are replicates of one method with different seeds
-    std::string reference;           ///< a file, with or without standard errors
-    std::optional<double> epsilon;   ///< of relative errors [radiance^2]; none: the default (epsilon.h)
+    std::vector<std::string> tests;      ///< files; several are replicates of one method with different seeds
+    std::string reference;               ///< a file, with or without standard errors
+    std::optional<double> epsilon = {};  ///< of relative errors [radiance^2]; none: the default (epsilon.h)
     bool json = false;
     bool z_test = false;         ///< test whether the images differ by noise alone
     std::string variance = {};   ///< image of a sample's variance: use Mitsuba's test, with a single image

@@ -127,7 +127,9 @@ TEST(PriceAnswers, NeverNameAMethodThatLeavesOutLightOfAComponent) {
 
 TEST(PriceAnswers, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
     Analysis analysis = crossing();
-    analysis.references.push_back({.scene = "box", .method = "path", .unjudged = "caustic"});
+    analysis.references.emplace_back();
+    analysis.references[0].scene = "box";
+    analysis.references[0].unjudged = "caustic";
     const auto answers = price_answers(analysis);
     ASSERT_EQ(answers.size(), 1u);
     EXPECT_EQ(answers[0].text, "No method is the cheapest: the reference does not judge the light of `caustic`.");

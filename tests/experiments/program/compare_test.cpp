@@ -4,6 +4,7 @@
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/images/image_file.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/flip.h"
 #include "tests/experiments/metrics/paper_flip.h"
 
