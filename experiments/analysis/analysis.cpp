@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
 #include "experiments/analysis/price.h"
+#include "experiments/analysis/scene_light.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 
@@ -58,11 +59,12 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
                     const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
-                    double noise_floor) {
+                    const ReferenceQuality& quality) {
     TableRow row = plain_row(replicates, index, component);
-    row.noise_floor = noise_floor;
-    row.statistics = replicate_statistics(images, reference, r_total, index.epsilon);
-    row.robust = robust_error(images, reference.mean, r_total, index.epsilon);
+    const double noise_floor = row.noise_floor = quality.noise_floors.at(component);
+    row.epsilon = quality.epsilon;
+    row.statistics = replicate_statistics(images, reference, r_total, row.epsilon);
+    row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     const auto curves = curves_of(replicates, component);
@@ -93,9 +95,12 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     std::vector<Image> totals;
     for (const auto& image : replicates.images)
         totals.push_back(judgement.total_of(image));
-    rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total,
-                              quality.noise_floors.at(total_name)));
-    rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+    if (judgement.is_empty()) {
+        rows.push_back(plain_row(replicates, index, total_name));
+    } else {
+        rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality));
+        rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+    }
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
@@ -103,23 +108,26 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         if (images.size() != replicates.images.size()) continue;
         const std::string name(name_of(c));
         if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality.noise_floors.at(name)));
+            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality));
         else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, name));
     }
     return rows;
 }
 
 ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference, const Judgement& judgement,
-                            double epsilon) {
+                            const std::optional<double>& given_epsilon) {
+    const double epsilon = judgement.epsilon(given_epsilon);
+    const ReferenceLayer& judged = judgement.is_empty() ? reference.total : judgement.total();
     ReferenceQuality quality{.scene = scene.name,
                              .method = scene.reference_method,
-                             .relative_error = relative_standard_error(judgement.total(), epsilon),
+                             .relative_error = relative_standard_error(judged, epsilon),
                              .target = scene.target,
-                             .notes = scene.notes};
+                             .notes = scene.notes,
+                             .epsilon = epsilon};
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[name] = noise_floor_of(*layer, judgement.total().mean, epsilon);
+        quality.noise_floors[name] = noise_floor_of(*layer, judged.mean, epsilon);
     return quality;
 }
 
@@ -162,11 +170,19 @@ std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& 
     return names;
 }
 
+/// ResultIndex::components_missing of a method; empty if it leaves out nothing.
+std::string components_missing(const ResultIndex& index, const std::string& scene, const std::string& method) {
+    const auto found = index.components_missing.find({scene, method});
+    return found == index.components_missing.end() ? "" : found->second;
+}
+
 void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
     const std::size_t first = analysis.cells.size();
     const auto names = add_cells(scene, folder, analysis);
     const Judgement judgement(reference);
     analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    SceneLight light(reference);
+    const std::size_t first_row = analysis.rows.size();
     for (const auto& method : analysis.index.methods) {
         Replicates replicates;
         for (std::size_t i = 0; i < names.size(); ++i) {
@@ -177,9 +193,14 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
             replicates.images.push_back(components_in(read_image(folder.cell_image(names[i]))));
         }
         if (replicates.cells.empty()) continue;
+        light.add(replicates.images, components_missing(analysis.index, scene.name, method));
         for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
             analysis.rows.push_back(std::move(row));
     }
+    for (std::size_t i = first_row; i < analysis.rows.size(); ++i)
+        analysis.rows[i].components_missing =
+            light.holding_light(components_missing(analysis.index, scene.name, analysis.rows[i].method));
+    analysis.references.back().unjudged = light.holding_light(names_of(reference.unresolved));
 }
 
 }  // namespace

@@ -113,9 +113,11 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
                 sum += cell->last().seconds;
             shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
         }
-        for (const auto& component : components_of(analysis, scene))
+        for (const auto& component : components_of(analysis, scene)) {
+            if (component == total_name && !analysis.unjudged(scene).empty()) continue;
             if (auto row = equal_time_row(methods, scene, component, shortest, analysis.noise_floor(scene, component)))
                 rows.push_back(std::move(*row));
+        }
     }
     return rows;
 }
@@ -124,7 +126,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
     std::vector<FrontierPoint> frontier;
     for (const auto& scene : scenes_of(analysis)) {
         const CellsByMethod methods = cells_by_method(analysis, scene);
-        if (methods.size() < 2) continue;
+        if (methods.size() < 2 || !analysis.unjudged(scene).empty()) continue;
         std::vector<FrontierPoint> points;
         for (const auto& [method, cells] : methods)
             add_points(scene, method, cells, analysis.noise_floor(scene, total_name), points);

@@ -20,7 +20,8 @@ struct EqualTimeRow {
     /// The methods that have an image by then and an error above the noise floor, best first.
     std::vector<Entry> entries;
 };
-/// The rows of every scene with two methods or more. Between two checkpoints, errors follow a power law of time.
+/// The rows of every scene with two methods or more; none for the total where part of the light is not judged. Between
+/// two checkpoints, errors follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
 /// A checkpoint that no other checkpoint of any method beats: none is as close to the reference in less time, or
@@ -31,7 +32,8 @@ struct FrontierPoint {
     double seconds;        ///< mean over the seeds
     double relative_rmse;  ///< of the total image, as in EqualTimeRow; 0: not above the noise floor
 };
-/// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more. Points are
+/// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is
+/// judged completely. Points are
 /// ordered by scene, then by time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
 

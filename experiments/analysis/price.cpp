@@ -188,7 +188,7 @@ std::vector<Crossover> crossovers(const Analysis& analysis) {
     std::vector<Crossover> changes;
     for (const auto& scene : scenes_of(analysis)) {
         const CellsByMethod methods = cells_by_method(analysis, scene);
-        if (methods.size() < 2) continue;
+        if (methods.size() < 2 || !analysis.unjudged(scene).empty()) continue;
         for (auto& change : crossovers_of(methods, scene, analysis.noise_floor(scene, total_name)))
             changes.push_back(std::move(change));
     }

@@ -39,7 +39,7 @@ struct Crossover {
     double relative_rmse;  ///< of `method` at that time; 0: not above the noise floor
 };
 
-/// The changes of the best method in every scene with two methods or more, by time.
+/// The changes of the best method, by time, in every scene with two methods or more whose light is judged completely.
 /// Curves are means over the seeds. An error that is not above the noise floor counts as
 /// 0; after the end of a run its error stays constant. Two methods with equal errors take
 /// turns by chance, so that a change counts only if the new method becomes closer by 5 %.

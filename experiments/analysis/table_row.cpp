@@ -14,4 +14,10 @@ double Analysis::noise_floor(const std::string& scene, const std::string& compon
     return 0;
 }
 
+std::string Analysis::unjudged(const std::string& scene) const {
+    for (const auto& reference : references)
+        if (reference.scene == scene) return reference.unjudged;
+    return "";
+}
+
 }  // namespace gib

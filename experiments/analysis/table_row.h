@@ -41,17 +41,24 @@ struct TableRow {
     std::string effects_missing;           ///< names of effects that the method leaves out, separated by `;`
     double noise_floor = 0;      ///< of the reference [relative squared error], as Analysis::noise_floor() says
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
+    double epsilon = 0;          ///< of the relative errors [radiance^2]
+    /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
+    std::string components_missing = {};
 };
 
 /// The accuracy of a scene's reference, and how it was made.
 struct ReferenceQuality {
     std::string scene, method;
-    double relative_error = 0;  ///< standard error of the judged total, relative, with the experiment's epsilon
+    double relative_error = 0;  ///< standard error of the judged total, relative
     std::optional<double> target;
     std::uint64_t samples = 0;  ///< samples a pixel; 0: unknown
     std::vector<std::string> notes;
     /// noise_floor_of() [relative squared error] by component, `total` included.
     std::map<std::string, double> noise_floors = {};
+    double epsilon = 0;  ///< of all relative errors of the scene [radiance^2]
+    /// Names of components that the reference does not resolve and that hold light, separated by `;`. If there is one,
+    /// no method is the best, because a part of its image is not judged.
+    std::string unjudged = {};
 };
 
 struct Analysis {
@@ -65,6 +72,8 @@ struct Analysis {
     /// The noise floor of a scene's reference, the relative
     /// squared error that is lost in its own noise; 0 if unknown.
     double noise_floor(const std::string& scene, const std::string& component) const;
+    /// ReferenceQuality::unjudged of a scene; empty if the whole image is judged.
+    std::string unjudged(const std::string& scene) const;
 };
 
 }  // namespace gib

@@ -6,6 +6,7 @@
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_store.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
@@ -121,7 +122,8 @@ private:
     void update() {
         result_.reference = groups_.reference();
         result_.reference.unresolved = unresolved_;
-        result_.relative_error = relative_standard_error(result_.reference.total, work_.epsilon);
+        result_.epsilon = epsilon_of(work_.epsilon, result_.reference.total.mean);
+        result_.relative_error = relative_standard_error(result_.reference.total, result_.epsilon);
         if (!std::isfinite(result_.relative_error))
             throw RunError(
                 fmt::format("the reference of '{}' by '{}' is not finite", work_.scene.name, work_.label.text()));
@@ -287,7 +289,7 @@ private:
             result_.warnings.push_back(
                 fmt::format("merging has biased the reference by an estimated {:.2g} %, which its "
                             "error and all intervals include",
-                            100 * relative_bias(result_.reference.total, work_.epsilon)));
+                            100 * relative_bias(result_.reference.total, result_.epsilon)));
         else if (!work_.methods.front()->unbiased)
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
@@ -318,7 +320,7 @@ private:
             {"seed_base", fmt::format("{}", batch_seed(key_, 0))},
             {"glossy_roughness", fmt::format("{}", glossy_roughness)},
             {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
-            {"epsilon", fmt::format("{}", work_.epsilon)},
+            {"epsilon", fmt::format("{}", result_.epsilon)},
             {"dominance_of_one_group", fmt::format("{:.3g}", share)},
             {"program", program_version()}};
         if (makers_.size() > 1) metadata["makers"] = text_of(shares_);

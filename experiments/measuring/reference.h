@@ -10,6 +10,7 @@
 #include "methods/method.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,14 @@ struct ReferenceWork {
     std::vector<const MethodDescription*> methods;  ///< that make it together (reference_methods())
     MethodLabel label;                              ///< of the reference, without spp
     ReferenceGoal goal;
-    double epsilon;    ///< [radiance^2] of the relative error that `goal` bounds
-    std::string path;  ///< of the file, which is read if it exists and written when it has improved
+    std::optional<double> epsilon;  ///< [radiance^2] of the relative error that `goal` bounds; none: the default
+    std::string path;               ///< of the file, which is read if it exists and written when it has improved
 };
 
 struct FinishedReference {
     Reference reference;
     double relative_error = 0;          ///< relative standard error of the total
+    double epsilon = 0;                 ///< of this error [radiance^2]
     std::string identity;               ///< key and passes of each group; changes when the file is topped up
     std::vector<std::string> warnings;  ///< target missed, heavy tails, unresolved components, a file made again
     std::uint32_t rounds_added = 0;

@@ -1,5 +1,6 @@
 #include "experiments/measuring/reference_makers.h"
 
+#include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/z_statistic.h"
 #include "methods/parts/density/progressive_parameters.h"
 
@@ -85,7 +86,7 @@ GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c)
 /// Variance times time, V_cm, of every component and maker; infinite where the maker cannot sample the component.
 class Costs {
 public:
-    Costs(const std::vector<MakerPilot>& pilots, double epsilon) : pilots_(pilots) {
+    Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon) : pilots_(pilots) {
         std::vector<std::vector<ComponentImages>> blocks(pilots.size());
         for (std::size_t m = 0; m < pilots.size(); ++m)
             for (const ComponentImages& group : pilots[m].groups)
@@ -104,7 +105,7 @@ private:
     bool samples(std::size_t m, Component c) const { return !has(pilots_[m].unresolved, c); }
 
     /// r^2 + epsilon of the error's definition, by block: r is the mean of the makers' total light.
-    void set_denominators(const std::vector<std::vector<ComponentImages>>& blocks, double epsilon) {
+    void set_denominators(const std::vector<std::vector<ComponentImages>>& blocks, const std::optional<double>& given) {
         std::vector<double> total;
         for (Component c : all_components) {
             double makers = 0;
@@ -121,6 +122,9 @@ private:
             for (std::size_t i = 0; i < sum.size(); ++i)
                 total[i] += sum[i] / makers;
         }
+        Image mean(blocks.front().front().width, blocks.front().front().height);
+        std::transform(total.begin(), total.end(), mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
+        const double epsilon = epsilon_of(given, mean);
         for (const double r : total)
             denominators_.push_back(r * r + epsilon);
     }
@@ -322,7 +326,7 @@ ComponentImages ReferenceMaker::make(const MethodDescription& method, const Meth
 }
 
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 double epsilon) {
+                                 const std::optional<double>& epsilon) {
     const Costs costs(pilots, epsilon);
     const std::vector<std::vector<double>> judged = judged_costs(costs);
     const std::vector<double> time = shares_of_time(judged, methods.size());

@@ -80,9 +80,10 @@ struct MakerPlan {
     std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
     double error2_seconds = 0;       ///< the predicted squared relative error times the seconds that it takes
 };
-/// The plan of least variance. The pilots have the same components.
+/// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:
+/// the default (epsilon.h), of the light that the pilots have found.
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 double epsilon);
+                                 const std::optional<double>& epsilon);
 
 /// As text, for a reference's metadata, and back; empty if the text is none.
 std::string text_of(const std::vector<MakerShare>& shares);

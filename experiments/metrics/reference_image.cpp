@@ -4,6 +4,7 @@
 #include "common/images/image_digest.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
 namespace gib {
@@ -51,17 +52,6 @@ void put_layer(LayeredImage& file, const std::string& name, const ReferenceLayer
         file.layers.emplace_back(group_name(name, g), layer.groups[g]);
 }
 
-std::vector<Component> components_named(const std::string& names) {
-    std::vector<Component> found;
-    std::size_t begin = 0;
-    while (begin < names.size()) {
-        const std::size_t end = std::min(names.find(';', begin), names.size());
-        if (const auto c = component_named(names.substr(begin, end - begin))) found.push_back(*c);
-        begin = end + 1;
-    }
-    return found;
-}
-
 }  // namespace
 
 Reference read_reference(const std::string& path) {
@@ -104,12 +94,32 @@ LayeredImage layers_of(const Reference& reference, bool with_groups) {
     put_layer(file, "", reference.total, with_groups);
     for (Component c : all_components)
         if (const auto& layer = reference[c]) put_layer(file, std::string(name_of(c)), *layer, with_groups);
-    std::string unresolved;
-    for (Component c : reference.unresolved)
-        unresolved += (unresolved.empty() ? "" : ";") + std::string(name_of(c));
+    const std::string unresolved = names_of(reference.unresolved);
     if (unresolved.empty()) file.metadata.erase(unresolved_key);
     else file.metadata[unresolved_key] = unresolved;
     return file;
+}
+
+std::string names_of(const std::vector<Component>& components) {
+    std::string names;
+    for (Component c : components)
+        names += (names.empty() ? "" : ";") + std::string(name_of(c));
+    return names;
+}
+
+std::vector<Component> components_named(const std::string& names) {
+    std::vector<Component> found;
+    std::size_t begin = 0;
+    while (begin < names.size()) {
+        const std::size_t end = std::min(names.find(';', begin), names.size());
+        if (const auto c = component_named(names.substr(begin, end - begin))) found.push_back(*c);
+        begin = end + 1;
+    }
+    return found;
+}
+
+bool is_black(const Image& image) {
+    return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; });
 }
 
 ReferenceLayer layer_of_groups(std::vector<Image> groups) {

@@ -64,6 +64,12 @@ Reference reference_in(const LayeredImage& file, const std::string& path);
 /// bias needs.
 LayeredImage layers_of(const Reference& reference, bool with_groups);
 
+/// The components' names as one text, separated by `;`, and back. Names of no component are left out.
+std::string names_of(const std::vector<Component>& components);
+std::vector<Component> components_named(const std::string& names);
+/// Whether every value is 0.
+bool is_black(const Image& image);
+
 /// Makes a layer from the means of groups, which all have the same number of samples: their mean, and as its standard
 /// error their standard deviation / sqrt(groups). Throws std::invalid_argument without groups.
 ReferenceLayer layer_of_groups(std::vector<Image> groups);

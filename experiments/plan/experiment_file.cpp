@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/plan/run_options.h"
@@ -50,8 +51,8 @@ void read_resolution(const TomlReader& reader, const toml::node& node, Experimen
     const auto& sizes = reader.filled_array(node, "resolution", "two numbers: width and height");
     if (sizes.size() != 2)
         throw InputError(reader.at(node), "'resolution' needs a list of two numbers: width and height");
-    experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, 1 << 16),
-                             reader.whole_number(sizes[1], "resolution", 1, 1 << 16)};
+    experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, most_pixels_across),
+                             reader.whole_number(sizes[1], "resolution", 1, most_pixels_across)};
 }
 
 Budget read_budget(const TomlReader& reader, const toml::node& node) {
@@ -144,7 +145,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     if (const auto* seeds = root.get("seeds")) experiment.seeds = reader.whole_number(*seeds, "seeds", 1, most_seeds);
     if (const auto* epsilon = root.get("epsilon")) {
         experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
-        require_epsilon(experiment.epsilon, reader.at(*epsilon));
+        require_epsilon(*experiment.epsilon, reader.at(*epsilon));
     }
     if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
     read_reference(reader, root.get("reference"), experiment);

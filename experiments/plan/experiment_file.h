@@ -3,7 +3,6 @@
 // references they are compared.
 
 #include "common/core/error.h"
-#include "experiments/plan/epsilon.h"
 #include "methods/parameters.h"
 
 #include <cstdint>
@@ -46,7 +45,8 @@ struct Experiment {
     std::vector<std::string> paths;  ///< folders that are searched for the scenes' files, as the program opens them
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
     int seeds = 1;                                  ///< number of seeds, which are 1 to this
-    double epsilon = default_epsilon;               ///< of relative errors [radiance^2]
+    /// Of relative errors [radiance^2]; none: relative to each reference, the default (epsilon.h).
+    std::optional<double> epsilon;
     Budget budget;
     MethodLabel reference_method;
     std::vector<MethodLabel> methods;  ///< sweeps expanded, in the order of the file

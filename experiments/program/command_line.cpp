@@ -22,6 +22,8 @@ namespace gib {
 namespace {
 
 constexpr int exit_wrong_input = 2;
+constexpr const char* epsilon_help =
+    "epsilon of relative errors [radiance^2] (default: (0.1 m)^2, m the mean luminance of the reference)";
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
@@ -42,7 +44,21 @@ void add_threads(CLI::App* command, int& threads) {
         ->check(CLI::Range(1, most_threads));
 }
 
-/// The options that say how a scene is loaded.
+/// The width and height in a text such as 640x480.
+std::pair<int, int> resolution_in(const std::string& text) {
+    const std::size_t x = text.find('x');
+    const auto size_of = [&](const std::string& part) {
+        const auto size = number_from<int>(part);
+        return size && *size >= 1 && *size <= most_pixels_across ? *size : 0;
+    };
+    const int width = size_of(text.substr(0, x)), height = x == std::string::npos ? 0 : size_of(text.substr(x + 1));
+    if (width == 0 || height == 0)
+        reject({}, "--resolution needs WIDTHxHEIGHT, such as 640x480, two numbers from 1 to {}, not '{}'",
+               most_pixels_across, text);
+    return {width, height};
+}
+
+/// The options that decide how a scene file is loaded.
 void add_loading(CLI::App* command, SceneLoadOptions& loading) {
     const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
     command
@@ -54,6 +70,9 @@ void add_loading(CLI::App* command, SceneLoadOptions& loading) {
                      "DIR: searched for the scene's files after the scene's own folder; several are searched in turn")
         ->take_all()
         ->allow_extra_args(false);
+    const auto resize = [&loading](const std::string& text) { loading.resolution = resolution_in(text); };
+    command->add_option_function<std::string>("--resolution", resize,
+                                              "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
 /// Makes `work(*options)` the action of a command. The options live as long as the command.
@@ -130,7 +149,7 @@ void add_reference(CLI::App& app, Action& action) {
     command->add_option("--target", options->target,
                         "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
     command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
-    command->add_option("--epsilon", options->epsilon, "epsilon of the relative error (default 0.01)");
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     add_threads(command, options->threads);
     add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
@@ -144,7 +163,7 @@ void add_compare(CLI::App& app, Action& action) {
     command->add_option("IMAGES", *files, "TEST.exr [TEST.exr ...] REFERENCE.exr; several tests are replicates")
         ->required()
         ->expected(2, 1 << 20);
-    command->add_option("--epsilon", options->epsilon, "epsilon of relative errors (default 0.01)");
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_flag("--json", options->json, "print JSON");
     CLI::Option* z_test = command->add_flag(
         "--z-test", options->z_test,

@@ -4,6 +4,7 @@
 #include "common/core/parallel.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
@@ -40,6 +41,19 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
         out << "missing: " << name_of(e) << "\n";
     for (Component c : plan.unresolved)
         out << "unresolved: " << name_of(c) << "\n";
+}
+
+/// Warns of the effects of the scene that the method does not simulate, and of the components of which it leaves out
+/// paths.
+void warn_of_left_out(const Plan& plan, const MethodLabel& label, ProgressLine& progress) {
+    std::vector<std::string_view> effects;
+    for (Effect e : plan.missing.list())
+        effects.push_back(name_of(e));
+    if (!effects.empty())
+        progress.message(fmt::format("warning: '{}' does not simulate all effects of the scene; it leaves out: {}",
+                                     label.text(), fmt::join(effects, ", ")));
+    if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
+        progress.message("warning: " + incomplete);
 }
 
 void warn_of(const std::vector<std::string>& warnings) {
@@ -92,8 +106,7 @@ int render(const RenderOptions& options, std::ostream& out) {
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
-    if (const auto incomplete = incomplete_components(method->plan(*loaded.scene), chosen.label); !incomplete.empty())
-        progress.message("warning: " + incomplete);
+    warn_of_left_out(method->plan(*loaded.scene), chosen.label, progress);
     // Every checkpoint is kept until the next one, because a method may converge and end at any of them.
     const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
@@ -125,7 +138,7 @@ int render(const RenderOptions& options, std::ostream& out) {
 int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const MethodLabel label = MethodLabel::parse(options.method);
     const auto methods = reference_methods(label);
-    require_epsilon(options.epsilon);
+    if (options.epsilon) require_epsilon(*options.epsilon);
     // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
     if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
         throw InputError("--max-seconds needs a finite number above 0");
@@ -149,8 +162,8 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);
-    out << fmt::format("relative standard error: {:.4g} % (epsilon {})\n", 100 * finished.relative_error,
-                       options.epsilon);
+    out << fmt::format("relative standard error: {:.4g} % (epsilon {:.6g})\n", 100 * finished.relative_error,
+                       finished.epsilon);
     return 0;
 }
 

@@ -2,7 +2,6 @@
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
 
 #include "common/reader/scene_file.h"
-#include "experiments/plan/epsilon.h"
 
 #include <cstdint>
 #include <iosfwd>
@@ -27,13 +26,14 @@ struct ReferenceOptions {
     std::string method = "auto";
     std::optional<std::string> target;
     std::optional<double> seconds;
-    double epsilon = default_epsilon;
+    std::optional<double> epsilon;  ///< of the relative error [radiance^2]; none: the default (epsilon.h)
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;
 };
 int make_reference_file(const ReferenceOptions& options, std::ostream& out);
 
+/// Prints the plans of a method, by its label, or of all methods if `method` is empty.
 int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading, std::ostream& out);
 
 int list_methods(bool parameters, std::ostream& out);

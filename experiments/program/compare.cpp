@@ -127,7 +127,7 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
 }
 
 void require_consistent(const CompareOptions& options) {
-    require_epsilon(options.epsilon);
+    if (options.epsilon) require_epsilon(*options.epsilon);
     if (!options.variance.empty() && options.tests.size() > 1)
         throw InputError("with --variance the z-test takes one image, not several");
 }
@@ -237,9 +237,10 @@ int compare(const CompareOptions& options, std::ostream& out) {
     std::optional<ZTestReport> z;
     if (options.z_test) z = z_report(options, subjects, files, reference);
 
+    const double epsilon = judgement.epsilon(options.epsilon);
     Json json, components = Json::object();
     for (std::size_t i = 0; i < subjects.size(); ++i) {
-        Json values = metrics(subjects[i].second, options.epsilon, i == 0 ? Flip::measured : Flip::left_out);
+        Json values = metrics(subjects[i].second, epsilon, i == 0 ? Flip::measured : Flip::left_out);
         if (z && i < z->layers.size()) values.update(z->layers[i]);
         (i == 0 ? json : components[subjects[i].first]) = std::move(values);
     }

@@ -1,19 +1,18 @@
 #pragma once
 // `gibench compare`: measures images of any renderer against a reference.
 
-#include "experiments/plan/epsilon.h"
-
 #include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace gib {
 
 struct CompareOptions {
-    std::vector<std::string> tests;    ///< files; several are replicates of one method with different seeds
-    std::string reference;             ///< a file, with or without standard errors
-    double epsilon = default_epsilon;  ///< of the relative error's denominator [radiance^2], > 0
+    std::vector<std::string> tests;      ///< files; several are replicates of one method with different seeds
+    std::string reference;               ///< a file, with or without standard errors
+    std::optional<double> epsilon = {};  ///< of relative errors [radiance^2]; none: the default (epsilon.h)
     bool json = false;
     bool z_test = false;         ///< test whether the images differ by noise alone
     std::string variance = {};   ///< image of a sample's variance: use Mitsuba's test, with a single image

@@ -38,6 +38,14 @@ std::vector<const TableRow*> totals_of(const Analysis& analysis, const std::stri
     return rows;
 }
 
+/// Names that are separated by `;`, as in "`caustic`, `indirect`".
+std::string quoted(const std::string& names) {
+    std::string text = "`";
+    for (const char c : names)
+        text += c == ';' ? std::string("`, `") : std::string(1, c);
+    return text + "`";
+}
+
 bool overlap(const Estimate& a, const Estimate& b) {
     return !a.interval || !b.interval || (a.interval->lo <= b.interval->hi && b.interval->lo <= a.interval->hi);
 }
@@ -71,6 +79,7 @@ std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, c
     else if (mean_error2_after(cells, total_name, seconds)) text += "an error below what the reference resolves";
     else text += "no image yet";
     if (!row.effects_missing.empty()) text += ", leaves out " + row.effects_missing;
+    if (!row.components_missing.empty()) text += ", leaves out light of " + quoted(row.components_missing);
     const std::string time = with_time ? time_text(row, target) : "";
     return text + (time.empty() ? "." : fmt::format("; seconds to {} %: {}.", target_names[target], time));
 }
@@ -132,14 +141,14 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
         rows.begin(), rows.end(), [&](const TableRow* a, const TableRow* b) { return error(a) < error(b); });
     const bool any_reached =
         std::any_of(rows.begin(), rows.end(), [&](const TableRow* row) { return row->times[target].has_value(); });
-    return fmt::format("No method {}reached {} %. Closest: a{}", any_reached ? "with all effects of the scene " : "",
+    return fmt::format("No method {}reached {} %. Closest: a{}", any_reached ? "with all light of the scene " : "",
                        target_names[target], what_keeps(analysis, methods, closest, target, INFINITY, true));
 }
 
 }  // namespace
 
 bool reaches(const TableRow& row, std::size_t target) {
-    return row.times[target].has_value() && row.effects_missing.empty();
+    return row.times[target].has_value() && row.effects_missing.empty() && row.components_missing.empty();
 }
 
 std::string time_text(const TableRow& row, std::size_t target) {
@@ -164,6 +173,11 @@ std::vector<PriceAnswer> price_answers(const Analysis& analysis) {
     for (const auto& scene : scenes_of(analysis)) {
         const auto rows = totals_of(analysis, scene);
         const CellsByMethod methods = cells_by_method(analysis, scene);
+        if (const std::string unjudged = analysis.unjudged(scene); !unjudged.empty() && methods.size() > 1) {
+            answers.push_back({scene, "No method is the cheapest: the reference does not judge the light of " +
+                                          quoted(unjudged) + "."});
+            continue;
+        }
         if (rows.size() < 2) continue;
         for (const std::size_t target : asked_targets) {
             std::vector<const TableRow*> reached;

@@ -17,8 +17,8 @@ inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 /// the method's law holds, "never (floor 2.30 %)" if its floor is above the error, else empty.
 std::string time_text(const TableRow& row, std::size_t target);
 
-/// Whether a method has reached the target with all effects of the scene. One that leaves out an effect is never the
-/// cheapest, however small its share of the error is.
+/// Whether a method has reached the target with all light of the scene. One that leaves out an effect, or paths of a
+/// component that holds light, is never the cheapest, however small its share of the error is.
 bool reaches(const TableRow& row, std::size_t target);
 
 /// The answer for one scene and error: which method is cheapest, how much longer the next one takes, and how far the
@@ -27,8 +27,9 @@ struct PriceAnswer {
     std::string scene;
     std::string text;
 };
-/// The answers for every scene and each of asked_targets. Times that no run has measured are marked as extrapolated
-/// by the fitted law.
+/// The answers for every scene and each of asked_targets. Where the reference does not judge a component that holds
+/// light, there is one answer: no method is the cheapest. Times that no run has measured are marked as extrapolated by
+/// the fitted law.
 std::vector<PriceAnswer> price_answers(const Analysis& analysis);
 
 /// The factor by which the time has to grow to halve the error of the final image, by the fitted law: "3.90 (3.10 to

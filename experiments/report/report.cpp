@@ -82,11 +82,15 @@ data sections_data(const std::vector<Section>& all, const Keeps& keeps) {
     return sections;
 }
 
-/// The method that reaches each of asked_targets first.
+/// The method that reaches each of asked_targets first; none where a part of the light is not judged.
 data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
     list cheapest;
     for (const std::size_t t : asked_targets) {
         const TableRow* best = nullptr;
+        if (!quality.unjudged.empty()) {
+            cheapest.push_back(object{{"method", "not judged"}, {"seconds", false}});
+            continue;
+        }
         for (const TableRow& row : analysis.rows)
             if (row.scene == quality.scene && row.component == total_name && reaches(row, t) &&
                 (!best || row.times[t]->value < best->times[t]->value))
@@ -106,6 +110,7 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"method", quality.method},
                   {"samples", std::to_string(quality.samples)},
                   {"error", percent_text(quality.relative_error)},
+                  {"scene_epsilon", fmt::format("{:.4g}", quality.epsilon)},
                   {"target", quality.target ? data(percent_text(*quality.target)) : data(false)},
                   {"notes", list(quality.notes.begin(), quality.notes.end())},
                   {"cheapest", cheapest_data(quality, analysis)},
@@ -130,7 +135,8 @@ data page_data(const Analysis& analysis) {
     return object{
         {"title", index.title},
         {"plain_title", html_escape(index.title)},
-        {"epsilon", fmt::format("{}", index.epsilon)},
+        {"epsilon", index.epsilon ? fmt::format("{}", *index.epsilon)
+                                  : "(0.1 m)^2, m the mean luminance of the scene's reference"},
         {"seeds", counted(index.seeds, "seed")},
         {"threads", counted(index.threads, "thread")},
         {"missing_cells", optional_text(analysis.missing_cells ? std::to_string(analysis.missing_cells) : "")},

@@ -130,10 +130,7 @@ json report_data(const Analysis& analysis) {
         }
         scenes[scene] = std::move(entry);
     }
-    return {{"methods", analysis.index.methods},
-            {"epsilon", analysis.index.epsilon},
-            {"targets", target_errors},
-            {"scenes", std::move(scenes)}};
+    return {{"methods", analysis.index.methods}, {"targets", target_errors}, {"scenes", std::move(scenes)}};
 }
 
 }  // namespace gib

@@ -9,7 +9,7 @@
 
 namespace gib {
 
-/// {"methods": [...], "epsilon": ..., "targets": [...], "scenes": {NAME: {"components": [...],
+/// {"methods": [...], "targets": [...], "scenes": {NAME: {"components": [...],
 /// "curves": {COMPONENT: [{"method": index, "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi],
 /// ...]}]}, "noise_floor": {COMPONENT: relative RMSE that the reference resolves},
 /// "spectra": {COMPONENT: [{"method": index, "noise": [[frequency, power], ...], "bias": ...}]}}}}.

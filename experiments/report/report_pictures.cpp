@@ -39,7 +39,7 @@ public:
     }
     json add(const Image& image) {
         json entry = add(pack_half(image.rgb, image.width, image.height, 3));
-        entry["black"] = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; });
+        entry["black"] = is_black(image);
         return entry;
     }
     const std::string& html() const { return html_; }
@@ -78,9 +78,10 @@ std::vector<float> relative_bias(const SceneFiles& files, const std::vector<cons
     }
     std::vector<float> bias(r.pixels(), 0.f);
     const auto n = static_cast<double>(cells.size());
+    const double epsilon = judgement.epsilon(files.analysis.index.epsilon);
     for (std::size_t i = 0; i < sum.size(); ++i) {
         const auto reference = static_cast<double>(r.rgb[i]);
-        const double error = (sum[i] / n - reference) / std::sqrt(sqr(reference) + files.analysis.index.epsilon);
+        const double error = (sum[i] / n - reference) / std::sqrt(sqr(reference) + epsilon);
         bias[i / 3] += static_cast<float>(error / 3);
     }
     return bias;
@@ -177,6 +178,7 @@ json scene_entry(const SceneFiles& files, int halvings, Store& store) {
             {"height", size.height},
             {"film", {r.width, r.height}},
             {"reduction", reduction},
+            {"epsilon", judgement.epsilon(files.analysis.index.epsilon)},
             {"stops", std::log2(exposure_for(reference.total.mean))},
             {"layers", layers_of(reference, judgement, images)},
             {"images", std::move(images)}};

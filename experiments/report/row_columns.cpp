@@ -113,11 +113,19 @@ std::string floor_text(const TableRow& row) {
                        root_percent(interval->hi), root_percent(bias2), root_percent(floor - bias2));
 }
 
-std::string spaced_names(const TableRow& row) {
+/// The names with commas and spaces, "specular reflection, refraction".
+std::string spaced(const std::string& names) {
     std::string text;
-    for (const char c : row.effects_missing)
+    for (const char c : names)
         text += c == ';' ? ", " : c == '_' ? " " : std::string(1, c);
     return text;
+}
+
+/// What the method leaves out: "refraction; light of direct, indirect".
+std::string left_out(const TableRow& row) {
+    const std::string effects = spaced(row.effects_missing);
+    if (row.components_missing.empty()) return effects;
+    return effects + (effects.empty() ? "" : "; ") + "light of " + spaced(row.components_missing);
 }
 
 /// The text if the error of the whole image is that of few pixels, else empty.
@@ -164,7 +172,7 @@ void add_errors(Columns& c) {
         c.ends(name_of_time(t), time(t));
     c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "preparation");
     c.number("flip", of(&TableRow::flip), in_errors, "FLIP");
-    c.words(in_prices | in_errors, "missing effects", spaced_names);
+    c.words(in_prices | in_errors, "missing effects", left_out);
     c.number("rel_mse_resolved", of(&TableRow::noise_floor));
     c.estimate("energy_excess", of(&TableRow::footing, &Footing::excess));
     c.text("footing", [](const TableRow& row) { return row.footing ? name_of(row.footing->verdict) : ""; });
@@ -187,6 +195,8 @@ void add_laws(Columns& c) {
     c.number("rel_mse_trimmed", trimmed, in_outliers, "relative RMSE without them %",
              if_outliers(trimmed, root_percent));
     c.number("rel_mse_top_share", share, in_outliers, "share of the worst %", if_outliers(share, percent_text));
+    c.number("epsilon", of(&TableRow::epsilon));
+    c.text("components_missing", &TableRow::components_missing);
 }
 
 }  // namespace

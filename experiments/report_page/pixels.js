@@ -54,11 +54,11 @@ report.pixels = (() => {
   }
 
   /** The tables' relative error for each pixel: the mean over channels of |x - r| / sqrt(r_total^2 + epsilon). */
-  function errorOf(x, r, total) {
+  function errorOf(x, r, total, epsilon) {
     const values = new Float32Array(x.width * x.height);
     for (let i = 0; i < x.values.length; ++i)
       values[Math.floor(i / 3)] +=
-        Math.abs(x.values[i] - r.values[i]) / Math.sqrt(total.values[i] ** 2 + data.epsilon) / 3;
+        Math.abs(x.values[i] - r.values[i]) / Math.sqrt(total.values[i] ** 2 + epsilon) / 3;
     return {width: x.width, height: x.height, channels: 1, values};
   }
 

@@ -22,7 +22,7 @@ report.viewer = (() => {
     else if (!side.image) side.none = `it does not simulate ${sources.layers[state.layer].name}`;
     else if (quantity.name === "error") {
       const [r, total] = await Promise.all([sources.layer(0, state.layer), sources.layer(0, 0)]);
-      if (r) side.map = pixels.errorOf(side.image, r, total);
+      if (r) side.map = pixels.errorOf(side.image, r, total, sources.pictures.epsilon);
       else side.none = "the reference does not have this component";
     } else if (quantity.name !== "image") {
       const blob = sources.images[index][quantity.name.toLowerCase()];

@@ -15,6 +15,8 @@ void subtract(Image& from, const Image& image) {
 
 Judgement::Judgement(const Reference& reference) : reference_(reference) {
     if (reference.unresolved.empty()) return;
+    empty_ = std::none_of(all_components.begin(), all_components.end(),
+                          [&](Component c) { return component(c) && !is_black(component(c)->mean); });
     ReferenceLayer total = reference.total;
     for (Component c : reference.unresolved) {
         const auto& layer = reference[c];
@@ -49,7 +51,8 @@ const ReferenceLayer* Judgement::component(Component c) const {
 }
 
 std::vector<std::pair<std::string, const ReferenceLayer*>> Judgement::layers() const {
-    std::vector<std::pair<std::string, const ReferenceLayer*>> layers = {{total_name, &total()}};
+    std::vector<std::pair<std::string, const ReferenceLayer*>> layers;
+    if (!empty_) layers.emplace_back(total_name, &total());
     for (Component c : all_components)
         if (const auto* layer = component(c)) layers.emplace_back(name_of(c), layer);
     return layers;

@@ -2,6 +2,7 @@
 // Selects the part of an image that is compared: all components but those that the reference does not resolve.
 
 #include "common/images/image.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/results/result_folder.h"
 
@@ -18,21 +19,29 @@ public:
     explicit Judgement(const Reference& reference);
 
     bool is_resolved(Component c) const;
+    /// Whether there is nothing to judge: components are unresolved, and no other one holds light.
+    bool is_empty() const { return empty_; }
     /// The total without unresolved components; its mean image stands in the denominator of every relative error.
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
     /// Null if the reference has no such component or does not resolve it.
     const ReferenceLayer* component(Component c) const;
-    /// The total and every judged component, by name.
+    /// The total, unless it is empty, and every judged component, by name.
     std::vector<std::pair<std::string, const ReferenceLayer*>> layers() const;
     /// The sum of the image's components without the unresolved ones.
     Image total_of(const ComponentImages& image) const;
 
-    /// The errors, by name, of the total and of each judged component that both the image and the reference have.
+    /// The epsilon of the relative errors of all layers, from what is given (epsilon_of()) [radiance^2].
+    double epsilon(const std::optional<double>& given) const {
+        return epsilon_of(given, (empty_ ? reference_.total : total()).mean);
+    }
+    /// The errors, by name, of the total, unless it is empty, and of each judged component that both the image and the
+    /// reference have.
     std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const;
 
 private:
     const Reference& reference_;
     std::optional<ReferenceLayer> partial_total_;
+    bool empty_ = false;
 };
 
 }  // namespace gib

@@ -102,6 +102,7 @@ Manifest read_manifest(const std::string& path) {
         j.at("experiment").get_to(m.experiment_text);
         j.at("threads").get_to(m.threads);
         j.at("seeds").get_to(m.seeds);
+        j.at("epsilon").get_to(m.epsilon);
         j.at("scenes").get_to(m.scenes);
         j.at("cells").get_to(m.cells);
         m.machine = machine_in(j);

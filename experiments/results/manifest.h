@@ -38,6 +38,7 @@ struct Manifest {
     };
     std::string experiment_file, working_folder, experiment_text;
     int threads = 0, seeds = 1;
+    std::optional<double> epsilon;  ///< ResultIndex::epsilon
     std::vector<Scene> scenes;
     std::vector<ManifestCell> cells;
     /// Commit, compiler, flags, processor and libraries, by the names that messages use for them.

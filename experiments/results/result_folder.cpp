@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/text/json_file.h"
 
 #include <fmt/format.h>
@@ -52,8 +53,8 @@ std::string CellIdentity::key() const {
     ContentHash hash;
     for (const auto& piece : {std::string("cell 1"), scene, method, std::to_string(seed), scene_hash,
                               std::to_string(spp), budget.seconds ? fmt::format("{}", *budget.seconds) : "",
-                              budget.passes ? fmt::format("{}", *budget.passes) : "", fmt::format("{}", epsilon),
-                              std::to_string(threads), reference})
+                              budget.passes ? fmt::format("{}", *budget.passes) : "",
+                              epsilon ? fmt::format("{}", *epsilon) : "relative", std::to_string(threads), reference})
         hash.add(piece);
     return hash.hex();
 }
@@ -125,8 +126,14 @@ void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
     j["format"] = "gibench results 1";
     j["effects_missing"] = json::array();
-    for (const auto& [cell, effects] : index.effects_missing)
-        j["effects_missing"].push_back({{"scene", cell.first}, {"method", cell.second}, {"effects", effects}});
+    for (const auto& [cell, effects] : index.effects_missing) {
+        const auto components = index.components_missing.find(cell);
+        j["effects_missing"].push_back(
+            {{"scene", cell.first},
+             {"method", cell.second},
+             {"effects", effects},
+             {"components", components == index.components_missing.end() ? "" : components->second}});
+    }
     write_file(file("index.json"), j.dump(2) + "\n");
 }
 
@@ -136,9 +143,12 @@ ResultIndex ResultFolder::read_index() const {
     try {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();
-        require_epsilon(index.epsilon, {path});
-        for (const auto& m : j.at("effects_missing"))
+        if (index.epsilon) require_epsilon(*index.epsilon, {path});
+        for (const auto& m : j.at("effects_missing")) {
             index.effects_missing[{m.at("scene"), m.at("method")}] = m.at("effects");
+            // Older folders do not name the components.
+            index.components_missing[{m.at("scene"), m.at("method")}] = m.value("components", "");
+        }
         return index;
     } catch (const json::exception& error) {
         reject({path}, "not an index of results: {}", error.what());

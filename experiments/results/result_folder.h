@@ -4,7 +4,6 @@
 
 #include "experiments/measuring/measure.h"
 #include "experiments/metrics/statistics.h"
-#include "experiments/plan/epsilon.h"
 
 #include <cstdint>
 #include <map>
@@ -25,9 +24,9 @@ struct CellIdentity {
     std::string scene_hash;  ///< of the scene's content, including the resolution
     std::uint32_t spp = 0;   ///< most passes; neither the label nor the scene need state them
     Budget budget;
-    double epsilon = default_epsilon;
-    int threads = 0;        ///< number of threads, on which the seconds depend
-    std::string reference;  ///< identity of the reference, its number of samples included
+    std::optional<double> epsilon;  ///< as the experiment gives it
+    int threads = 0;                ///< number of threads, on which the seconds depend
+    std::string reference;          ///< identity of the reference, its number of samples included
 
     /// SHA-1 of all members, 40 hexadecimal digits.
     std::string key() const;
@@ -69,13 +68,15 @@ struct IndexScene {
 struct ResultIndex {
     std::string title;
     std::string experiment_text;
-    double epsilon = default_epsilon;
+    std::optional<double> epsilon;  ///< as the experiment gives it; none: the default of each scene (epsilon.h)
     int seeds = 1;
     int threads = 0;
     std::vector<IndexScene> scenes;
     std::vector<std::string> methods;                                            ///< labels
     std::map<std::pair<std::string, std::string>, std::string> effects_missing;  ///< (scene, label) -> "name;name"
-    std::map<std::string, std::string> cell_keys;                                ///< folder name of a cell -> key
+    /// The components of which a method leaves out paths, in the same way.
+    std::map<std::pair<std::string, std::string>, std::string> components_missing;
+    std::map<std::string, std::string> cell_keys;  ///< folder name of a cell -> key
 };
 
 class ResultFolder {

@@ -173,6 +173,7 @@ void ExperimentRun::plan_methods(const LoadedScene& scene) {
     for (const auto& label : experiment_.methods) {
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
         effects_missing_[{scene.name, label.text()}] = plan.missing.names();
+        components_missing_[{scene.name, label.text()}] = names_of(plan.unresolved);
         if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
             progress_.message(fmt::format("warning: {}: {}", scene.name, incomplete));
     }
@@ -244,8 +245,9 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     scene.reference = finished.identity;
     scene.notes = finished.warnings;
     link_file(path, folder_.reference_image(scene.entry.name));
-    progress_.message(fmt::format("reference of {}: relative standard error {:.3g} %{}", scene.entry.name,
-                                  100 * finished.relative_error, finished.rounds_added == 0 ? " (stored)" : ""));
+    progress_.message(fmt::format("reference of {}: relative standard error {:.3g} % (epsilon {:.4g}){}",
+                                  scene.entry.name, 100 * finished.relative_error, finished.epsilon,
+                                  finished.rounds_added == 0 ? " (stored)" : ""));
     for (const auto& warning : finished.warnings)
         progress_.message("warning: " + warning);
 }
@@ -385,9 +387,10 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     record.prepare_seconds = timing.measurement.prepare_seconds;
     record.converged = timing.measurement.converged;
     record.stages = timing.measurement.stages;
+    const double epsilon = judgement.epsilon(experiment_.epsilon);
     for (const auto& checkpoint : timing.measurement.checkpoints) {
         const auto image = components_in(read_image(checkpoint_image(work.path(), checkpoint.passes)));
-        record.checkpoints.push_back({checkpoint, judgement.errors(image, experiment_.epsilon)});
+        record.checkpoints.push_back({checkpoint, judgement.errors(image, epsilon)});
         if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
             write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
     }
@@ -426,6 +429,7 @@ ResultIndex ExperimentRun::index() {
     for (const auto& label : experiment_.methods)
         index.methods.push_back(label.text());
     index.effects_missing = effects_missing_;
+    index.components_missing = components_missing_;
     for (const auto& cell : cells())
         if (!cell.scene->reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
     return index;

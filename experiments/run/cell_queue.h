@@ -80,7 +80,7 @@ private:
     ResultFolder folder_;
     std::optional<FileLock> lock_;  ///< of the folder
     std::vector<SceneState> scenes_;
-    std::map<std::pair<std::string, std::string>, std::string> effects_missing_;
+    std::map<std::pair<std::string, std::string>, std::string> effects_missing_, components_missing_;
     std::string build_;
     ProgressLine progress_;
     std::vector<std::string> failures_;

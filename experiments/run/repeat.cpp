@@ -41,6 +41,7 @@ RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
     RepeatPlan plan{.experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest)),
                     .original = ResultFolder(folder)};
     plan.experiment.seeds = manifest.seeds;
+    plan.experiment.epsilon = manifest.epsilon;
     for (const auto& cell : manifest.cells) {
         plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
         for (const auto& scene : manifest.scenes)

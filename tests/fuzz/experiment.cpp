@@ -14,7 +14,8 @@ namespace {
 void check_experiment(const Experiment& experiment) {
     require(!experiment.scenes.empty() && !experiment.methods.empty(), "there is a scene and a method");
     require(experiment.seeds >= 1, "there is a seed");
-    require(std::isfinite(experiment.epsilon) && experiment.epsilon > 0, "epsilon is above 0");
+    require(!experiment.epsilon || (std::isfinite(*experiment.epsilon) && *experiment.epsilon > 0),
+            "epsilon is above 0");
     for (const auto& scene : experiment.scenes)
         require(scene.goal.target || scene.goal.seconds, "every reference has a goal");
     std::set<std::string> labels;

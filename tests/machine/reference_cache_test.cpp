@@ -54,6 +54,28 @@ TEST_F(ReferenceCacheTest, MeetsItsTarget) {
     EXPECT_EQ(r.reference.total.groups.size(), static_cast<std::size_t>(reference_groups));
 }
 
+// With an absolute epsilon, noise in a dark picture is below every target.
+TEST_F(ReferenceCacheTest, StopsAfterTheSamePassesInAnyUnitOfLight) {
+    MethodDescription dim = method_;
+    dim.create = [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
+        return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.5, .unit = 0x1p-13f});
+    };
+    const auto made = [&](const MethodDescription& method, std::optional<double> epsilon, const std::string& file) {
+        ProgressLine progress(false);
+        return make_reference(
+            {scene_, {&method}, MethodLabel{"fake", {}}, {0.02, std::nullopt}, epsilon, folder_ / file}, progress);
+    };
+    const auto passes = [](const FinishedReference& r) { return std::stoul(r.reference.metadata.at("passes")); };
+    const FinishedReference bright = made(method_, std::nullopt, "bright.exr");
+    const FinishedReference dark = made(dim, std::nullopt, "dark.exr");
+    EXPECT_EQ(passes(dark), passes(bright));
+    EXPECT_NEAR(dark.relative_error, bright.relative_error, 1e-6);
+    EXPECT_NEAR(bright.epsilon, 0.01, 0.001) << "the mean is 1";
+    EXPECT_NEAR(dark.epsilon / bright.epsilon, 0x1p-26, 1e-12);
+    EXPECT_EQ(std::stod(dark.reference.metadata.at("epsilon")), dark.epsilon);
+    EXPECT_LT(2 * passes(made(dim, 0.01, "absolute.exr")), passes(bright));
+}
+
 TEST_F(ReferenceCacheTest, AGoodOneIsNotTouched) {
     const FinishedReference first = make(0.05);
     const std::string content = read_file(path_);

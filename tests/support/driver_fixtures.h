@@ -36,6 +36,7 @@ struct FakeBehaviour {
     double noise = 0.5;
     double start_seconds = 0, pass_seconds = 0, image_seconds = 0, staged_seconds = 0;
     std::uint32_t converges_after = 0;  ///< [passes]; 0: never
+    float unit = 1;                     ///< multiplies all light
 };
 
 inline void sleep_seconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
@@ -61,6 +62,7 @@ public:
             const Sampler sampler(PointSet::independent, seed_, i, pass);
             PixelSample sample;
             sample[Component::direct] =
+                b_.unit *
                 Color::Constant(1.f + static_cast<float>(b_.noise) * (sampler.get_1d(0) - 0.5f) * std::sqrt(12.f));
             film_.add(i, pass, sample);
         }

@@ -1,5 +1,6 @@
 // The price of an error: when the best method changes, the cost of the last halving, and the sentences about them.
 
+#include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/report.h"
@@ -12,6 +13,7 @@
 namespace gib {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -111,7 +113,33 @@ TEST(PriceAnswers, NeverNameAMethodThatLeavesOutAnEffect) {
     EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("`exact` is the cheapest at 5 %"));
     for (TableRow& row : analysis.rows)
         row.effects_missing = "caustics";
-    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("No method with all effects of the scene reached 5 %"));
+    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("No method with all light of the scene reached 5 %"));
+}
+
+TEST(PriceAnswers, NeverNameAMethodThatLeavesOutLightOfAComponent) {
+    Analysis analysis = crossing();
+    for (TableRow& row : analysis.rows)
+        if (row.method == "quick") row.components_missing = "caustic;indirect";
+    EXPECT_THAT(price_answers(analysis)[0].text, AllOf(HasSubstr("`exact` is the cheapest at 5 %"),
+                                                       HasSubstr("leaves out light of `caustic`, `indirect`")));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| light of caustic, indirect |"));
+}
+
+TEST(PriceAnswers, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
+    Analysis analysis = crossing();
+    analysis.references.emplace_back();
+    analysis.references[0].scene = "box";
+    analysis.references[0].unjudged = "caustic";
+    const auto answers = price_answers(analysis);
+    ASSERT_EQ(answers.size(), 1u);
+    EXPECT_EQ(answers[0].text, "No method is the cheapest: the reference does not judge the light of `caustic`.");
+    EXPECT_TRUE(crossovers(analysis).empty());
+    EXPECT_TRUE(pareto_frontier(analysis).empty());
+    for (const EqualTimeRow& row : equal_time_rows(analysis))
+        EXPECT_NE(row.component, total_name);
+    EXPECT_FALSE(equal_time_rows(analysis).empty()) << "components that are judged keep their rows";
+    const std::string text = markdown_table(analysis);
+    EXPECT_THAT(text, Not(HasSubstr("is the cheapest at")));
 }
 
 TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {

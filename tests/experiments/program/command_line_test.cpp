@@ -54,6 +54,10 @@ TEST_F(CommandLineTest, WrongInputGivesTwoAndWritesNothing) {
                                   "render tiny.xml --method path --seed -1 -o a.exr",
                                   "render tiny.xml --method path --set nothing -o a.exr",
                                   "render tiny.xml --method path --set unknown=1 -o a.exr",
+                                  "render tiny.xml --method path --resolution 640 -o a.exr",
+                                  "render tiny.xml --method path --resolution 0x4 -o a.exr",
+                                  "render tiny.xml --method path --resolution 4x65537 -o a.exr",
+                                  "plan tiny.xml --resolution 4x",
                                   "reference tiny.xml --target 0 -o a.exr",
                                   "reference tiny.xml --method 'path spp=4' -o a.exr",
                                   "reference tiny.xml --target 40% --max-seconds nan -o a.exr",
@@ -92,6 +96,27 @@ TEST_F(CommandLineTest, RenderWritesLayersAndMetadata) {
 }
 
 // The max_depth of a scene's integrator: -1 is unlimited; 0 edges show nothing, as in Mitsuba.
+TEST_F(CommandLineTest, ResolutionReplacesTheFilmsSize) {
+    ASSERT_EQ(run("render tiny.xml --method 'path spp=1' --resolution 6x3 -o a.exr").code, 0);
+    ASSERT_EQ(run("reference tiny.xml --target 40% --resolution 6x3 -o r.exr").code, 0);
+    for (const char* file : {"a.exr", "r.exr"}) {
+        const LayeredImage image = read_image(folder_ / file);
+        EXPECT_EQ(image.layers.front().second.width, 6) << file;
+        EXPECT_EQ(image.layers.front().second.height, 3) << file;
+    }
+    EXPECT_EQ(run("plan tiny.xml --resolution 6x3").code, 0);
+    EXPECT_THAT(run("render tiny.xml --method path --resolution 640 -o b.exr").err, HasSubstr("640x480"));
+}
+
+TEST_F(CommandLineTest, RenderSaysWhatAMethodLeavesOut) {
+    const std::string glass =
+        "render '" + source_path("scenes/cornell-glass.xml") + "' --resolution 4x4 -o a.exr --method ";
+    EXPECT_THAT(run(glass + "'radiosity patch=0.3 spp=1'").err,
+                AllOf(HasSubstr("warning: 'radiosity patch=0.3 spp=1' does not simulate"), HasSubstr("refraction"),
+                      HasSubstr("leaves out light of the components: ")));
+    EXPECT_THAT(run(glass + "'path spp=1'").err, Not(HasSubstr("warning")));
+}
+
 TEST_F(CommandLineTest, AMaxDepthOfZeroIsABlackImage) {
     std::string xml = tiny_scene_xml();
     xml.insert(xml.find("<sensor"), "<integrator type='path'><integer name='max_depth' value='0'/></integrator>");
