@@ -82,18 +82,18 @@ public:
         }
         return false;
     }
-    /// The share of light that passes from the light's point to the surface: 0 or 1, or a value between if there are
-    /// surfaces with holes (masks). Both ends are offset from their surfaces by the bound of their own rounding
-    /// errors, so the segment between them needs no epsilon.
-    float visibility(const SurfacePoint& from, const LightSample& to) {
+    /// The share of light that passes from the light's point to the surface, by channel: 0 or 1, or a value between if
+    /// there are surfaces that let light straight on (masks, thin sheets). Both ends are offset from their surfaces by
+    /// the bound of their own rounding errors, so the segment between them needs no epsilon.
+    Color visibility(const SurfacePoint& from, const LightSample& to) {
         return visibility({offset_origin(from, to.wi), to.target, to.wi, to.distance});
     }
     /// The same between any two points.
-    float visibility(const Segment& way) {
+    Color visibility(const Segment& way) {
         if (scene_.has_holes()) return visibility_through_holes(way);
         const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
         note(ray, true);
-        return scene_.occluded(ray) ? 0.f : 1.f;
+        return Color::Constant(scene_.occluded(ray) ? 0.f : 1.f);
     }
 
     /// The share of light that reaches `origin` in a scene with media, by channel: an unbiased estimate. `origin`
@@ -107,7 +107,7 @@ public:
             TracedRay part{Ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f}};
             trace(part);
             const auto hit = surface_hit(part);
-            if (hit) transmitted *= hit->bsdf->pass_through();
+            if (hit) transmitted *= hit->straight_on(way.direction);
             if (is_black(transmitted)) return transmitted;
             if (medium) {
                 const float length = hit                        ? part.found->t * part.ray.d.norm()
@@ -136,7 +136,7 @@ public:
         std::optional<Intersection> found;
         trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
         const auto hit = scene_.surface_hit(ray, found);
-        Color transmitted = Color::Constant(hit ? hit->bsdf->pass_through() : 1.f);
+        Color transmitted = hit ? hit->straight_on(ray.d) : Color(Color::Ones());
         if (is_black(transmitted)) return transmitted;
         const Medium* medium = scene_.camera_medium();
         if (medium)
@@ -165,14 +165,14 @@ public:
     }
 
 private:
-    float visibility_through_holes(Segment way) {
-        for (float visibility = 1.f;;) {
+    Color visibility_through_holes(Segment way) {
+        for (Color visibility = Color::Ones();;) {
             const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
-            visibility *= hit->bsdf->pass_through();
-            if (visibility == 0.f) return 0.f;
+            visibility *= hit->straight_on(way.direction);
+            if (is_black(visibility)) return visibility;
             if (!step_beyond(*hit, way.origin, way.target, way.direction)) return visibility;
         }
     }
