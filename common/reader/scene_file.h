@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gib {
 
@@ -24,6 +25,8 @@ struct LoadedScene {
     /// Hash of everything that the image depends on: XML, includes, meshes, parameters, resolution.
     /// 40 hexadecimal digits.
     std::string content_hash;
+    /// What loads but is likely to be a mistake, each as `file:line:column: message`.
+    std::vector<std::string> warnings = {};
 };
 
 /// Loads a scene. Of several sensors the first is used, as in Mitsuba. Throws InputError (`file:line:column:

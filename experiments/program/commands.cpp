@@ -43,8 +43,8 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
         out << "unresolved: " << name_of(c) << "\n";
 }
 
-void warn_of(const std::vector<std::string>& damage) {
-    for (const auto& what : damage)
+void warn_of(const std::vector<std::string>& warnings) {
+    for (const auto& what : warnings)
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
@@ -78,6 +78,7 @@ int render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     check_writable(options.out);
     const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    warn_of(loaded.warnings);
     const auto method = chosen.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
@@ -129,6 +130,7 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     if (options.target) goal.target = parse_target(*options.target);
     if (!goal.target && !goal.seconds) goal.target = parse_target("1%");
     const LoadedScene loaded = load_scene(options.scene, {options.parameters, std::nullopt});
+    warn_of(loaded.warnings);
     const InterruptGuard guard;
     ProgressLine progress;
     FinishedReference finished;
@@ -157,6 +159,8 @@ int print_plan(const std::string& scene, const std::string& method,
             chosen.emplace_back(MethodLabel{name, {}});
     else chosen.emplace_back(MethodLabel::parse(method));
     const LoadedScene loaded = load_scene(scene, {parameters, std::nullopt});
+    for (const auto& warning : loaded.warnings)
+        out << "warning: " << warning << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {
