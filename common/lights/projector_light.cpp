@@ -44,7 +44,7 @@ Color ProjectorLight::intensity(const Vec3& w) const {
                    0.5 - 0.5 * local.y() / (local.z() * half_size_.y()));
     if (!((uv.array() >= 0).all() && (uv.array() <= 1).all())) return Color::Zero();
     const double per_image = std::numbers::pi * static_cast<double>(scale_) / (local.z() * sqr(local.z()));
-    return static_cast<float>(per_image) * image_.color(uv.cast<float>());
+    return static_cast<float>(per_image) * image_.color(Vec2(uv.cast<float>()));
 }
 
 ProjectorLight::Direction ProjectorLight::sample(const Vec2& u) const {

@@ -162,6 +162,8 @@ void Bsdf::prepare() {
     traits_ = traits_of_side_[0];
     traits_ |= traits_of_side_[1];
     mixes_kinds_ = traits_.diffuse && traits_.glossy;
+    has_sheets_ = std::any_of(layers_.begin(), layers_.end(),
+                              [](const Layer& l) { return std::holds_alternative<ThinDielectric>(l.model); });
     const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f; };
     if (layers_.size() == 1 && plain(layers_[0])) only_ = {0, 0};
     const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
@@ -201,6 +203,18 @@ std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, 
     const auto last = sample_local(wo, Vec2(1.f - unit_roundoff, 0.f), Vec2::Zero(), transport, Lobes::specular);
     if (!first || !last || !(std::abs(first->pdf_w + last->pdf_w - 1.f) <= 4.f * unit_roundoff)) return std::nullopt;
     return std::array{*first, *last};
+}
+
+Color Bsdf::straight_on_with_sheets(const Vec3& wo) const {
+    Color sum = Color::Constant(pass_through_);
+    for (const Layer& layer : layers_) {
+        const auto* sheet = std::get_if<ThinDielectric>(&layer.model);
+        const Vec3 o = to_layer(layer, wo);
+        if (!sheet || !same_side(layer, wo, o)) continue;
+        sum += (1.f - pass_through_) * layer.weight * perturbed_share(layer, Transport::radiance, wo, -wo) *
+               sheet->straight_on(o.z());
+    }
+    return sum;
 }
 
 LobeValues Bsdf::layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const {

@@ -55,7 +55,7 @@ private:
 };
 
 /// A surface with a mask of opacity o exists with probability o; f, densities and samples are those of the existing
-/// surface. Directions are in the shading frame of the hit.
+/// surface, without the light that a thin sheet lets straight on. Directions are in the shading frame of the hit.
 class Bsdf {
 public:
     /// One model of a mixture.
@@ -81,8 +81,15 @@ public:
     /// they are stored divided by 1 - pass_through. There are at most max_layers layers.
     Bsdf(std::vector<Layer> layers, float pass_through);
 
-    /// The probability that light goes straight on, as if there were no surface (`null`, `mask`).
+    /// The probability that there is no surface (`null`, `mask`).
     float pass_through() const { return pass_through_; }
+    /// The share of light from wo that goes straight on: where there is no surface, and through thin sheets. It is no
+    /// sample and no part of f. The same for -wo.
+    Color straight_on_local(const Vec3& wo) const {
+        return has_sheets_ ? straight_on_with_sheets(wo) : Color(Color::Constant(pass_through_));
+    }
+    /// Whether it is a thin sheet and nothing else.
+    bool is_sheet() const { return has_sheets_ && layers_.size() == 1 && pass_through_ == 0.f; }
 
     /// f(wo, wi) of the lobes that are no delta [1/sr].
     LobeValues f_local(const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) const {
@@ -154,6 +161,7 @@ private:
         return i < 0 ? nullptr : &layers_[static_cast<std::size_t>(i)];
     }
     LobeTraits traits_of_side(bool below) const;
+    Color straight_on_with_sheets(const Vec3& wo) const;
     LobeValues layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
     float layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Transport transport) const;
     std::optional<BsdfSample> sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
@@ -167,6 +175,7 @@ private:
     float pass_through_ = 0.f;
     LobeTraits traits_;
     bool mixes_kinds_ = false;  ///< diffuse and glossy lobes together
+    bool has_sheets_ = false;   ///< some layer is a thin sheet
     // By side, above and below:
     std::array<LobeTraits, 2> traits_of_side_;
     std::array<int, 2> only_ = {-1, -1};  ///< the index of only_layer()

@@ -199,6 +199,7 @@ Material::Material(Node node) : node_(std::move(node)) {
     if (const auto* model = std::get_if<TexturedScattering>(&node_)) {
         traits_ = possible_traits(*model);
         is_dispersive_ = gib::is_dispersive(model->model);
+        has_holes_ = std::holds_alternative<ThinDielectric>(model->model);
         models_ = 1;
         for (const auto& p : model->parameters)
             vary(p.texture);

@@ -91,7 +91,7 @@ public:
 
     /// The lobes of all models, for all values that their textures may have.
     const LobeTraits& traits() const { return traits_; }
-    bool has_holes() const { return has_holes_; }      ///< some light may pass straight through
+    bool has_holes() const { return has_holes_; }      ///< some light may go straight on
     bool is_textured() const { return is_textured_; }  ///< a parameter varies
     bool is_bumped() const { return is_bumped_; }      ///< its normals are not the shape's
     bool two_sided() const { return two_sided_; }

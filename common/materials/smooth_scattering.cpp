@@ -56,7 +56,7 @@ ScatteringCoefficients Dielectric::coefficients_local(const Vec3& wo) const {
 
 LobeTraits ThinDielectric::traits() const {
     LobeTraits t;
-    t.delta = !transmits_nothing(specular_reflectance, specular_transmittance);
+    t.delta = !is_black(specular_reflectance);
     t.transmission = true;
     return t;
 }
@@ -66,18 +66,14 @@ float ThinDielectric::reflectance(float cos_theta) const {
     return r < 1.f ? 2.f * r / (1.f + r) : 1.f;
 }
 
-std::optional<BsdfSample> ThinDielectric::sample_local(const Vec3& wo, float u_lobe, const Vec2&, Transport,
+std::optional<BsdfSample> ThinDielectric::sample_local(const Vec3& wo, float, const Vec2&, Transport,
                                                        Lobes which) const {
     if (which == Lobes::diffuse || wo.z() == 0.f) return std::nullopt;
-    const float r = reflectance(wo.z());
-    if (u_lobe < r) return delta_sample(mirrored(wo), specular_reflectance * r, r, 1.f);
-    if (r >= 1.f) return std::nullopt;
-    return delta_sample(-wo, specular_transmittance * (1.f - r), 1.f - r, 1.f);
+    return delta_sample(mirrored(wo), specular_reflectance * reflectance(wo.z()), 1.f, 1.f);
 }
 
 ScatteringCoefficients ThinDielectric::coefficients_local(const Vec3& wo) const {
-    const float r = reflectance(wo.z());
-    return {.specular = r * specular_reflectance + (1.f - r) * specular_transmittance};
+    return {.specular = reflectance(wo.z()) * specular_reflectance};
 }
 
 LobeTraits Conductor::traits() const { return {.delta = !is_black(specular_reflectance)}; }

@@ -48,8 +48,9 @@ struct Dielectric {
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
 };
 
-/// A thin sheet of a dielectric. Transmitted light goes straight on. Reflections between the two faces are summed up
-/// without absorption: R' = R + T R T (1 + R^2 + ...) = 2 R / (1 + R). `eta` = index of the sheet / index around it.
+/// A thin sheet of a dielectric. Reflections between the two faces are summed up without absorption: R' = R + T R T
+/// (1 + R^2 + ...) = 2 R / (1 + R). `eta` = index of the sheet / index around it. Transmitted light goes straight on, as
+/// if through a hole: it is no sample, but the share straight_on() of the light (Bsdf::straight_on_local()).
 struct ThinDielectric {
     float eta = 1.f;
     Color specular_reflectance = Color::Ones();
@@ -62,6 +63,8 @@ struct ThinDielectric {
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
     /// The reflectance R' of the whole sheet.
     float reflectance(float cos_theta) const;
+    /// The share of light that goes straight on, from either side.
+    Color straight_on(float cos_theta) const { return specular_transmittance * (1.f - reflectance(cos_theta)); }
 };
 
 /// A smooth conductor, one-sided. Without an index (material "none") it is a perfect mirror.

@@ -36,8 +36,15 @@ private:
 
 }  // namespace
 
+GridVolume::GridVolume(const Color& constant, const Eigen::Affine3d& to_grid) : GridVolume(constant) {
+    has_cube_ = true;
+    linear_ = to_grid.linear().cast<float>();
+    offset_ = to_grid.translation().cast<float>();
+}
+
 GridVolume::GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, Wrap wrap)
-    : data_(std::move(data)),
+    : has_cube_(true),
+      data_(std::move(data)),
       linear_(to_grid.linear().cast<float>()),
       offset_(to_grid.translation().cast<float>()),
       filter_(filter),
@@ -62,7 +69,7 @@ Color GridVolume::voxel(int i, int j, int k) const {
 }
 
 bool GridVolume::clip(const Vec3& from, const Vec3& w, float& begin, float& end) const {
-    if (constant()) return begin < end;
+    if (!has_cube_) return begin < end;
     const Vec3 o = linear_ * from + offset_, d = linear_ * w;
     for (int axis = 0; axis < 3; ++axis) {
         if (d[axis] == 0.f) {

@@ -24,13 +24,15 @@ public:
 
     /// A volume with the same value everywhere.
     explicit GridVolume(const Color& constant) : constant_(constant), lowest_(constant), highest_(constant) {}
+    /// The same with a cube, that `to_grid` carries into the unit cube, for clip().
+    GridVolume(const Color& constant, const Eigen::Affine3d& to_grid);
     /// `to_grid` carries points of the scene into the unit cube.
     GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, Wrap wrap);
 
     bool constant() const { return data_.values.empty(); }
     Color at(const Vec3& p) const { return constant() ? constant_ : interpolated(p); }
     /// Clips the stretch [begin, end) of the line from + t w to the part that lies in the cube; false if nothing is
-    /// left. A constant volume fills all of space.
+    /// left. A volume without a cube fills all of space.
     bool clip(const Vec3& from, const Vec3& w, float& begin, float& end) const;
     /// Bounds of each channel over all of space.
     const Color& lowest() const { return lowest_; }
@@ -41,6 +43,7 @@ private:
     Color voxel(int i, int j, int k) const;
 
     Color constant_ = Color::Zero();
+    bool has_cube_ = false;
     Data data_{};
     Eigen::Matrix3f linear_ = Eigen::Matrix3f::Zero();
     Vec3 offset_ = Vec3::Zero();

@@ -33,19 +33,24 @@ Color Medium::scattering_at(const Vec3& p) const { return albedo_.at(p) * extinc
 
 Color Medium::extinction_at(const Vec3& p) const { return (scale_ * extinction_.at(p)).min(majorant_); }
 
+float Medium::mean_free_path_at(const Vec3& p) const {
+    const float sigma_t = extinction_at(p).maxCoeff();
+    return sigma_t > 0.f ? 1.f / sigma_t : infinity;
+}
+
 std::optional<float> Medium::sample_flight(const Vec3& from, const Vec3& w, float length, NumberStream& u,
                                            Color& throughput) const {
     if (!scatters_) {
         throughput *= transmittance(from, w, length, u);
         return std::nullopt;
     }
-    if (extinction_.constant()) return sample_constant(from, w, length, u, throughput);
     float begin = 0.f, end = length;
     if (!extinction_.clip(from, w, begin, end)) return std::nullopt;
-    return track_collisions(from, w, begin, end, u, throughput);
+    return extinction_.constant() ? sample_constant(from, w, begin, end, u, throughput)
+                                  : track_collisions(from, w, begin, end, u, throughput);
 }
 
-std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                              Color& throughput) const {
     const Color sigma = extinction_at(from);
     const float total = throughput.sum();
@@ -57,13 +62,13 @@ std::optional<float> Medium::sample_constant(const Vec3& from, const Vec3& w, fl
         --channel;
     const float t = free_flight(sigma[channel], u);
     const auto mean = [&](const Color& density) { return (q * density).sum(); };
-    if (t < length) {
+    if (t < end - begin) {
         const Color transmitted = attenuation(sigma, t);
-        const Color scattered = albedo_.at(from + t * w) * sigma * transmitted;
+        const Color scattered = albedo_.at(from + (begin + t) * w) * sigma * transmitted;
         throughput *= scattered / mean(sigma * transmitted);
-        return t;
+        return begin + t;
     }
-    const Color transmitted = attenuation(sigma, length);
+    const Color transmitted = attenuation(sigma, end - begin);
     throughput *= transmitted / mean(transmitted);
     return std::nullopt;
 }
@@ -95,10 +100,10 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
 }
 
 Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
-    if (extinction_.constant()) return attenuation(extinction_at(from), length);
     Color transmitted = Color::Ones();
     float begin = 0.f, end = length;
     if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return transmitted;
+    if (extinction_.constant()) return attenuation(extinction_at(from), end - begin);
     const Vec3 edge = from + begin * w;
     // Once little light is left, Russian roulette ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;

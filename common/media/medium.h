@@ -10,7 +10,7 @@
 namespace gib {
 
 /// Extinction sigma_t [1/scene unit] and albedo sigma_s / sigma_t by channel, constant or on a grid. A medium whose
-/// extinction lies on a grid ends at the grid's cube.
+/// extinction has a cube ends there.
 ///
 /// Estimators, for a stretch of length d along a ray with transmittance T(t) = exp(-integral of sigma_t from 0 to t):
 /// - Constant extinction: a channel c is chosen with probability q_c, so that a flight t has the density sum over c
@@ -43,10 +43,12 @@ public:
     bool scatters() const { return scatters_; }
     /// sigma_s [1/scene unit] at a point.
     Color scattering_at(const Vec3& p) const;
+    /// The mean free path 1 / sigma_t [scene units] at a point, the shortest of the channels; infinite in vacuum.
+    float mean_free_path_at(const Vec3& p) const;
     const PhaseFunction& phase() const { return phase_; }
 
 private:
-    std::optional<float> sample_constant(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+    std::optional<float> sample_constant(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                          Color& throughput) const;
     std::optional<float> track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                           Color& throughput) const;

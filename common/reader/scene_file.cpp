@@ -2,6 +2,7 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
+#include "common/reader/medium_check.h"
 #include "common/reader/scene_bsdf.h"
 #include "common/reader/scene_displacement.h"
 #include "common/reader/scene_emitter.h"
@@ -69,6 +70,24 @@ public:
         parts.camera_medium = camera_medium_;
         parts.sensor = std::move(sensor);
         return parts;
+    }
+
+    /// What the file says about the media, for a scene of the parts that finish() has returned.
+    NamedMedia named_media() const {
+        NamedMedia named{.shapes = {}, .names = {}, .camera = camera_medium_};
+        const auto add = [&](const std::vector<Pending>& shapes) {
+            for (const Pending& shape : shapes)
+                named.shapes.push_back({shape.where, shape.media});
+        };
+        add(pending_);
+        for (const std::uint32_t group : placed_groups_)
+            add(groups_[group].members);
+        for (const NestedObject& medium : media_) {
+            const XmlAttribute* id = medium.element->find("id");
+            named.names.push_back(id ? fmt::format("medium '{}'", id->value)
+                                     : format_location(medium.element->where, "the medium"));
+        }
+        return named;
     }
 
     const XmlIds& ids() const { return ids_; }
@@ -229,6 +248,7 @@ private:
             const Vec3d center = group.bounds.center();
             if (!group.index) {
                 group.index = static_cast<std::uint32_t>(parts.groups.size());
+                placed_groups_.push_back(instance.group);
                 parts.groups.push_back(recentred_objects(group.members, center));
                 refuse_coincident_shapes(parts.groups.back(), materials_, places_of(group.members));
             }
@@ -294,6 +314,7 @@ private:
     std::vector<PendingGroup> groups_;
     std::map<const XmlElement*, std::uint32_t> group_of_element_;
     std::vector<PendingInstance> instances_;
+    std::vector<std::uint32_t> placed_groups_;  ///< indices into groups_, in the order of the scene's
     std::vector<NestedObject> emitters_;
     std::set<const XmlElement*> area_emitters_;  ///< of the shapes
     std::vector<Material> materials_;
@@ -353,12 +374,18 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     for (const auto& emitter : emitters)
         builder.add_emitter(emitter);
     SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
-    return {.name = std::filesystem::path(path).stem().string(),
-            .scene = std::make_shared<const Scene>(std::move(parts)),
-            .sample_count = parsed.sample_count,
-            .max_edges = taken.max_edges,
-            .content_hash = hash.hex(),
-            .warnings = warnings.messages()};
+    LoadedScene loaded{.name = std::filesystem::path(path).stem().string(),
+                       .scene = std::make_shared<const Scene>(std::move(parts)),
+                       .sample_count = parsed.sample_count,
+                       .max_edges = taken.max_edges,
+                       .content_hash = hash.hex(),
+                       .warnings = {}};
+    const NamedMedia named = builder.named_media();
+    for (const auto& find : {contradictions, open_boundaries})
+        for (const std::string& warning : find(*loaded.scene, named))
+            warnings.add({}, warning);  // it names its own place
+    loaded.warnings = warnings.messages();
+    return loaded;
 }
 
 LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options) {

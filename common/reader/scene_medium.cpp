@@ -21,6 +21,21 @@ PhaseFunction parse_phase(const NestedObject& object, const XmlIds& ids) {
     return phase;
 }
 
+/// From points of the scene to the unit cube that `from_cube` carries into the file's coordinates.
+Eigen::Affine3d to_cube(const Properties& properties, const Eigen::Affine3d& from_cube, const Vec3d& origin) {
+    Eigen::Affine3d to_cube = from_cube.inverse() * Eigen::Translation3d(origin);
+    if (!(std::abs(from_cube.linear().determinant()) > 0) || !to_cube.matrix().cast<float>().array().isFinite().all())
+        properties.reject("to_world", "the to_world of the volume cannot be inverted");
+    return to_cube;
+}
+
+GridVolume parse_constvolume(Properties& properties, ColorRange range, const Vec3d& origin) {
+    const Color value = color_property(properties, "value", 1.f, range);
+    const Mat4d to_world = properties.transform("to_world");
+    properties.finish();
+    return {value, to_cube(properties, Eigen::Affine3d(to_world), origin)};
+}
+
 GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const Vec3d& origin) {
     const std::string name = properties.required_string("filename");
     const Mat4d to_world = properties.transform("to_world");
@@ -40,23 +55,18 @@ GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const V
             properties.reject("use_grid_bbox", "the box of the volume's file is empty");
         from_grid = from_grid * Eigen::Translation3d(data.box.min()) * Eigen::Scaling(data.box.sizes());
     }
-    const Eigen::Affine3d to_grid = from_grid.inverse() * Eigen::Translation3d(origin);
-    if (!(std::abs(from_grid.linear().determinant()) > 0) || !to_grid.matrix().cast<float>().array().isFinite().all())
-        properties.reject("to_world", "the to_world of the volume cannot be inverted");
-    return {std::move(data), to_grid, filter, wrap};
+    return {std::move(data), to_cube(properties, from_grid, origin), filter, wrap};
 }
 
-/// The parameter `name`: a constant, or a <volume> with values within `range`.
+/// The parameter `name`: a <volume> with values within `range`, or a constant. Mitsuba reads a constant as a
+/// constvolume without a to_world, whose cube is [0, 1]^3.
 GridVolume parse_volume(Properties& properties, const std::string& name, float fallback, ColorRange range,
                         TextureFiles& files, const Vec3d& origin) {
     const auto nested = properties.named_object(name, "volume");
-    if (!nested) return GridVolume(color_property(properties, name, fallback, range));
+    if (!nested)
+        return {color_property(properties, name, fallback, range), Eigen::Affine3d(Eigen::Translation3d(origin))};
     Properties volume(*nested->element, files.ids());
-    if (volume.plugin({"constvolume", "gridvolume"}) == "constvolume") {
-        const GridVolume constant(color_property(volume, "value", 1.f, range));
-        volume.finish();
-        return constant;
-    }
+    if (volume.plugin({"constvolume", "gridvolume"}) == "constvolume") return parse_constvolume(volume, range, origin);
     GridVolume grid = parse_gridvolume(volume, files, origin);
     const float lowest = grid.lowest().minCoeff(), highest = grid.highest().maxCoeff();
     if (!(lowest >= 0)) reject(nested->where, "'{}' must not be negative, but its volume has {}", name, lowest);
@@ -73,8 +83,10 @@ float parse_scale(Properties& properties, const Color& highest) {
     return static_cast<float>(scale);
 }
 
-Medium parse_homogeneous(Properties& properties, const PhaseFunction& phase) {
-    Color extinction, albedo;
+/// The albedo may be a volume; its cube has no effect.
+Medium parse_homogeneous(Properties& properties, const PhaseFunction& phase, TextureFiles& files, const Vec3d& origin) {
+    Color extinction;
+    std::optional<GridVolume> albedo;
     for (const std::string name : {"sigma_s", "sigma_a"})
         for (const std::string other : {"sigma_t", "albedo"})
             if (properties.has(name) && properties.has(other))
@@ -83,16 +95,16 @@ Medium parse_homogeneous(Properties& properties, const PhaseFunction& phase) {
         const Color scattering = color_property(properties, "sigma_s", 0.f, ColorRange::non_negative),
                     absorption = color_property(properties, "sigma_a", 0.f, ColorRange::non_negative);
         extinction = scattering + absorption;
-        albedo = (extinction > 0.f).select(scattering / extinction, Color::Zero());
+        albedo = GridVolume((extinction > 0.f).select(scattering / extinction, Color::Zero()));
         for (const char* name : {"sigma_t", "albedo"})
             properties.declare(name);
     } else {
         extinction = color_property(properties, "sigma_t", 1.f, ColorRange::non_negative);
-        albedo = color_property(properties, "albedo", 0.75f, ColorRange::unit);
+        albedo = parse_volume(properties, "albedo", 0.75f, ColorRange::unit, files, origin);
         for (const char* name : {"sigma_s", "sigma_a"})
             properties.declare(name);
     }
-    return {GridVolume(extinction), parse_scale(properties, extinction), GridVolume(albedo), phase};
+    return {GridVolume(extinction), parse_scale(properties, extinction), *std::move(albedo), phase};
 }
 
 Medium parse_heterogeneous(Properties& properties, const PhaseFunction& phase, TextureFiles& files,
@@ -113,7 +125,7 @@ Medium parse_medium(const NestedObject& object, TextureFiles& files, const Vec3d
     // These options control how Mitsuba's integrators sample. No image depends on them.
     properties.boolean("sample_emitters", true);
     properties.boolean("has_spectral_extinction", true);
-    Medium medium = homogeneous ? parse_homogeneous(properties, function)
+    Medium medium = homogeneous ? parse_homogeneous(properties, function, files, origin)
                                 : parse_heterogeneous(properties, function, files, origin);
     properties.finish();
     return medium;

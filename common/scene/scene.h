@@ -42,6 +42,8 @@ struct SurfaceHit : SurfaceGeometry {
     bool normals_agree_about(const Vec3& w) const { return agree_about(ns, w); }
     /// The same by the file's shading normal, also where `ns` has taken another value.
     bool file_normals_agree_about(const Vec3& w) const { return agree_about(interpolated, w); }
+    /// The share of light that goes straight on along w, through holes and thin sheets.
+    Color straight_on(const Vec3& w) const { return bsdf->straight_on_local(shading.to_local(w)); }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
 
 private:
@@ -89,7 +91,7 @@ public:
     const std::vector<Light>& lights() const { return lights_; }
     const std::vector<Material>& materials() const { return materials_; }
     const Material& material_of_shape(std::size_t shape) const { return materials_[surfaces_[shape].material]; }
-    /// Whether any surface lets light pass straight through (masks).
+    /// Whether any surface lets light go straight on (masks, thin sheets).
     bool has_holes() const { return has_holes_; }
     /// Whether any surface splits light by its wavelength.
     bool has_dispersion() const { return has_dispersion_; }

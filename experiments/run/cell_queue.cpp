@@ -170,6 +170,8 @@ LoadedScene ExperimentRun::load(const ExperimentScene& entry) const {
 }
 
 void ExperimentRun::plan_methods(const LoadedScene& scene) {
+    for (const auto& warning : scene.warnings)
+        progress_.message("warning: " + warning);
     for (const auto& label : experiment_.methods) {
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
         effects_missing_[{scene.name, label.text()}] = plan.missing.names();

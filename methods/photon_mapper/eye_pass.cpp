@@ -34,9 +34,10 @@ public:
             radiance += sample_direct_light(walk.rays, p, vertex.wo, walk.sampler.at_vertex(walk.at.vertex),
                                             walk.surroundings(), LightTechniques::light_sampling_only);
         if (maps_.volume.size() > 0) {
-            const Scattered light =
-                maps_.volume_estimator.scattered_radiance(maps_.volume, walk.rays, p, walk.at.medium->phase(),
-                                                          vertex.wo, eye_path(vertex), walk.sampler, volume_ball);
+            const Medium& medium = *walk.at.medium;
+            const Scattered light = maps_.volume_estimator.within(medium.mean_free_path_at(p))
+                                        .scattered_radiance(maps_.volume, walk.rays, p, medium.phase(), vertex.wo,
+                                                            eye_path(vertex), walk.sampler, volume_ball);
             radiance += light.radiance;
             sample_.bias[Component::volume] += vertex.throughput() * light.bias;
         }

@@ -46,7 +46,7 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
             photon.surface = SurfaceSide(*hit, wo).key();
             photons.push_back(photon);
         }
-        photon.visibility *= hit->bsdf->pass_through();
+        photon.visibility *= hit->straight_on(start.d).mean();
         ray = hit->spawn_ray(start.d);
     }
 }

@@ -162,7 +162,7 @@ double passing(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& t
     // The ray leaves on the node's side, wherever the other end lies.
     start.p += start.offset * start.ng;
     start.offset = 0.f;
-    return static_cast<double>(rays.visibility(start, end));
+    return static_cast<double>(rays.visibility(start, end).mean());
 }
 
 double light_between(const SurfacePoint& from, const SurfacePoint& to, double area) {

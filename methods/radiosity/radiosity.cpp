@@ -9,7 +9,7 @@
 // Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
 // materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
 // varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
-// it is exact.
+// it is exact. A coloured thin sheet dims the exchange by the mean of its channels.
 // Bias: in the exchange light is constant over patches and groups of patches; in the view it is linear between their
 // corners. Where light is brightest where surfaces meet, or a shadow falls across a patch, its mean is sent out:
 // indirect light is too low by a share that shrinks with the size of patches (0.5 % in cornell-box.xml).

@@ -93,8 +93,7 @@ Colord albedo(const Material& material, const Vec3& wo) {
         const auto s = at.sample_local(wo, u.get_2d(0), u.get_2d(1), Transport::radiance);
         if (s) scattered += (s->f * (std::abs(s->wi.z()) / s->pdf_w)).cast<double>() / n;
     }
-    const double through = static_cast<double>(at.pass_through());
-    return through + (1 - through) * scattered;
+    return at.straight_on_local(wo).cast<double>() + (1 - static_cast<double>(at.pass_through())) * scattered;
 }
 
 class MaskedLight : public testing::TestWithParam<std::string> {};

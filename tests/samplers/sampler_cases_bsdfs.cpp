@@ -117,7 +117,7 @@ struct ModelsOf {
         return {{"dielectric", bsdf("dielectric", glass_index), 1.5, 1.0, true}};
     }
     Models operator()(std::type_identity<ThinDielectric>) const {
-        return {{"thindielectric", bsdf("thindielectric", glass_index), 1, 1.0, true}};
+        return {{"thindielectric", bsdf("thindielectric", glass_index), 1, {}, true}};
     }
     Models operator()(std::type_identity<Conductor>) const {
         return {{"mirror", bsdf("conductor", mirror_index), 1, 1.0}};

@@ -12,7 +12,9 @@
 //    lambda is a Gamma(k) variable;
 //  - if fewer than k photons lie inside the maximum radius, all of them count and r is the maximum radius;
 //  - if the k-th photon is closer than the rounding error of positions, all photons within that error count and r
-//    is that error.
+//    is that error;
+//  - r is at most the mean free path at p. In a dense medium light enters only a layer of a few mean free paths. A ball
+//    that is larger than the layer would divide the layer's photons by a volume most of which is dark.
 
 #include "common/media/phase.h"
 #include "common/sampling/sampler.h"
@@ -39,6 +41,15 @@ struct VolumeEstimator {
     float max_radius;             ///< [scene units]
     DiscArea area;                ///< `surface`: only the part of the ball counts that no surface hides from p
     bool estimates_bias = false;  ///< only with all_photons
+
+    /// The estimator at a point of a medium with this mean free path [scene units].
+    VolumeEstimator within(float mean_free_path) const {
+        VolumeEstimator limited = *this;
+        limited.max_radius = std::min(max_radius, largest_mean_free_paths * mean_free_path);
+        return limited;
+    }
+    /// The largest radius of a look-up, in mean free paths.
+    static constexpr float largest_mean_free_paths = 1.f;
 
     /// The light scattered at p towards wo, estimated from the photons around p. `phase` is the phase function of the
     /// medium at p.

@@ -84,7 +84,10 @@ private:
             if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
                 result_.photons.emplace_back(hit->p, at_.beta, wo, normal_towards(*hit, wo), at_.vertex + 1,
                                              at_.path_class.in_medium, at_.stratum);
-            if (walk_.passes_through(*hit)) continue;
+            const Color arriving = at_.beta;
+            const bool passes = walk_.passes_through(*hit);
+            account(arriving - at_.beta, result_.balance.absorbed);
+            if (passes) continue;
             walk_.disperse(*hit, dimension::photon_stratum);
             if (!scatter(*hit, wo_local)) return;
         }
@@ -136,14 +139,15 @@ private:
 
     /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
-    /// scaled by (d_c + s_c) / P_r in each channel. Returns false if the photon ends here.
+    /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
+    /// that its power has got there. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
         account(at_.beta * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
-        if (!survives(at_.beta, std::min(albedo.maxCoeff(), most), u.roulette())) return false;
+        if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return false;
 
         const auto next = walk_.scatter(hit, wo_local, u, Transport::power, false);
         if (!next) return false;

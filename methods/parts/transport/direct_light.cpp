@@ -6,12 +6,8 @@ namespace gib {
 
 namespace {
 
-bool is_blocked(float visible) { return visible == 0.f; }
-bool is_blocked(const Color& visible) { return is_black(visible); }
-
-/// The light of one sample that the hit scatters. `visibility(light)` returns the share of its radiance that arrives:
-/// one number for all channels, or one for each. Inlined, since scenes without media would pay for
-/// a call at every vertex.
+/// The light of one sample that the hit scatters. `visibility(light)` returns the share of its radiance that arrives.
+/// Inlined, since scenes without media would pay for a call at every vertex.
 template <typename Visibility>
 [[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
                                                         const Vec3& wo_local, LightTechniques techniques, Lobes which,
@@ -20,8 +16,8 @@ template <typename Visibility>
     const Vec3 wi_local = hit.shading.to_local(light.wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light.Le)) return {};
-    const auto visible = visibility(light);
-    if (is_blocked(visible)) return {};
+    const Color visible = visibility(light);
+    if (is_black(visible)) return {};
     const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
     const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
     const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
@@ -58,9 +54,10 @@ Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const
 
 LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
                            ShadowRay shadow_ray, Lobes which) {
-    return scattered_from(
-        light, hit, wo_local, LightTechniques::light_sampling_only, which,
-        [&](const LightSample& to) { return shadow_ray == ShadowRay::skipped ? 1.f : rays.visibility(hit, to); });
+    return scattered_from(light, hit, wo_local, LightTechniques::light_sampling_only, which,
+                          [&](const LightSample& to) {
+                              return shadow_ray == ShadowRay::skipped ? Color(Color::Ones()) : rays.visibility(hit, to);
+                          });
 }
 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
@@ -79,7 +76,7 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
         const Color Le = light->Le(-ray.d);
         if (!is_black(Le))
             found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), hit.p, next->pdf_w, *light));
-        beta *= light->bsdf->pass_through();
+        beta *= light->straight_on(ray.d);
         ray = light->spawn_ray(ray.d);
     }
     return found;

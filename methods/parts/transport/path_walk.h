@@ -23,7 +23,8 @@ struct PathState {
     const Medium* medium = nullptr;   ///< that the path is in; null stands for vacuum
     std::optional<int> stratum = {};  ///< of wavelengths, once the path has met dispersion
     int vertex = 0;                   ///< number of vertices so far that have scattered the path: edges - 1
-    std::uint32_t holes = 0;          ///< holes passed so far
+    std::uint32_t holes = 0;          ///< decisions so far whether the path goes straight on
+    float kept = 1.f;  ///< factor of the throughput at the last surface where it might have gone straight on
     PathClass path_class = {};
 };
 
@@ -78,19 +79,31 @@ public:
         return at.beta * Le * bsdf_sampling_weight(scene(), at.previous, at.pdf_w, *hit);
     }
 
-    /// Passes through the surface with the probability that there is none: a hole of a mask, or the boundary of a
-    /// medium that does not refract. If it does, the path goes straight on and gains no vertex. A path that sees no
-    /// emitters passes through lamps.
+    /// Decides whether the path goes straight on: through a hole of a mask, a thin sheet, or the boundary of a medium
+    /// that does not refract. It then gains no vertex. With the share s of light that goes straight on and the largest of
+    /// its channels as the probability q, the throughput is multiplied by s / q if the path does so, and else by (1 - p)
+    /// / (1 - q), where p is the probability that there is no surface: f and the samples of a Bsdf are those of a surface
+    /// that exists. A path that sees no emitters passes through lamps.
     bool passes_through(const SurfaceHit& hit) {
+        at.kept = 1.f;
         if (ray.hides_emitters && hit.emitter) {
-            trace_from(hit, ray.ray.d);
+            go_straight_on(hit);
             return true;
         }
-        const float pass_through = hit.bsdf->pass_through();
-        if (!(pass_through > 0.f) || !(sampler.get_1d(dimension::first_hole + at.holes++) < pass_through)) return false;
-        trace_from(hit, ray.ray.d);
-        return true;
+        const Color straight = hit.straight_on(ray.ray.d);
+        const float q = straight.maxCoeff();
+        if (!(q > 0.f)) return false;
+        if (sampler.get_1d(dimension::first_hole + at.holes++) < q) {
+            at.beta *= straight / q;
+            go_straight_on(hit);
+            return true;
+        }
+        at.kept = (1.f - hit.bsdf->pass_through()) / (1.f - q);
+        at.beta *= at.kept;
+        return false;
     }
+    /// Traces the way straight on from the hit.
+    void go_straight_on(const SurfaceHit& hit) { trace_from(hit, ray.ray.d); }
 
     /// Splits the path by wavelength if the surface does (dispersed_path.h). `dimension` of the sampler chooses.
     void disperse(SurfaceHit& hit, std::uint32_t dimension) {

@@ -83,18 +83,18 @@ public:
         }
         return false;
     }
-    /// The share of light that passes from the light's point to the surface: 0 or 1, or a value between if there are
-    /// surfaces with holes (masks). Both ends are offset from their surfaces by the bound of their own rounding
-    /// errors, so the segment between them needs no epsilon.
-    float visibility(const SurfacePoint& from, const LightSample& to) {
+    /// The share of light that passes from the light's point to the surface, by channel: 0 or 1, or a value between if
+    /// there are surfaces that let light straight on (masks, thin sheets). Both ends are offset from their surfaces by
+    /// the bound of their own rounding errors, so the segment between them needs no epsilon.
+    Color visibility(const SurfacePoint& from, const LightSample& to) {
         return visibility({offset_origin(from, to.wi), to.target, to.wi, to.distance});
     }
     /// The same between any two points.
-    float visibility(const Segment& way) {
+    Color visibility(const Segment& way) {
         if (scene_.has_holes()) return visibility_through_holes(way);
         const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
         note(ray, true);
-        return scene_.occluded(ray) ? 0.f : 1.f;
+        return Color::Constant(scene_.occluded(ray) ? 0.f : 1.f);
     }
 
     /// The share of light that reaches `origin` in a scene with media, by channel: an unbiased estimate. `origin`
@@ -104,7 +104,7 @@ public:
     }
     /// The same between any two points; the origin lies in `medium`.
     Color transmittance(const Segment& way, const Medium* medium, NumberStream& u) {
-        return transmittance(way, medium, u, [](const SurfaceHit& hit) { return hit.bsdf->pass_through(); });
+        return transmittance(way, medium, u, [&](const SurfaceHit& hit) { return hit.straight_on(way.direction); });
     }
 
     /// The share of light that reaches the camera along its ray from a point at `target` off its surface, by channel.
@@ -122,7 +122,7 @@ public:
         std::optional<Intersection> found;
         trace_from_camera(std::span(&ray, 1), std::span(&found, 1));
         const auto hit = scene_.surface_hit(ray, found);
-        Color transmitted = Color::Constant(hit ? passed_by_camera(*hit) : 1.f);
+        Color transmitted = hit ? passed_by_camera(*hit, ray.d) : Color(Color::Ones());
         if (is_black(transmitted)) return transmitted;
         const Medium* medium = scene_.camera_medium();
         if (medium)
@@ -133,7 +133,7 @@ public:
         if (is_past(beyond, target, ray.d)) return transmitted;
         const Segment rest{beyond, target, ray.d, (target - beyond).norm()};
         return transmitted * transmittance(rest, scene_.medium_beyond(*hit, ray.d, medium), u,
-                                           [this](const SurfaceHit& next) { return passed_by_camera(next); });
+                                           [&](const SurfaceHit& next) { return passed_by_camera(next, ray.d); });
     }
 
     /// The medium at p in a scene with media; null stands for vacuum. The surfaces between the camera, whose medium
@@ -153,8 +153,8 @@ public:
 
 private:
     /// The share of the camera's rays that pass a surface straight on.
-    float passed_by_camera(const SurfaceHit& hit) const {
-        return scene_.hidden_from_camera(hit) ? 1.f : hit.bsdf->pass_through();
+    Color passed_by_camera(const SurfaceHit& hit, const Vec3& direction) const {
+        return scene_.hidden_from_camera(hit) ? Color(Color::Ones()) : hit.straight_on(direction);
     }
 
     /// transmittance() with the share `passed(hit)` of light that each surface lets through.
@@ -178,14 +178,14 @@ private:
         }
     }
 
-    float visibility_through_holes(Segment way) {
-        for (float visibility = 1.f;;) {
+    Color visibility_through_holes(Segment way) {
+        for (Color visibility = Color::Ones();;) {
             const Ray ray{.o = way.origin, .d = way.target - way.origin, .t_max = 1.f};
             note(ray, false);
             const auto hit = scene_.intersect(ray);
             if (!hit) return visibility;
-            visibility *= hit->bsdf->pass_through();
-            if (visibility == 0.f) return 0.f;
+            visibility *= hit->straight_on(way.direction);
+            if (is_black(visibility)) return visibility;
             if (!step_beyond(*hit, way.origin, way.target, way.direction)) return visibility;
         }
     }

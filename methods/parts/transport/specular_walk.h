@@ -22,10 +22,10 @@ struct EyeVertex {
     const Color& throughput() const { return walk.at.beta; }
 };
 
-/// One path, or a tree of paths: at its first smooth interfaces between dielectrics, as many as the visitor's
-/// `splits`, both the reflected and the transmitted path are followed. If one of them were chosen at random, the
-/// reflection of a lamp in glass, 25 times brighter than its mean, would be the noisiest part of an image. The
-/// visitor is called for:
+/// One path, or a tree of paths: at its first smooth interfaces between dielectrics and its first thin sheets, together
+/// as many as the visitor's `splits`, both the reflected and the transmitted path are followed. If one of them were
+/// chosen at random, the reflection of a lamp in glass, 25 times brighter than its mean, would be the noisiest part of an
+/// image. The visitor is called for:
 ///  - emitted(radiance): light at the end of the specular path [W/(sr m^2)], times its throughput;
 ///  - diffuse(vertex, hit, u): a surface with diffuse lobes; the path goes on by the specular lobes, if there are any;
 ///  - scattered(vertex, p): a scattering event at p in a medium, where the path ends.
@@ -55,6 +55,7 @@ private:
             auto hit = walk_.surface_hit();
             if constexpr (Visitor::wants_emission) visitor_.emitted(walk_.emitted(hit));
             if (!hit) return;
+            if (splits > 0 && split_at_sheet(*hit, is_last, splits)) return;
             if (walk_.passes_through(*hit)) continue;
             if (is_last) return;
 
@@ -68,6 +69,28 @@ private:
             if (!wi) return;
             walk_.go_on(*hit, *wi);
         }
+    }
+
+    /// Follows both the way straight on through a thin sheet, which is no vertex, and, unless this vertex is the last,
+    /// the reflected one. Returns false, and does nothing, if the hit is no such sheet.
+    bool split_at_sheet(const SurfaceHit& hit, bool is_last, int splits) {
+        if (!settings_.follows_specular || !hit.bsdf->is_sheet()) return false;
+        const PathState here = at_;
+        const float length = length_;
+        const Vec3 wo = walk_.wo();
+        at_.beta *= hit.straight_on(wo);
+        if (!is_black(at_.beta)) {
+            walk_.go_straight_on(hit);
+            follow(splits - 1);
+        }
+        if (is_last) return true;
+        at_ = here;
+        length_ = length + (hit.p - at_.previous).norm();
+        const auto wi = scatter_specularly(hit, hit.shading.to_local(wo), walk_.sampler.at_vertex(at_.vertex));
+        if (!wi || is_black(at_.beta)) return true;
+        walk_.go_on(hit, *wi);
+        follow(splits - 1);
+        return true;
     }
 
     /// Follows both ways on from a smooth interface. Returns false, and does nothing, if the hit is no such interface

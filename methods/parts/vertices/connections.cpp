@@ -10,8 +10,7 @@ namespace {
 
 /// The share of light that passes from vertex to vertex, by channel.
 Color transmitted(RayQueries& rays, const Segment& way, const Medium* medium, NumberStream& flights) {
-    return rays.scene().has_media() ? rays.transmittance(way, medium, flights)
-                                    : Color(Color::Constant(rays.visibility(way)));
+    return rays.scene().has_media() ? rays.transmittance(way, medium, flights) : rays.visibility(way);
 }
 
 /// Adds the path's light for each pair of lobes, at the vertices of the camera's walk and of the light's.

@@ -77,7 +77,8 @@ private:
 
         const ScatteringCoefficients c = vertex.hit->bsdf->coefficients_local(vertex.from_local);
         const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
-        if (!survives(path.beta, std::min(Color(c.diffuse + c.specular).maxCoeff(), most), u.roulette())) return false;
+        const float survival = std::min(path.kept * Color(c.diffuse + c.specular).maxCoeff(), most);
+        if (!survives(path.beta, survival, u.roulette())) return false;
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::power, true);
         if (!next) return false;
         step(sums_, vertex, *next, Transport::radiance);

@@ -124,8 +124,28 @@ TEST(Bsdf, DeltaPairIsAllLightOfASmoothInterface) {
         EXPECT_EQ((*pair)[0].eta, 1.f);
         EXPECT_GT((*pair)[0].wi.z() * cosine, 0.f);
         EXPECT_LT((*pair)[1].wi.z() * cosine, 0.f);
-        EXPECT_TRUE(Bsdf(ThinDielectric{eta}).delta_pair_local(wo, Transport::radiance));
     }
+}
+
+// What a thin sheet does not reflect goes straight on, tinted, the same from both sides; what a mask leaves out does, too.
+TEST(Bsdf, ThinSheetsLetStraightOnWhatTheyDoNotReflect) {
+    const Color tint(1.f, 0.5f, 0.f);
+    const ThinDielectric sheet{.eta = 1.5f, .specular_transmittance = tint};
+    const Bsdf masked({{sheet, 0.6f}}, 0.4f), mixed({{sheet, 0.5f}, {Diffuse{Color::Ones()}, 0.5f}}, 0.f);
+    for (const float cosine : {0.05f, 0.4f, 0.99f, -0.8f}) {
+        const Vec3 wo = direction(cosine, 0.3f);
+        const float reflected = Bsdf(sheet).coefficients_local(wo).specular[0];
+        const float r = fresnel_dielectric(std::abs(cosine), 1.5f).reflectance;
+        EXPECT_NEAR(reflected, 2 * r / (1 + r), 1e-6f);
+        for (int c = 0; c < 3; ++c) {
+            const float straight = (1 - reflected) * tint[c];
+            EXPECT_NEAR(Bsdf(sheet).straight_on_local(wo)[c], straight, 1e-6f);
+            EXPECT_NEAR(Bsdf(sheet).straight_on_local(-wo)[c], straight, 1e-6f);
+            EXPECT_NEAR(masked.straight_on_local(wo)[c], 0.4f + 0.6f * straight, 1e-6f);
+            EXPECT_NEAR(mixed.straight_on_local(wo)[c], 0.5f * straight, 1e-6f);
+        }
+    }
+    EXPECT_EQ(Bsdf(Dielectric{1.5f}).straight_on_local(direction(0.5f, 0.f))[0], 0.f);
 }
 
 TEST(Bsdf, DeltaPairIsEmptyWhereThereIsOneWayOrAThird) {

@@ -127,11 +127,24 @@ TEST(PhotonMapperInMedia, DenseWhiteMediaVanishAsTheRadiusShrinks) {
             scene, 32, 12, {}, std::string("photon_mapper photons=2e5 k=all volume_radius=") + radius)[1];
         return std::pair(green.mean() - 1, green.standard_error());
     };
-    const auto [wide, wide_error] = excess("0.05");
-    const auto [narrow, narrow_error] = excess("0.0125");
+    const auto [wide, wide_error] = excess("0.03");
+    const auto [narrow, narrow_error] = excess("0.0075");
     EXPECT_GT(wide, sigmas * wide_error);
     EXPECT_LT(narrow, 0.5 * wide);
     EXPECT_NEAR(narrow, 0.25 * wide, sigmas * std::hypot(narrow_error, 0.25 * wide_error));
+}
+
+// The mean free path is 1/300 of the ball's radius. All light that the sky sends into it stays in a layer that is thinner
+// than the distance to the 50th photon; the look-ups are limited to a mean free path.
+TEST(PhotonMapperInMedia, AThinLayerOfADenseMediumKeepsItsLight) {
+    const auto scene = scene_of(
+        scene_xml(camera(16, 25) + constant_sky + "<shape type='sphere'>" + no_surface +
+                  "<medium name='interior' type='homogeneous'><float name='sigma_t' value='300'/><rgb name='albedo' "
+                  "value='0.8'/></medium></shape>"));
+    const Moments path = means_over_seeds(scene, 32, 6)[1];
+    const Moments photons = means_over_seeds(scene, 32, 6, {}, "photon_mapper photons=2e5")[1];
+    EXPECT_LT(std::hypot(path.standard_error(), photons.standard_error()), 0.01 * path.mean());
+    EXPECT_NEAR(photons.mean(), path.mean(), 0.1 * path.mean());
 }
 
 using ComponentMoments = std::map<Component, std::array<Moments, 3>>;

@@ -172,7 +172,7 @@ Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) 
         const SurfaceHit hit = floor_hit(scene, 5.f * u.x() - 2.5f, 5.f * u.y() - 2.5f);
         for (std::uint32_t light = 0; light < scene.lights().size(); ++light, ++all) {
             const auto sample = sample_light(scene.lights()[light], scene.shapes(), hit.p, Vec2(0.5f, 0.5f));
-            const bool seen = rays.visibility(hit, *sample) > 0.f;
+            const bool seen = rays.visibility(hit, *sample)[0] > 0.f;
             const LightVerdict verdict = map.verdict(hit, hit.ng, light);
             if (verdict == LightVerdict::open) ++open;
             else if (seen != (verdict == LightVerdict::lit)) ++wrong;

@@ -1,0 +1,34 @@
+#pragma once
+// Looks for media that contradict each other, and for boundaries of media that are open. Both load; a warning says where
+// a path will be in another medium than the scene's author may think.
+
+#include "common/core/error.h"
+#include "common/scene/scene.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// What a file says about the media of a scene. Indices of media are those of `names`.
+struct NamedMedia {
+    struct Boundary {
+        SourceLocation where;  ///< of the shape
+        MediumSides sides;
+    };
+    std::vector<Boundary> shapes;    ///< parallel to Scene::shapes()
+    std::vector<std::string> names;  ///< of the media, for messages
+    std::uint32_t camera = no_medium;
+};
+
+/// Follows a few rays from the camera and from each lamp straight on through what lets light pass. A warning, with its
+/// place in the file, for each boundary where such a ray arrives in another medium than the boundary names on that side.
+/// As everywhere, a lamp is in the medium that the boundaries between camera and lamp lead to.
+std::vector<std::string> contradictions(const Scene& scene, const NamedMedia& media);
+
+/// A warning for each medium inside meshes whose boundary is open: some edges belong to one triangle only. The edges of
+/// all meshes with the same interior count together, so that six rectangles may close a box.
+std::vector<std::string> open_boundaries(const Scene& scene, const NamedMedia& media);
+
+}  // namespace gib
