@@ -10,8 +10,8 @@ foreach(line IN LISTS lines)
   list(APPEND missing ${suites})
 endforeach()
 set(quick ${missing})
-foreach(program gib_tests gib_image_tests gib_fuzz_findings_tests gib_hard_case_tests gib_degenerate_tests gib_machine_tests
-                gib_property_tests gib_sampler_tests)
+foreach(program gib_tests gib_image_tests gib_mesh_tests gib_fuzz_findings_tests gib_hard_case_tests gib_degenerate_tests
+                gib_machine_tests gib_property_tests gib_sampler_tests)
   if(NOT DEFINED ${program}_TESTS)
     set(all_built FALSE)
   endif()
