@@ -155,8 +155,8 @@ private:
     int width() const { return scene_.sensor().width(); }
     int height() const { return scene_.sensor().height(); }
 
-    /// Follows the light paths of a pass. Its radius is part of their weights, so the first pass, whose radius is found
-    /// from the vertices, follows them twice.
+    /// Follows the light paths of a pass. Its radius is part of their weights, so those of a pilot, from which the
+    /// first radius is found, are followed beforehand.
     void prepare_merging(std::uint64_t seed) {
         const auto timer = stages_.time(pass_merging);
         const MergingSettings& merging = *pass_.settings.merging;

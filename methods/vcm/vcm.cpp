@@ -8,9 +8,8 @@
 // directional lights that is focused by specular surfaces and seen through others, and by far the best for small lamps.
 // Elsewhere connections do as well without a bias, and nothing is merged.
 // Parameters: techniques = all (default) | path_tracing | light_tracing | bidirectional | photon_mapping | remainder;
-// sampler = sobol (default) | independent; alpha; first_pass; radius and volume_radius [of the first
-// pass, fractions of the scene's
-// diagonal, or auto]; kernel; spp and max_depth as for all methods. photon_mapping is light sampling, paths that find
+// sampler = sobol (default) | independent; alpha; first_pass; radius and volume_radius [of the first pass, fractions of the
+// scene's diagonal, or auto]; kernel; spp and max_depth as for all methods. photon_mapping is light sampling, paths that find
 // lights, and merging at every vertex; remainder is the part of the image that merging alone can make.
 // Bias: of merging only; it falls with the passes, without a floor. The image carries an estimate of it, from the same
 // vertices within a smaller radius (parts/density/density_estimate.h).
