@@ -189,6 +189,7 @@ protected:
         CompareOptions options;
         options.reference = file("r.exr", reference);
         options.json = true;
+        options.epsilon = 0.01;
         options.z_test = z_test;
         for (std::size_t i = 0; i < tests.size(); ++i)
             options.tests.push_back(file("x" + std::to_string(i) + ".exr", tests[i]));

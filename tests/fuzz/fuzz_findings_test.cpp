@@ -187,7 +187,9 @@ TEST(FuzzFindings, TexturesAreNotExponential) {
     for (int i = 0; i < 50; ++i)
         text += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\">" + "<ref name=\"color0\" id=\"t" +
                 std::to_string(i + 1) + "\"/><ref name=\"color1\" id=\"t" + std::to_string(i + 1) + "\"/></texture>\n";
-    text += "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"/>";
+    text +=
+        "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"><bsdf type=\"diffuse\"><ref "
+        "name=\"reflectance\" id=\"t0\"/></bsdf></shape>";
     EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
 }
 
@@ -248,8 +250,10 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
     for (const std::string file : {"sky.pfm", "sky.hdr"}) {
         const std::string name = "<string name=\"filename\" value=\"" + file + "\"/>";
         const std::string ball = "<shape type=\"sphere\"/>";
-        for (const auto& body : {ball + "<emitter type=\"envmap\">" + name + "</emitter>",
-                                 ball + "<texture type=\"bitmap\">" + name + "</texture>"})
+        for (const auto& body :
+             {ball + "<emitter type=\"envmap\">" + name + "</emitter>",
+              "<shape type=\"sphere\"><bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\">" + name +
+                  "</texture></bsdf></shape>"})
             EXPECT_THAT(scene_error(body, folder / "t.xml"), StartsWith(folder / file + ":1:1: ")) << file;
     }
 }

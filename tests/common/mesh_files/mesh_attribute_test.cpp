@@ -188,8 +188,6 @@ TEST_F(MeshAttributeTextures, ErrorsNameThePlace) {
                           "face_color"));
     EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "paint")))),
                 HasSubstr("the name of an attribute begins with 'vertex_' or 'face_', not 'paint'"));
-    EXPECT_THAT(error_of(diffuse(attribute("reflectance", "paint"), "unused") + square("")),
-                HasSubstr("the name of an attribute begins with"));
     EXPECT_THAT(error_of("<shape type='sphere'>" + diffuse(attribute("reflectance", "vertex_color")) + "</shape>"),
                 HasSubstr("there is no attribute 'vertex_color' here"));
     EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='2'/>")))),

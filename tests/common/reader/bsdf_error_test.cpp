@@ -93,9 +93,9 @@ TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
          "int_ior, ext_ior, cauchy_b, abbe, sample_visible, distribution, alpha, alpha_u, alpha_v, "
          "specular_reflectance, "
          "specular_transmittance"},
-        {"conductor", "", "material, eta, k, specular_reflectance"},
+        {"conductor", "", "material, eta, k, ext_eta, specular_reflectance"},
         {"roughconductor", "",
-         "material, eta, k, sample_visible, distribution, alpha, alpha_u, alpha_v, specular_reflectance"},
+         "material, eta, k, ext_eta, sample_visible, distribution, alpha, alpha_u, alpha_v, specular_reflectance"},
         {"plastic", "", "int_ior, ext_ior, nonlinear, diffuse_reflectance, specular_reflectance"},
         {"roughplastic", "",
          "int_ior, ext_ior, nonlinear, sample_visible, distribution, alpha, alpha_u, alpha_v, diffuse_reflectance, "
