@@ -11,7 +11,7 @@
 
 namespace gib {
 
-/// What a file says about the media of a scene. Indices of media are those of `names`.
+/// The media of a scene as its file names them. Indices of media are those of `names`.
 struct NamedMedia {
     struct Boundary {
         SourceLocation where;  ///< of the shape

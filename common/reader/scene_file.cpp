@@ -72,7 +72,7 @@ public:
         return parts;
     }
 
-    /// What the file says about the media, for a scene of the parts that finish() has returned.
+    /// The media as the file names them, for a scene of the parts that finish() has returned.
     NamedMedia named_media() const {
         NamedMedia named{.shapes = {}, .names = {}, .camera = camera_medium_};
         const auto add = [&](const std::vector<Pending>& shapes) {

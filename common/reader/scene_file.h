@@ -26,7 +26,7 @@ struct LoadedScene {
     /// Hash of everything that the image depends on: XML, includes, meshes, parameters, resolution.
     /// 40 hexadecimal digits.
     std::string content_hash;
-    /// What was changed or left out of the file, or is likely to be a mistake, each as `file:line:column: message`.
+    /// Messages about parts of the file that are changed, left out or likely to be mistakes, as `file:line:column: message`.
     std::vector<std::string> warnings;
 };
 

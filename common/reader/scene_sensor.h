@@ -25,7 +25,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
 /// image of width / height = `aspect`.
 double parse_half_width(Properties& properties, double aspect);
 
-/// What the methods take from an integrator.
+/// The settings that methods take from an integrator.
 struct ParsedIntegrator {
     int max_edges;        ///< of the longest path that Mitsuba's integrator follows; INT_MAX: unlimited
     bool hides_emitters;  ///< see Sensor::hides_emitters()

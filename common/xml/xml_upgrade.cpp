@@ -94,11 +94,24 @@ public:
         if (e_.tag == "bsdf") upgrade_bsdf();
         if (e_.tag == "medium") upgrade_medium();
         if (is(e_, "volume", "gridvolume")) upgrade_gridvolume();
-        if (e_.tag == "shape") drop(e_, {"collapse", "srgb"});  // they change no image
-        if (is(e_, "emitter", "envmap")) drop(e_, {"gamma", "cache"});
+        if (e_.tag == "shape") {
+            drop(e_, {"collapse"});  // it changes no image
+            drop_with_warning("srgb", "integer colours count as sRGB, others as linear");
+        }
+        if (is(e_, "emitter", "envmap")) {
+            drop(e_, {"cache"});
+            drop_with_warning("gamma", "the kind of the image decides");
+        }
     }
 
 private:
+    void drop_with_warning(std::string_view name, std::string_view reason) {
+        const XmlElement* child = property(e_, name);
+        if (!child) return;
+        warnings_.add(child->where, fmt::format("'{}' has no effect: {}", name, reason));
+        drop(e_, {name});
+    }
+
     void upgrade_names_before_0_4() {
         if (e_.tag == "luminaire") e_.tag = "emitter";
         if (e_.tag == "camera") e_.tag = "sensor";

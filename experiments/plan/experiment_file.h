@@ -45,7 +45,7 @@ struct Experiment {
     std::vector<std::string> paths;  ///< folders that are searched for the scenes' files, as the program opens them
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
     int seeds = 1;                                  ///< number of seeds, which are 1 to this
-    /// Of relative errors [radiance^2]; none: relative to each reference, the default (epsilon.h).
+    /// The epsilon of relative errors [radiance^2]; none: relative to each reference, the default (epsilon.h).
     std::optional<double> epsilon;
     Budget budget;
     MethodLabel reference_method;

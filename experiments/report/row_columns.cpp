@@ -121,7 +121,7 @@ std::string spaced(const std::string& names) {
     return text;
 }
 
-/// What the method leaves out: "refraction; light of direct, indirect".
+/// The light and the effects that a method leaves out, such as "refraction; light of direct, indirect".
 std::string left_out(const TableRow& row) {
     const std::string effects = spaced(row.effects_missing);
     if (row.components_missing.empty()) return effects;

@@ -27,7 +27,8 @@ public:
         images.bias = bias_.mean(passes).parts;
         return images;
     }
-    /// Of the light alone: the bias is made of the same terms, and where it is not finite, neither is the light.
+    /// Counts the samples of light alone: the bias is made of the same terms, and where it is not finite, neither is the
+    /// light.
     NonFinite non_finite() const { return light_.non_finite(); }
 
 private:

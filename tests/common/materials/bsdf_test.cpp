@@ -127,7 +127,7 @@ TEST(Bsdf, DeltaPairIsAllLightOfASmoothInterface) {
     }
 }
 
-// What a thin sheet does not reflect goes straight on, tinted, the same from both sides; what a mask leaves out does, too.
+// A thin sheet lets the light straight on that it does not reflect, tinted, the same from both sides; so do holes of a mask.
 TEST(Bsdf, ThinSheetsLetStraightOnWhatTheyDoNotReflect) {
     const Color tint(1.f, 0.5f, 0.f);
     const ThinDielectric sheet{.eta = 1.5f, .specular_transmittance = tint};

@@ -4,6 +4,7 @@
 
 #include "common/scene/scene.h"
 #include "tests/support/input_error.h"
+#include "tests/support/mesh_area.h"
 #include "tests/support/scene_text.h"
 
 #include <gmock/gmock.h>
@@ -12,19 +13,12 @@
 namespace gib {
 namespace {
 
+using test::area_of;
 using test::input_error_of;
 using test::load;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-double area_of(const MeshData& mesh) {
-    double area = 0;
-    for (const auto& t : mesh.triangles)
-        area += 0.5 *
-                (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).norm();
-    return area;
-}
 
 /// The square [0, 1]^2 in z = 0 with its front towards +z; uv are x and y.
 MeshData square() {

@@ -3,6 +3,7 @@
 #include "common/core/error.h"
 #include "common/mesh_files/mesh_data.h"
 #include "tests/support/input_error.h"
+#include "tests/support/mesh_area.h"
 #include "tests/support/scene_text.h"
 
 #include <gmock/gmock.h>
@@ -11,16 +12,9 @@
 namespace gib {
 namespace {
 
+using test::area_of;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-double area_of(const MeshData& mesh) {
-    double area = 0;
-    for (const auto& t : mesh.triangles)
-        area += 0.5 *
-                (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).norm();
-    return area;
-}
 
 std::string obj_error(const std::string& text) {
     return test::input_error_of([&] { parse_obj(text, "m.obj"); });

@@ -180,6 +180,13 @@ std::vector<OldScene> lights_and_media() {
              "target='0,0,0'/></transform></emitter>"
              "<emitter type='directional'><vector name='direction' value='0,-1,-1'/><rgb name='irradiance' "
              "value='0.5'/></emitter>"},
+        {"environment",
+         "0.6.0",
+         old_sensor + ball("") +
+             "<emitter type='envmap'><string name='filename' value='spots.ppm'/><float name='gamma' "
+             "value='2.2'/><boolean name='cache' value='false'/></emitter>",
+         new_sensor + ball("") + "<emitter type='envmap'><string name='filename' value='spots.ppm'/></emitter>",
+         {"'gamma' has no effect: the kind of the image decides"}},
         {"area lamp in a file that is included", "0.6.0", old_sensor + "<include filename='lamp.xml'/>" + ball(""),
          new_sensor +
              "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate "
