@@ -1,5 +1,5 @@
 #pragma once
-// The probabilities with which one of many lights is chosen if nothing is known about which of them are visible.
+// The probabilities with which one of many lights is chosen for the start of a light path.
 
 #include "common/lights/light.h"
 #include "common/sampling/warp.h"

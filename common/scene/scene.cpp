@@ -50,6 +50,7 @@ Scene::Scene(SceneParts parts)
         add_light(std::move(light), sphere);
 
     light_choice_ = light_choice(lights_);
+    light_tree_ = LightTree(lights_, shapes_);
     accelerator_ = std::make_unique<Accelerator>(shapes_, groups_);
 }
 
@@ -162,26 +163,26 @@ bool Scene::has_scattering_media() const {
 }
 
 std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {
-    if (!has_light()) return std::nullopt;
-    const auto choice = light_choice_.sample(u_choice);
-    auto sample = gib::sample_light(lights_[choice.index], shapes_, p, u);
+    const auto choice = light_tree_.choose(p, u_choice);
+    if (!choice) return std::nullopt;
+    auto sample = gib::sample_light(lights_[choice->light], shapes_, p, u);
     if (!sample) return sample;
-    sample->pdf_w *= choice.probability;
-    sample->light = static_cast<std::uint32_t>(choice.index);
+    sample->pdf_w *= choice->probability;
+    sample->light = choice->light;
     return sample;
 }
 
 float Scene::light_pdf_w(const Vec3& p, const SurfaceHit& hit) const {
-    return light_choice_.probability(hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
+    return light_tree_.probability(p, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
 }
 
-float Scene::environment_pdf_w(const Vec3&, const Vec3& w) const {
+float Scene::environment_pdf_w(const Vec3& p, const Vec3& w) const {
     if (!environment_) return 0.f;
-    return light_choice_.probability(*environment_) * gib::environment_pdf_w(lights_[*environment_], w);
+    return light_tree_.probability(p, *environment_) * gib::environment_pdf_w(lights_[*environment_], w);
 }
 
 float Scene::light_pdf_w(const Vec3& p, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
-    const float choice = light_choice_.probability(light);
+    const float choice = light_tree_.probability(p, light);
     const Light& of = lights_[light];
     if (const auto* area = std::get_if<AreaLight>(&of)) return choice * gib::light_pdf_w(*area, shapes_, p, point);
     return is_environment(of) ? choice * gib::environment_pdf_w(of, -w) : choice;

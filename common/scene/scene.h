@@ -2,6 +2,7 @@
 // The scene: geometry, materials, lights and the camera, immutable once built. It holds no film, sampler or setting.
 
 #include "common/lights/light.h"
+#include "common/lights/light_tree.h"
 #include "common/materials/material.h"
 #include "common/media/medium.h"
 #include "common/scene/sensor.h"
@@ -134,7 +135,9 @@ public:
 
     /// Whether any light emits anything.
     bool has_light() const { return light_choice_.total() > 0; }
-    /// Chooses a light by its power (light_choice.h) and samples a point on it; empty if this cannot be seen from p.
+    /// How lights are chosen for a point that they may light.
+    const LightTree& light_tree() const { return light_tree_; }
+    /// Chooses a light by what it can do at p (light_tree.h) and samples a point on it; empty if p cannot see this.
     std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
     /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
     float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;
@@ -186,7 +189,8 @@ private:
     bool has_media_ = false;
     std::vector<Light> lights_;
     std::optional<std::uint32_t> environment_;  ///< index among the lights
-    DiscreteDistribution light_choice_;
+    DiscreteDistribution light_choice_;         ///< for the starts of light paths
+    LightTree light_tree_;                      ///< for points that are lit
     Sensor sensor_;
     Bounds bounds_;
     std::unique_ptr<Accelerator> accelerator_;

@@ -1,7 +1,6 @@
 #include "methods/photon_mapper/light_visibility.h"
 
 #include "common/core/parallel.h"
-#include "common/lights/light_choice.h"
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/transport/direct_light.h"
 
@@ -60,11 +59,7 @@ std::vector<SurfacePhotons> by_surface(const std::vector<ShadowPhoton>& photons,
 
 LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons,
                                  const ShadowPhotonSettings& settings)
-    : scene_(scene),
-      choice_(light_choice(scene.lights())),
-      skips_(settings.skips()),
-      guides_(settings.guides()),
-      words_((scene.lights().size() + 63) / 64) {
+    : scene_(scene), skips_(settings.skips()), guides_(settings.guides()), words_((scene.lights().size() + 63) / 64) {
     std::vector<SurfacePhotons> surfaces = by_surface(photons, scene.lights().size());
     std::vector<std::unique_ptr<VisibilityRegion>> regions(surfaces.size());
     std::vector<double> power_per_photon(surfaces.size());
@@ -174,8 +169,8 @@ LightVerdict LightVisibility::verdict_in(std::uint32_t region, std::uint32_t lig
     return entry ? entry->verdict : LightVerdict::open;
 }
 
-float LightVisibility::probability_in(std::uint32_t region, std::uint32_t light) const {
-    const float by_scene = choice_.probability(light);
+float LightVisibility::probability_in(std::uint32_t region, const Vec3& p, std::uint32_t light) const {
+    const float by_scene = scene_.light_tree().probability(p, light);
     if (region == no_region || !guides_) return by_scene;
     const Entry* const entry = entry_of(regions_[region], light);
     const float rest = regions_[region].rest;
@@ -187,15 +182,15 @@ LightVerdict LightVisibility::verdict(const SurfaceHit& hit, const Vec3& wo, std
 }
 
 float LightVisibility::probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
-    return probability_in(region_at(hit, wo), light);
+    return probability_in(region_at(hit, wo), hit.p, light);
 }
 
-LightVisibility::Choice LightVisibility::choose(const SurfaceHit& hit, const Vec3& wo, float u) const {
+std::optional<LightVisibility::Choice> LightVisibility::choose(const SurfaceHit& hit, const Vec3& wo, float u) const {
     const std::uint32_t at = region_at(hit, wo);
     const float by_region = at == no_region || !guides_ ? 0.f : 1.f - regions_[at].rest;
     if (u < by_region) {
         const Region& region = regions_[at];
-        if (region.count == 0) return {0, 1.f, LightVerdict::dark};
+        if (region.count == 0) return std::nullopt;
         const Entry* const first = entries_.data() + region.first;
         const float v = u / by_region;
         const Entry* found = std::upper_bound(first, first + region.count, v,
@@ -204,25 +199,24 @@ LightVisibility::Choice LightVisibility::choose(const SurfaceHit& hit, const Vec
         // Rounding may lead past the last interval, to entries of probability 0.
         while (found->probability == 0.f)
             --found;
-        return {found->light,
-                (1.f - region.rest) * found->probability + region.rest * choice_.probability(found->light),
-                found->verdict};
+        return Choice{found->light, probability_in(at, hit.p, found->light), found->verdict};
     }
     const float v = std::min((u - by_region) / (1.f - by_region), 1.f - unit_roundoff);
-    const auto light = static_cast<std::uint32_t>(choice_.sample(v).index);
-    return {light, probability_in(at, light), verdict_in(at, light)};
+    const auto choice = scene_.light_tree().choose(hit.p, v);
+    if (!choice) return std::nullopt;
+    return Choice{choice->light, probability_in(at, hit.p, choice->light), verdict_in(at, choice->light)};
 }
 
 Color LightVisibility::sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                            const VertexNumbers& u) const {
-    const Choice choice = choose(hit, wo, u.light_choice());
-    if (skips_ && choice.verdict == LightVerdict::dark) return Color::Zero();
-    auto light = sample_light(scene_.lights()[choice.light], scene_.shapes(), hit.p, u.light_position());
+    const auto choice = choose(hit, wo, u.light_choice());
+    if (!choice || (skips_ && choice->verdict == LightVerdict::dark)) return Color::Zero();
+    auto light = sample_light(scene_.lights()[choice->light], scene_.shapes(), hit.p, u.light_position());
     if (!light) return Color::Zero();
-    light->pdf_w *= choice.probability;
+    light->pdf_w *= choice->probability;
     // An interpolated normal may let in light from behind the surface. The photons of this side say nothing about
     // that light, so a ray tests it.
-    const bool is_lit = skips_ && choice.verdict == LightVerdict::lit && light->wi.dot(normal_towards(hit, wo)) > 0.f;
+    const bool is_lit = skips_ && choice->verdict == LightVerdict::lit && light->wi.dot(normal_towards(hit, wo)) > 0.f;
     const auto visibility = is_lit ? ShadowRay::skipped : ShadowRay::traced;
     return direct_light_of(rays, hit, hit.shading.to_local(wo), *light, visibility, Lobes::diffuse).diffuse;
 }

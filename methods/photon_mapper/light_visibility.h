@@ -7,7 +7,7 @@
 // if all of them are shadow photons. If there is no such region, the light is `open`, as near
 // the edges of its shadows.
 //
-// Choice of a light. It is mixed with light_choice(), so that every light that shines has a chance:
+// Choice of a light. It is mixed with the choice P_scene of the light tree, so that every light that shines has a chance:
 //     P(l) = (1 - rest) w_l / sum of w + rest P_scene(l),
 // where w_l is the irradiance that the light is expected to add in the region (LightEvidence::expected). `rest` is at
 // least 5 %. It is larger where lights have no photon on the surface: it is at least the share that these lights
@@ -52,8 +52,8 @@ public:
     LightVerdict verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
     /// The probability with which choose() returns the light.
     float probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
-    /// Chooses a light by u in [0, 1). The light may be dark.
-    Choice choose(const SurfaceHit& hit, const Vec3& wo, float u) const;
+    /// Chooses a light by u in [0, 1). The light may be dark. Empty if none of the lights can reach the point.
+    std::optional<Choice> choose(const SurfaceHit& hit, const Vec3& wo, float u) const;
 
     /// One sample of the radiance [W/(sr m^2)] that the diffuse lobes at `hit` scatter towards wo straight from a
     /// light, as gib::sample_direct_light estimates it by light sampling only. Not for materials that transmit light,
@@ -88,10 +88,9 @@ private:
     }
     const Entry* entry_of(const Region& region, std::uint32_t light) const;
     LightVerdict verdict_in(std::uint32_t region, std::uint32_t light) const;
-    float probability_in(std::uint32_t region, std::uint32_t light) const;
+    float probability_in(std::uint32_t region, const Vec3& p, std::uint32_t light) const;
 
     const Scene& scene_;
-    DiscreteDistribution choice_;  ///< P_scene, as in Scene::sample_light
     bool skips_, guides_;
     std::unordered_map<std::uint64_t, std::uint32_t> roots_;  ///< node of a surface's root, by SurfaceSide::key()
     std::array<std::uint32_t, side_count> shared_roots_;      ///< roots of the small surfaces, by side; or no_root

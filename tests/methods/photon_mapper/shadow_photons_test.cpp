@@ -215,9 +215,10 @@ TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
             std::vector<int> chosen(scene.lights().size());
             for (int i = 0; i < steps; ++i) {
                 const auto choice = map.choose(hit, wo, (static_cast<float>(i) + 0.5f) / steps);
-                EXPECT_EQ(choice.verdict, map.verdict(hit, wo, choice.light));
-                EXPECT_FLOAT_EQ(choice.probability, map.probability(hit, wo, choice.light));
-                ++chosen[choice.light];
+                if (!choice) continue;
+                EXPECT_EQ(choice->verdict, map.verdict(hit, wo, choice->light));
+                EXPECT_FLOAT_EQ(choice->probability, map.probability(hit, wo, choice->light));
+                ++chosen[choice->light];
             }
             for (std::uint32_t light = 0; light < chosen.size(); ++light) {
                 const double probability = static_cast<double>(map.probability(hit, wo, light));

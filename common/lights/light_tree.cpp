@@ -1,0 +1,270 @@
+#include "common/lights/light_tree.h"
+
+#include "common/lights/emission_bounds.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace gib {
+
+namespace {
+
+/// The part of the choices that is even.
+constexpr double even_share = 0.2;
+
+/// An angle in [0, pi] by its cosine and sine.
+struct Angle {
+    double cosine, sine;
+
+    /// The difference, or 0 if `other` is larger.
+    Angle minus(const Angle& other) const {
+        if (cosine >= other.cosine) return {1, 0};
+        return {cosine * other.cosine + sine * other.sine, sine * other.cosine - cosine * other.sine};
+    }
+};
+
+/// Takes one random number apart into a sequence of choices.
+struct Choices {
+    double u;
+
+    /// Whether an event of this probability happens; u is uniform again afterwards.
+    bool happens(double chance) {
+        const bool yes = u < chance;
+        u = yes ? u / chance : (u - chance) / (1 - chance);
+        return yes;
+    }
+};
+
+Eigen::AlignedBox3d box_of(const LightBounds& b) {
+    const Vec3d half = Vec3d::Constant(b.radius);
+    return {b.center - half, b.center + half};
+}
+
+}  // namespace
+
+EmissionCone::EmissionCone(const Vec3d& along, double theta_o, double theta_e)
+    : axis(along),
+      spread(theta_o),
+      fall(theta_e),
+      cos_spread(std::cos(theta_o)),
+      sin_spread(std::sin(theta_o)),
+      cos_fall(std::cos(theta_e)) {}
+
+double EmissionCone::solid_angle() const {
+    // The profile is 1 up to the spread, and from there to the end cos(theta - spread).
+    const double end = std::min(spread + fall, std::numbers::pi);
+    const double falling = 2 * (end - spread) * sin_spread - std::cos(spread - 2 * end) + cos_spread;
+    return 2 * std::numbers::pi * (1 - cos_spread) + 0.5 * std::numbers::pi * falling;
+}
+
+EmissionCone united(const EmissionCone& first, const EmissionCone& second) {
+    const bool ordered = first.spread >= second.spread;
+    const EmissionCone &a = ordered ? first : second, &b = ordered ? second : first;
+    const double fall = std::max(a.fall, b.fall);
+    const double between = std::acos(std::clamp(a.axis.dot(b.axis), -1.0, 1.0));
+    if (std::min(between + b.spread, std::numbers::pi) <= a.spread) return {a.axis, a.spread, fall};
+    const double spread = 0.5 * (a.spread + between + b.spread);
+    if (spread >= std::numbers::pi) return {a.axis, std::numbers::pi, fall};
+    // The axis turns until the cone touches the far side of both.
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(a.axis, b.axis);
+    const auto part = Eigen::Quaterniond::Identity().slerp((spread - a.spread) / between, turn);
+    return {(part * a.axis).normalized(), spread, fall};
+}
+
+double LightBounds::importance(const Vec3d& p) const {
+    const Vec3d way = p - center;
+    const double d2 = way.squaredNorm(), r2 = sqr(radius);
+    if (d2 <= r2) return r2 > 0 ? intensity / r2 : 0;
+    const double cosine = std::clamp(cone.axis.dot(way) / std::sqrt(d2), -1.0, 1.0);
+    const Angle to_axis{cosine, std::sqrt(1 - sqr(cosine))};
+    const Angle of_ball{std::sqrt(1 - r2 / d2), std::sqrt(r2 / d2)};
+    const Angle least = to_axis.minus(of_ball).minus({cone.cos_spread, cone.sin_spread});
+    return least.cosine < cone.cos_fall ? 0 : intensity * least.cosine / d2;
+}
+
+LightBounds bounds_of(const Light& light, const std::vector<Shape>& shapes) {
+    const RayBundle rays = emission_bundle(light, shapes, EmissionBox());
+    const double half = std::min(rays.cone.half_angle, std::numbers::pi), quarter_turn = 0.5 * std::numbers::pi;
+    LightBounds bounds{rays.center, rays.radius, {}, 0};
+    // A surface emits with a cosine about its normals, which lie a quarter turn inside the cone of its rays.
+    if (is_point(light)) bounds.cone = {rays.cone.axis, half, 0};
+    else if (half >= std::numbers::pi) bounds.cone = {rays.cone.axis, std::numbers::pi, quarter_turn};
+    else bounds.cone = {rays.cone.axis, std::max(half - quarter_turn, 0.0), quarter_turn};
+    bounds.intensity = power_of(light).mean() / bounds.cone.solid_angle();
+    return bounds;
+}
+
+LightBounds united(const LightBounds& a, const LightBounds& b) {
+    const Eigen::AlignedBox3d box = box_of(a).merged(box_of(b));
+    return {box.center(), 0.5 * box.diagonal().norm(), united(a.cone, b.cone), a.intensity + b.intensity};
+}
+
+struct LightTree::Leaf {
+    std::uint32_t light;
+    LightBounds bounds;
+};
+
+namespace {
+
+/// The irradiance of a light at infinity (LightTree::Distant); none for other lights.
+std::optional<double> irradiance_of_distant(const Light& light) {
+    if (const auto* sun = std::get_if<DirectionalLight>(&light)) return double{sun->irradiance.mean()};
+    if (const auto* sky = std::get_if<ConstantEnvironment>(&light))
+        return 0.25 * power_of(light).mean() / sky->scene.area();
+    if (const auto* sky = std::get_if<MappedEnvironment>(&light))
+        return 0.25 * power_of(light).mean() / sky->scene.area();
+    return std::nullopt;
+}
+
+}  // namespace
+
+LightTree::LightTree(const std::vector<Light>& lights, const std::vector<Shape>& shapes)
+    : leaf_of_(lights.size(), none) {
+    std::vector<Leaf> leaves;
+    for (std::uint32_t l = 0; l < lights.size(); ++l) {
+        if (!(power_of(lights[l]).mean() > 0)) continue;
+        if (const auto irradiance = irradiance_of_distant(lights[l])) {
+            distant_.push_back({l, *irradiance});
+            distant_irradiance_ += *irradiance;
+        } else {
+            leaves.push_back({l, bounds_of(lights[l], shapes)});
+            finite_.push_back(l);
+        }
+    }
+    if (distant_.size() + finite_.size() == 1) only_ = distant_.empty() ? finite_[0] : distant_[0].light;
+    if (leaves.empty()) return;
+    nodes_.reserve(2 * leaves.size() - 1);
+    nodes_.push_back({{}, none, none, none});
+    build(leaves, 0, leaves.size(), 0);
+}
+
+/// Makes the tree of some leaves below `node`.
+void LightTree::build(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end, std::uint32_t node) {
+    if (end - begin == 1) {
+        const Leaf& leaf = leaves[begin];
+        nodes_[node].bounds = leaf.bounds;
+        nodes_[node].light = leaf.light;
+        leaf_of_[leaf.light] = node;
+        return;
+    }
+    const std::size_t middle = split(leaves, begin, end);
+    const auto child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[node].child = child;
+    nodes_.push_back({{}, node, none, none});
+    nodes_.push_back({{}, node, none, none});
+    build(leaves, begin, middle, child);
+    build(leaves, middle, end, child + 1);
+    nodes_[node].bounds = united(nodes_[child].bounds, nodes_[child + 1].bounds);
+}
+
+/// Sorts the leaves and returns where to cut them in two. Among all cuts along the three axes it takes the one with the
+/// least sum of intensity x solid angle x radius^2 over both halves: the lights of a half are near together and shine in
+/// similar directions. Equal cuts are taken near the middle, so that the tree is not deep.
+std::size_t LightTree::split(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end) {
+    const std::size_t count = end - begin;
+    const auto sort_along = [&](Eigen::Index axis) {
+        const auto first = leaves.begin();
+        std::sort(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end),
+                  [axis](const Leaf& a, const Leaf& b) {
+                      const double x = a.bounds.center[axis], y = b.bounds.center[axis];
+                      return x != y ? x < y : a.light < b.light;
+                  });
+    };
+    const auto cost = [](const LightBounds& b) { return b.intensity * b.cone.solid_angle() * sqr(b.radius); };
+    const auto from_middle = [&](std::size_t size) {
+        return size < count - size ? count - 2 * size : 2 * size - count;
+    };
+    struct Cut {
+        double cost;
+        std::size_t from_middle, size;
+        Eigen::Index axis;
+    };
+    Cut best{std::numeric_limits<double>::infinity(), count, count / 2, 0};
+    std::vector<double> above(count);  // the cost of the leaves from i on
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        sort_along(axis);
+        LightBounds sum = leaves[end - 1].bounds;
+        for (std::size_t i = count - 1; i > 0; --i) {
+            if (i < count - 1) sum = united(sum, leaves[begin + i].bounds);
+            above[i] = cost(sum);
+        }
+        sum = leaves[begin].bounds;
+        for (std::size_t i = 1; i < count; ++i) {
+            if (i > 1) sum = united(sum, leaves[begin + i - 1].bounds);
+            const Cut cut{cost(sum) + above[i], from_middle(i), i, axis};
+            if (std::tie(cut.cost, cut.from_middle) < std::tie(best.cost, best.from_middle)) best = cut;
+        }
+    }
+    sort_along(best.axis);
+    return begin + best.size;
+}
+
+double LightTree::share(double importance, double sum) const {
+    const auto groups = static_cast<double>(distant_.size() + (nodes_.empty() ? 0 : 1));
+    return (1 - even_share) * (sum > 0 ? importance / sum : 1 / groups) + even_share / groups;
+}
+
+std::optional<LightTree::Choice> LightTree::choose(const Vec3& at, float u) const {
+    if (only_) return Choice{*only_, 1.f};
+    const Vec3d p = at.cast<double>();
+    const double of_tree = importance_of_tree(p), sum = distant_irradiance_ + of_tree;
+    Choices choices{double{u}};
+    double rest = 1;  // the probability of what has not been asked for
+    for (const Distant& distant : distant_) {
+        const double chance = share(distant.irradiance, sum);
+        const bool is_last = nodes_.empty() && &distant == &distant_.back();
+        if (is_last || choices.happens(std::min(chance / rest, 1.0)))
+            return Choice{distant.light, static_cast<float>(chance)};
+        rest -= chance;
+    }
+    if (nodes_.empty()) return std::nullopt;
+    std::optional<std::uint32_t> light;
+    if (choices.happens(even_share)) {
+        const auto count = static_cast<double>(finite_.size());
+        light = finite_[static_cast<std::size_t>(std::min(choices.u * count, count - 1))];
+    } else {
+        light = descend(p, choices.u);
+    }
+    if (!light) return std::nullopt;
+    return Choice{*light, static_cast<float>(share(of_tree, sum) * probability_in_tree(p, *light))};
+}
+
+/// A light of the tree, node by node in proportion to importance; none if an importance turns out to be 0.
+std::optional<std::uint32_t> LightTree::descend(const Vec3d& p, double u) const {
+    Choices choices{u};
+    std::uint32_t node = 0;
+    while (nodes_[node].child != none) {
+        const std::uint32_t child = nodes_[node].child;
+        const double first = nodes_[child].bounds.importance(p), second = nodes_[child + 1].bounds.importance(p);
+        if (!(first + second > 0)) return std::nullopt;
+        node = choices.happens(first / (first + second)) ? child : child + 1;
+    }
+    return nodes_[node].light;
+}
+
+/// The probability of a light of the tree, given that the tree is chosen.
+double LightTree::probability_in_tree(const Vec3d& p, std::uint32_t light) const {
+    double by_importance = 1;
+    for (std::uint32_t node = leaf_of_[light]; node != 0 && by_importance > 0; node = nodes_[node].parent) {
+        const std::uint32_t first = nodes_[nodes_[node].parent].child;
+        const double own = nodes_[node].bounds.importance(p);
+        const double other = nodes_[node == first ? first + 1 : first].bounds.importance(p);
+        by_importance *= own > 0 ? own / (own + other) : 0;
+    }
+    return (1 - even_share) * by_importance + even_share / static_cast<double>(finite_.size());
+}
+
+float LightTree::probability(const Vec3& at, std::uint32_t light) const {
+    if (only_) return light == *only_ ? 1.f : 0.f;
+    const Vec3d p = at.cast<double>();
+    const double of_tree = importance_of_tree(p), sum = distant_irradiance_ + of_tree;
+    for (const Distant& distant : distant_)
+        if (distant.light == light) return static_cast<float>(share(distant.irradiance, sum));
+    if (leaf_of_[light] == none) return 0.f;
+    return static_cast<float>(share(of_tree, sum) * probability_in_tree(p, light));
+}
+
+}  // namespace gib
