@@ -74,8 +74,9 @@ EmissionCone united(const EmissionCone& first, const EmissionCone& second) {
     return {(part * a.axis).normalized(), spread, fall};
 }
 
-double LightBounds::importance(const Vec3d& p) const {
-    const Vec3d way = p - center;
+double LightBounds::importance(const LitPoint& at) const {
+    const Vec3d way = at.p - center;
+    if (at.side.dot(way) > radius) return 0;
     const double d2 = way.squaredNorm(), r2 = sqr(radius);
     if (d2 <= r2) return r2 > 0 ? intensity / r2 : 0;
     const double cosine = std::clamp(cone.axis.dot(way) / std::sqrt(d2), -1.0, 1.0);
@@ -112,11 +113,10 @@ namespace {
 /// The irradiance of a light at infinity (LightTree::Distant); none for other lights.
 std::optional<double> irradiance_of_distant(const Light& light) {
     if (const auto* sun = std::get_if<DirectionalLight>(&light)) return double{sun->irradiance.mean()};
-    if (const auto* sky = std::get_if<ConstantEnvironment>(&light))
-        return 0.25 * power_of(light).mean() / sky->scene.area();
-    if (const auto* sky = std::get_if<MappedEnvironment>(&light))
-        return 0.25 * power_of(light).mean() / sky->scene.area();
-    return std::nullopt;
+    if (!is_environment(light)) return std::nullopt;
+    const auto* const constant = std::get_if<ConstantEnvironment>(&light);
+    const BoundingSphere& scene = constant ? constant->scene : std::get<MappedEnvironment>(light).scene;
+    return 0.25 * power_of(light).mean() / scene.area();
 }
 
 }  // namespace
@@ -127,8 +127,8 @@ LightTree::LightTree(const std::vector<Light>& lights, const std::vector<Shape>&
     for (std::uint32_t l = 0; l < lights.size(); ++l) {
         if (!(power_of(lights[l]).mean() > 0)) continue;
         if (const auto irradiance = irradiance_of_distant(lights[l])) {
-            distant_.push_back({l, *irradiance});
-            distant_irradiance_ += *irradiance;
+            const auto* const sun = std::get_if<DirectionalLight>(&lights[l]);
+            distant_.push_back({l, *irradiance, sun ? Vec3d(sun->direction.cast<double>()) : Vec3d(Vec3d::Zero())});
         } else {
             leaves.push_back({l, bounds_of(lights[l], shapes)});
             finite_.push_back(l);
@@ -207,14 +207,20 @@ double LightTree::share(double importance, double sum) const {
     return (1 - even_share) * (sum > 0 ? importance / sum : 1 / groups) + even_share / groups;
 }
 
-std::optional<LightTree::Choice> LightTree::choose(const Vec3& at, float u) const {
+double LightTree::importance_of_all(const LitPoint& at) const {
+    double sum = importance_of_tree(at);
+    for (const Distant& distant : distant_)
+        sum += distant.importance(at);
+    return sum;
+}
+
+std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, float u) const {
     if (only_) return Choice{*only_, 1.f};
-    const Vec3d p = at.cast<double>();
-    const double of_tree = importance_of_tree(p), sum = distant_irradiance_ + of_tree;
+    const double sum = importance_of_all(at);
     Choices choices{double{u}};
     double rest = 1;  // the probability of what has not been asked for
     for (const Distant& distant : distant_) {
-        const double chance = share(distant.irradiance, sum);
+        const double chance = share(distant.importance(at), sum);
         const bool is_last = nodes_.empty() && &distant == &distant_.back();
         if (is_last || choices.happens(std::min(chance / rest, 1.0)))
             return Choice{distant.light, static_cast<float>(chance)};
@@ -226,19 +232,19 @@ std::optional<LightTree::Choice> LightTree::choose(const Vec3& at, float u) cons
         const auto count = static_cast<double>(finite_.size());
         light = finite_[static_cast<std::size_t>(std::min(choices.u * count, count - 1))];
     } else {
-        light = descend(p, choices.u);
+        light = descend(at, choices.u);
     }
     if (!light) return std::nullopt;
-    return Choice{*light, static_cast<float>(share(of_tree, sum) * probability_in_tree(p, *light))};
+    return Choice{*light, static_cast<float>(share(importance_of_tree(at), sum) * probability_in_tree(at, *light))};
 }
 
 /// A light of the tree, node by node in proportion to importance; none if an importance turns out to be 0.
-std::optional<std::uint32_t> LightTree::descend(const Vec3d& p, double u) const {
+std::optional<std::uint32_t> LightTree::descend(const LitPoint& at, double u) const {
     Choices choices{u};
     std::uint32_t node = 0;
     while (nodes_[node].child != none) {
         const std::uint32_t child = nodes_[node].child;
-        const double first = nodes_[child].bounds.importance(p), second = nodes_[child + 1].bounds.importance(p);
+        const double first = nodes_[child].bounds.importance(at), second = nodes_[child + 1].bounds.importance(at);
         if (!(first + second > 0)) return std::nullopt;
         node = choices.happens(first / (first + second)) ? child : child + 1;
     }
@@ -246,25 +252,24 @@ std::optional<std::uint32_t> LightTree::descend(const Vec3d& p, double u) const 
 }
 
 /// The probability of a light of the tree, given that the tree is chosen.
-double LightTree::probability_in_tree(const Vec3d& p, std::uint32_t light) const {
+double LightTree::probability_in_tree(const LitPoint& at, std::uint32_t light) const {
     double by_importance = 1;
     for (std::uint32_t node = leaf_of_[light]; node != 0 && by_importance > 0; node = nodes_[node].parent) {
         const std::uint32_t first = nodes_[nodes_[node].parent].child;
-        const double own = nodes_[node].bounds.importance(p);
-        const double other = nodes_[node == first ? first + 1 : first].bounds.importance(p);
+        const double own = nodes_[node].bounds.importance(at);
+        const double other = nodes_[node == first ? first + 1 : first].bounds.importance(at);
         by_importance *= own > 0 ? own / (own + other) : 0;
     }
     return (1 - even_share) * by_importance + even_share / static_cast<double>(finite_.size());
 }
 
-float LightTree::probability(const Vec3& at, std::uint32_t light) const {
+float LightTree::probability(const LitPoint& at, std::uint32_t light) const {
     if (only_) return light == *only_ ? 1.f : 0.f;
-    const Vec3d p = at.cast<double>();
-    const double of_tree = importance_of_tree(p), sum = distant_irradiance_ + of_tree;
+    const double sum = importance_of_all(at);
     for (const Distant& distant : distant_)
-        if (distant.light == light) return static_cast<float>(share(distant.irradiance, sum));
+        if (distant.light == light) return static_cast<float>(share(distant.importance(at), sum));
     if (leaf_of_[light] == none) return 0.f;
-    return static_cast<float>(share(of_tree, sum) * probability_in_tree(p, light));
+    return static_cast<float>(share(importance_of_tree(at), sum) * probability_in_tree(at, light));
 }
 
 }  // namespace gib

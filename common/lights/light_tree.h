@@ -6,8 +6,8 @@
 // importance at p is an irradiance [W/m^2] without regard to surfaces in between,
 //     I cos(theta') / max(d^2, r^2),
 // where d is the distance to the ball's centre, r the ball's radius, and theta' the least angle that the direction to p
-// can make with the light's cone, from anywhere in the ball. Lights at infinity have an importance that is the same
-// everywhere. The others are the leaves of a binary tree, whose nodes bound those below. A node's child is chosen in
+// can make with the light's cone, from anywhere in the ball. It is 0 if the ball lies behind the surface at p. Lights at infinity have an importance that is the same
+// everywhere, on surfaces that face them. The others are the leaves of a binary tree, whose nodes bound those below. A node's child is chosen in
 // proportion to its importance, so that a choice, as its probability, costs the logarithm of the number of lights.
 //
 // Surfaces may hide what is important. A share of the choices is therefore even: among the lights at infinity and the
@@ -16,6 +16,15 @@
 #include "common/lights/light.h"
 
 namespace gib {
+
+/// A point that lights may light: in a medium from all sides, or on a surface from one side.
+struct LitPoint {
+    /// `towards` is a normal of the side from which light counts [unit]; zero: light from all sides counts.
+    LitPoint(const Vec3& point, const Vec3& towards = Vec3::Zero())
+        : p(point.cast<double>()), side(towards.cast<double>()) {}
+
+    Vec3d p, side;
+};
 
 /// The directions in which a light, or a group of lights, shines.
 struct EmissionCone {
@@ -40,8 +49,8 @@ struct LightBounds {
     EmissionCone cone;
     double intensity = 0;  ///< peak [W/sr], mean of the channels
 
-    /// The importance at p [W/m^2]; 0 only if no light reaches p.
-    double importance(const Vec3d& p) const;
+    /// The importance at the point [W/m^2]; 0 only if none of this light reaches it.
+    double importance(const LitPoint& at) const;
 };
 
 /// The bound of a light that is not at infinity.
@@ -59,10 +68,10 @@ public:
         std::uint32_t light;
         float probability;
     };
-    /// Chooses a light for p by u in [0, 1). Empty if no light was found that can reach p: that sample is 0.
-    std::optional<Choice> choose(const Vec3& p, float u) const;
+    /// Chooses a light by u in [0, 1). Empty if no light was found that can reach the point: that sample is 0.
+    std::optional<Choice> choose(const LitPoint& at, float u) const;
     /// The probability with which choose() returns the light.
-    float probability(const Vec3& p, std::uint32_t light) const;
+    float probability(const LitPoint& at, std::uint32_t light) const;
 
 private:
     static constexpr std::uint32_t none = ~0u;
@@ -77,6 +86,9 @@ private:
     struct Distant {
         std::uint32_t light;
         double irradiance;
+        Vec3d direction;  ///< in which the light travels; zero for an environment
+
+        double importance(const LitPoint& at) const { return at.side.dot(direction) > 0 ? 0 : irradiance; }
     };
 
     struct Leaf;
@@ -84,13 +96,13 @@ private:
     static std::size_t split(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end);
     /// The probability of choosing the tree or a distant light of this irradiance, out of all of them.
     double share(double importance, double sum) const;
-    double importance_of_tree(const Vec3d& p) const { return nodes_.empty() ? 0 : nodes_[0].bounds.importance(p); }
-    std::optional<std::uint32_t> descend(const Vec3d& p, double u) const;
-    double probability_in_tree(const Vec3d& p, std::uint32_t light) const;
+    double importance_of_tree(const LitPoint& at) const { return nodes_.empty() ? 0 : nodes_[0].bounds.importance(at); }
+    double importance_of_all(const LitPoint& at) const;
+    std::optional<std::uint32_t> descend(const LitPoint& at, double u) const;
+    double probability_in_tree(const LitPoint& at, std::uint32_t light) const;
 
     std::optional<std::uint32_t> only_;  ///< the light, if there is no other
     std::vector<Distant> distant_;
-    double distant_irradiance_ = 0;
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> finite_;   ///< the lights of the tree
     std::vector<std::uint32_t> leaf_of_;  ///< the node of each light; none: it is at infinity or black

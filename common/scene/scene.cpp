@@ -162,29 +162,30 @@ bool Scene::has_scattering_media() const {
     return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }
 
-std::optional<LightSample> Scene::sample_light(const Vec3& p, float u_choice, const Vec2& u) const {
-    const auto choice = light_tree_.choose(p, u_choice);
+std::optional<LightSample> Scene::sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
+    const auto choice = light_tree_.choose(at, u_choice);
     if (!choice) return std::nullopt;
-    auto sample = gib::sample_light(lights_[choice->light], shapes_, p, u);
+    auto sample = gib::sample_light(lights_[choice->light], shapes_, at.p.cast<float>(), u);
     if (!sample) return sample;
     sample->pdf_w *= choice->probability;
     sample->light = choice->light;
     return sample;
 }
 
-float Scene::light_pdf_w(const Vec3& p, const SurfaceHit& hit) const {
-    return light_tree_.probability(p, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, p, hit);
+float Scene::light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const {
+    return light_tree_.probability(at, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, at.p.cast<float>(), hit);
 }
 
-float Scene::environment_pdf_w(const Vec3& p, const Vec3& w) const {
+float Scene::environment_pdf_w(const LitPoint& at, const Vec3& w) const {
     if (!environment_) return 0.f;
-    return light_tree_.probability(p, *environment_) * gib::environment_pdf_w(lights_[*environment_], w);
+    return light_tree_.probability(at, *environment_) * gib::environment_pdf_w(lights_[*environment_], w);
 }
 
-float Scene::light_pdf_w(const Vec3& p, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
-    const float choice = light_tree_.probability(p, light);
+float Scene::light_pdf_w(const LitPoint& at, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
+    const float choice = light_tree_.probability(at, light);
     const Light& of = lights_[light];
-    if (const auto* area = std::get_if<AreaLight>(&of)) return choice * gib::light_pdf_w(*area, shapes_, p, point);
+    if (const auto* area = std::get_if<AreaLight>(&of))
+        return choice * gib::light_pdf_w(*area, shapes_, at.p.cast<float>(), point);
     return is_environment(of) ? choice * gib::environment_pdf_w(of, -w) : choice;
 }
 

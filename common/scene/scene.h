@@ -46,6 +46,12 @@ struct SurfaceHit : SurfaceGeometry {
     /// The share of light that goes straight on along w, through holes and thin sheets.
     Color straight_on(const Vec3& w) const { return bsdf->straight_on_local(shading.to_local(w)); }
     Ray spawn_ray(const Vec3& wi) const { return {offset_origin(*this, wi), wi}; }
+    /// This point as lights light it, for a viewer in direction wo. A material that transmits none scatters to wo only
+    /// light from the side of wo (normals_agree_about()); with a bump or normal map that is not exact.
+    LitPoint lit_for(const Vec3& wo) const {
+        const bool one_sided = !bsdf->traits().transmission && !bsdf->is_tilted();
+        return {p, one_sided ? normal_towards(*this, wo) : Vec3(Vec3::Zero())};
+    }
 
 private:
     bool agree_about(const Vec3& n, const Vec3& w) const { return n.dot(w) * ng.dot(w) * n.dot(ng) >= 0.f; }
@@ -137,27 +143,28 @@ public:
     bool has_light() const { return light_choice_.total() > 0; }
     /// How lights are chosen for a point that they may light.
     const LightTree& light_tree() const { return light_tree_; }
-    /// Chooses a light by what it can do at p (light_tree.h) and samples a point on it; empty if p cannot see this.
-    std::optional<LightSample> sample_light(const Vec3& p, float u_choice, const Vec2& u) const;
-    /// Density [1/sr] with which sample_light from `p` finds `hit`, which lies on an emitter.
-    float light_pdf_w(const Vec3& p, const SurfaceHit& hit) const;
+    /// Chooses a light by what it can do at a point (light_tree.h) and samples a point on it; empty if this cannot be
+    /// seen from there.
+    std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const;
+    /// Density [1/sr] with which sample_light for `at` finds `hit`, which lies on an emitter.
+    float light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const;
     /// The light that rays see when they leave the scene; null: none.
     const Light* environment() const { return environment_ ? &lights_[*environment_] : nullptr; }
     /// Radiance [W/(sr m^2)] seen along the unit vector w by a ray that hits nothing.
     Color environment_radiance(const Vec3& w) const {
         return environment_ ? gib::environment_radiance(lights_[*environment_], w) : Color(Color::Zero());
     }
-    /// Density [1/sr] with which sample_light from `p` finds the direction w; 0 without an environment.
-    float environment_pdf_w(const Vec3& p, const Vec3& w) const;
+    /// Density [1/sr] with which sample_light for `at` finds the direction w; 0 without an environment.
+    float environment_pdf_w(const LitPoint& at, const Vec3& w) const;
     /// The start of a light path; power is divided by the probability of choosing its light.
     EmissionSample sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const;
     /// The density of sample_emission() at a start in direction w (lights/light.h), with the choice of the light.
     double emission_pdf(std::uint32_t light, const Vec3& w, float cos_light) const {
         return double{light_choice_.probability(light)} * gib::emission_pdf(lights_[light], w, cos_light);
     }
-    /// Density with which sample_light from `p` finds the start of a light path that leaves `point` of the light in
+    /// Density with which sample_light for `at` finds the start of a light path that leaves `point` of the light in
     /// direction w: [1/sr], or the probability of the choice for a delta light.
-    float light_pdf_w(const Vec3& p, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const;
+    float light_pdf_w(const LitPoint& at, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const;
     /// The index of environment() among the lights.
     std::uint32_t environment_index() const { return *environment_; }
     /// Power [W] of all lights together, per channel.

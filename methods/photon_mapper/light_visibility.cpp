@@ -169,8 +169,8 @@ LightVerdict LightVisibility::verdict_in(std::uint32_t region, std::uint32_t lig
     return entry ? entry->verdict : LightVerdict::open;
 }
 
-float LightVisibility::probability_in(std::uint32_t region, const Vec3& p, std::uint32_t light) const {
-    const float by_scene = scene_.light_tree().probability(p, light);
+float LightVisibility::probability_in(std::uint32_t region, const LitPoint& at, std::uint32_t light) const {
+    const float by_scene = scene_.light_tree().probability(at, light);
     if (region == no_region || !guides_) return by_scene;
     const Entry* const entry = entry_of(regions_[region], light);
     const float rest = regions_[region].rest;
@@ -182,11 +182,12 @@ LightVerdict LightVisibility::verdict(const SurfaceHit& hit, const Vec3& wo, std
 }
 
 float LightVisibility::probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
-    return probability_in(region_at(hit, wo), hit.p, light);
+    return probability_in(region_at(hit, wo), hit.lit_for(wo), light);
 }
 
 std::optional<LightVisibility::Choice> LightVisibility::choose(const SurfaceHit& hit, const Vec3& wo, float u) const {
     const std::uint32_t at = region_at(hit, wo);
+    const LitPoint lit = hit.lit_for(wo);
     const float by_region = at == no_region || !guides_ ? 0.f : 1.f - regions_[at].rest;
     if (u < by_region) {
         const Region& region = regions_[at];
@@ -199,12 +200,12 @@ std::optional<LightVisibility::Choice> LightVisibility::choose(const SurfaceHit&
         // Rounding may lead past the last interval, to entries of probability 0.
         while (found->probability == 0.f)
             --found;
-        return Choice{found->light, probability_in(at, hit.p, found->light), found->verdict};
+        return Choice{found->light, probability_in(at, lit, found->light), found->verdict};
     }
     const float v = std::min((u - by_region) / (1.f - by_region), 1.f - unit_roundoff);
-    const auto choice = scene_.light_tree().choose(hit.p, v);
+    const auto choice = scene_.light_tree().choose(lit, v);
     if (!choice) return std::nullopt;
-    return Choice{choice->light, probability_in(at, hit.p, choice->light), verdict_in(at, choice->light)};
+    return Choice{choice->light, probability_in(at, lit, choice->light), verdict_in(at, choice->light)};
 }
 
 Color LightVisibility::sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,

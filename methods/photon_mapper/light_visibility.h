@@ -88,7 +88,7 @@ private:
     }
     const Entry* entry_of(const Region& region, std::uint32_t light) const;
     LightVerdict verdict_in(std::uint32_t region, std::uint32_t light) const;
-    float probability_in(std::uint32_t region, const Vec3& p, std::uint32_t light) const;
+    float probability_in(std::uint32_t region, const LitPoint& at, std::uint32_t light) const;
 
     const Scene& scene_;
     bool skips_, guides_;

@@ -30,7 +30,8 @@ template <typename Visibility>
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
     const Scene& scene = rays.scene();
-    const auto light = scene.sample_light(hit.p, u.light_choice(), u.light_position());
+    const auto light =
+        scene.sample_light(hit.lit_for(hit.shading.to_world(wo_local)), u.light_choice(), u.light_position());
     if (!light) return {};
     if (!scene.has_media())
         return scattered_from(*light, hit, wo_local, techniques, which,
@@ -63,6 +64,7 @@ LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                            Lobes which) {
     LobeValues found;
+    const LitPoint lit = hit.lit_for(hit.shading.to_world(wo_local));
     const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
     if (!next || next->delta) return found;
     Color beta = next->weight;
@@ -70,25 +72,25 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
     while (!is_black(beta)) {
         const auto light = rays.intersect(ray);
         if (!light) {
-            found.add(next->lobe, beta * escaped_radiance(rays.scene(), hit.p, next->pdf_w, ray.d));
+            found.add(next->lobe, beta * escaped_radiance(rays.scene(), lit, next->pdf_w, ray.d));
             break;
         }
         const Color Le = light->Le(-ray.d);
         if (!is_black(Le))
-            found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), hit.p, next->pdf_w, *light));
+            found.add(next->lobe, beta * Le * bsdf_sampling_weight(rays.scene(), lit, next->pdf_w, *light));
         beta *= light->straight_on(ray.d);
         ray = light->spawn_ray(ray.d);
     }
     return found;
 }
 
-Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w) {
+Color escaped_radiance(const Scene& scene, const LitPoint& previous, float pdf_w, const Vec3& w) {
     if (!scene.environment()) return Color::Zero();
     const float weight = std::isfinite(pdf_w) ? power_heuristic(pdf_w, scene.environment_pdf_w(previous, w)) : 1.f;
     return weight * scene.environment_radiance(w);
 }
 
-float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit) {
+float bsdf_sampling_weight(const Scene& scene, const LitPoint& previous, float pdf_w, const SurfaceHit& hit) {
     if (!std::isfinite(pdf_w)) return 1.f;
     return power_heuristic(pdf_w, scene.light_pdf_w(previous, hit));
 }

@@ -49,10 +49,10 @@ LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
 
 /// Weight, against light sampling from `previous`, of emitted radiance that a bsdf sample of density `pdf_w` [1/sr]
 /// from there has found at `hit`. An infinite density gives weight 1: light sampling could not have found it.
-float bsdf_sampling_weight(const Scene& scene, const Vec3& previous, float pdf_w, const SurfaceHit& hit);
+float bsdf_sampling_weight(const Scene& scene, const LitPoint& previous, float pdf_w, const SurfaceHit& hit);
 
 /// Radiance [W/(sr m^2)] of the environment that a bsdf sample of direction w has found by leaving the scene, times
 /// its weight against light sampling from `previous`.
-Color escaped_radiance(const Scene& scene, const Vec3& previous, float pdf_w, const Vec3& w);
+Color escaped_radiance(const Scene& scene, const LitPoint& previous, float pdf_w, const Vec3& w);
 
 }  // namespace gib

@@ -19,11 +19,12 @@ struct PathState {
     float eta_scale = 1.f;  ///< product of eta^2 by which refractions have divided the throughput
     /// Density [1/sr] of the last direction; infinite if light sampling could not have found it.
     float pdf_w = infinity;
-    Vec3 previous;                    ///< the last vertex, or the start of the path
-    const Medium* medium = nullptr;   ///< that the path is in; null stands for vacuum
-    std::optional<int> stratum = {};  ///< of wavelengths, once the path has met dispersion
-    int vertex = 0;                   ///< number of vertices so far that have scattered the path: edges - 1
-    std::uint32_t holes = 0;          ///< decisions so far whether the path goes straight on
+    Vec3 previous;                      ///< the last vertex, or the start of the path
+    Vec3 previous_side = Vec3::Zero();  ///< LitPoint::side there
+    const Medium* medium = nullptr;     ///< that the path is in; null stands for vacuum
+    std::optional<int> stratum = {};    ///< of wavelengths, once the path has met dispersion
+    int vertex = 0;                     ///< number of vertices so far that have scattered the path: edges - 1
+    std::uint32_t holes = 0;            ///< decisions so far whether the path goes straight on
     float kept = 1.f;  ///< factor of the throughput at the last surface where it might have gone straight on
     PathClass path_class = {};
 };
@@ -53,6 +54,8 @@ public:
     const Scene& scene() const { return rays.scene(); }
     std::optional<SurfaceHit> surface_hit() const { return rays.surface_hit(ray); }
     Vec3 wo() const { return -ray.ray.d; }  ///< at the end of the ray, towards where it came from
+    /// The last vertex as lights light it.
+    LitPoint lit_previous() const { return {at.previous, at.previous_side}; }
     Surroundings surroundings() { return {at.medium, flights}; }
 
     /// The flight along the ray through the medium that the path is in; multiplies beta by the weight of its outcome.
@@ -72,11 +75,11 @@ public:
         if (ray.hides_emitters) return Color::Zero();
         if (!hit) {
             if (!scene().environment()) return Color::Zero();
-            return at.beta * escaped_radiance(scene(), at.previous, at.pdf_w, ray.ray.d);
+            return at.beta * escaped_radiance(scene(), lit_previous(), at.pdf_w, ray.ray.d);
         }
         const Color Le = hit->Le(wo());
         if (is_black(Le)) return Color::Zero();
-        return at.beta * Le * bsdf_sampling_weight(scene(), at.previous, at.pdf_w, *hit);
+        return at.beta * Le * bsdf_sampling_weight(scene(), lit_previous(), at.pdf_w, *hit);
     }
 
     /// Decides whether the path goes straight on: through a hole of a mask, a thin sheet, or the boundary of a medium
@@ -150,6 +153,7 @@ public:
     /// Adds the hit as a vertex and traces the next edge.
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
+        at.previous_side = hit.lit_for(wo()).side.cast<float>();
         ++at.vertex;
         ray.hides_emitters = false;
         trace_from(hit, wi);
@@ -157,6 +161,7 @@ public:
     /// The same from a scattering event at p in the medium.
     void go_on(const Vec3& p, const Vec3& wi) {
         at.previous = p;
+        at.previous_side = Vec3::Zero();
         ++at.vertex;
         ray.hides_emitters = false;
         ray.ray = {p, wi};

@@ -112,14 +112,14 @@ private:
     void find_environment() {
         if (!finds_lights() || !scene_.environment()) return;
         const Vec3& w = walk_.ray.ray.d;
-        find(scene_.environment_radiance(w), double{scene_.environment_pdf_w(walk_.at.previous, w)},
+        find(scene_.environment_radiance(w), double{scene_.environment_pdf_w(walk_.lit_previous(), w)},
              paths_.emission.density(scene_.environment_index(), walk_.at.previous, -w, 1.f));
     }
     void find_emitter(const SurfaceHit& hit, double cosine) {
         if (!finds_lights() || !hit.emitter) return;
         const Vec3& from = walk_.at.previous;
         const double per_area = cosine / double{(hit.p - from).squaredNorm()};
-        find(hit.Le(walk_.wo()), double{scene_.light_pdf_w(from, hit)} * per_area,
+        find(hit.Le(walk_.wo()), double{scene_.light_pdf_w(walk_.lit_previous(), hit)} * per_area,
              paths_.emission.density(hit.light, hit.p, walk_.wo(), static_cast<float>(cosine)));
     }
     /// A light of radiance Le is found. The density of this find by light sampling is `sampling`, in the unit of

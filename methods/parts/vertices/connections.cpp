@@ -79,7 +79,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
                                            const VertexNumbers& u, NumberStream& flights, const Techniques& used) {
     const Scene& scene = rays.scene();
-    const auto light = scene.sample_light(eye.p, u.light_choice(), u.light_position());
+    const auto light = scene.sample_light(eye.lit(), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
     const LobeValues scattered = scattered_to_camera(eye, light->wi);
     if (is_black(scattered.sum())) return std::nullopt;

@@ -66,7 +66,7 @@ private:
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
         PathState& path = walk_.at;
-        arrive(hit->p, double{std::abs(walk_.wo().dot(hit->ng))}, used_.merging_on_surfaces,
+        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, used_.merging_on_surfaces,
                used_.merging() && focuses(*hit, walk_.wo()));
         walk_.disperse(*hit, dimension::photon_stratum);
         const PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
@@ -90,15 +90,15 @@ private:
     TechniqueSums at_light(double sampling) const {
         return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), used_);
     }
-    /// Arrival at p, whose normal has this cosine with the path.
-    void arrive(const Vec3& p, double cosine, double merging, bool focuses) {
+    /// Arrival at a point, whose normal has this cosine with the path.
+    void arrive(const LitPoint& at, double cosine, double merging, bool focuses) {
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
-        const double distance2 = double{(p - path.previous).squaredNorm()};
+        const double distance2 = double{(at.p.cast<float>() - path.previous).squaredNorm()};
         if (path.vertex > 0) return sums_.arrive(distance2, cosine, used_.connections, merging, focuses);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
-        const double sampling = double{scene_.light_pdf_w(p, start.light, origin, start.ray.d)};
+        const double sampling = double{scene_.light_pdf_w(at, start.light, origin, start.ray.d)};
         sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
         sums_.arrive(1, cosine, true, merging, focuses);
     }

@@ -61,6 +61,8 @@ struct PathVertex {
         const float rounding = hit->offset + (other.hit ? other.hit->offset : 0.f) + rounding_of_connection(p, other.p);
         return std::abs((other.p - p).dot(hit->ng)) <= rounding;
     }
+    /// The vertex as lights light it.
+    LitPoint lit() const { return hit ? hit->lit_for(from) : LitPoint(p); }
     /// Where a segment that leaves the vertex in direction w starts.
     Vec3 origin(const Vec3& w) const { return hit ? offset_origin(*hit, w) : p; }
     /// Where a segment that arrives from `start` ends, which is farther off the surface by the segment's own rounding.

@@ -1,6 +1,7 @@
 // Tests of emitters against closed forms: power, irradiance, emission, and the densities
 // by which methods weight samples.
 
+#include "common/lights/light_choice.h"
 #include "common/scene/effects.h"
 #include "common/scene/scene.h"
 #include "tests/support/light_fixtures.h"
@@ -398,6 +399,17 @@ TEST(EveryLight, DensitiesIncludeTheChoiceOfTheLight) {
         }
     }
     EXPECT_GT(environment, 100);
+}
+
+TEST(EveryLight, StartsOfPathsAreChosenByPowerButForATenth) {
+    const auto point = [](const std::string& intensity) {
+        return "<emitter type='point'><rgb name='intensity' value='" + intensity + "'/></emitter>";
+    };
+    const auto scene = load(ball + point("1") + point("0") + point("3"));
+    const DiscreteDistribution choice = light_choice(scene.scene->lights());
+    EXPECT_NEAR(choice.probability(0), 0.9 * 0.25 + 0.05, 1e-6);
+    EXPECT_EQ(choice.probability(1), 0.f);
+    EXPECT_NEAR(choice.probability(2), 0.9 * 0.75 + 0.05, 1e-6);
 }
 
 TEST(BlackLights, AreNoLights) {

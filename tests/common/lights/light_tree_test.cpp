@@ -112,7 +112,7 @@ TEST(LightBounds, ImportanceFarAwayIsTheIrradiance) {
                5 * pi_d * r * r / 100}}) {
         const auto loaded = load(floor_xml + xml);
         const Scene& scene = *loaded.scene;
-        const Vec3d below = bounds_of(scene.lights()[0], scene.shapes()).center - Vec3d(0, 0, 10);
+        const Vec3 below = bounds_of(scene.lights()[0], scene.shapes()).center.cast<float>() - Vec3(0, 0, 10);
         EXPECT_NEAR(bounds_of(scene.lights()[0], scene.shapes()).importance(below) / irradiance, 1, 0.01) << xml;
     }
 }
@@ -123,12 +123,12 @@ TEST(LightBounds, NoLightShinesWhereItsImportanceIsZero) {
     int dark = 0, lit = 0;
     for (std::uint64_t i = 0; i < 5000; ++i) {
         const Sampler u(PointSet::independent, 5, i, 0);
-        const Vec3 p = random_point(u);
+        const Vec3 p = random_point(u), n = i % 2 == 0 ? Vec3(Vec3::Zero()) : square_to_sphere(u.get_2d(3));
         for (const Light& light : scene.lights()) {
             if (!is_point(light) && !std::holds_alternative<AreaLight>(light)) continue;
             const auto sample = sample_light(light, scene.shapes(), p, u.get_2d(4));
-            const bool shines = sample && sample->Le.maxCoeff() > 0.f;
-            const bool important = bounds_of(light, scene.shapes()).importance(p.cast<double>()) > 0;
+            const bool shines = sample && sample->Le.maxCoeff() > 0.f && (n.isZero() || sample->wi.dot(n) > 0.f);
+            const bool important = bounds_of(light, scene.shapes()).importance(LitPoint(p, n)) > 0;
             EXPECT_TRUE(important || !shines);
             ++(important ? lit : dark);
         }
@@ -146,7 +146,8 @@ TEST(LightTree, LightsAreChosenWithTheirProbability) {
         const Scene& scene = *loaded.scene;
         const LightTree& tree = scene.light_tree();
         for (std::uint64_t i = 0; i < 20; ++i) {
-            const Vec3 p = random_point(Sampler(PointSet::independent, 7, i, 0));
+            const Sampler u(PointSet::independent, 7, i, 0);
+            const LitPoint p(random_point(u), i % 2 == 0 ? Vec3(Vec3::Zero()) : square_to_sphere(u.get_2d(3)));
             constexpr int steps = 1 << 14;
             std::vector<int> chosen(scene.lights().size());
             for (int k = 0; k < steps; ++k) {
@@ -197,7 +198,7 @@ Moments moments_at(const Scene& scene, const Vec3& p, const Vec3& n, int samples
                     return x;
                 }).value;
         if (square == 0) continue;
-        moments.tree += square / double{scene.light_tree().probability(p, l)};
+        moments.tree += square / double{scene.light_tree().probability(LitPoint(p, n), l)};
         moments.even += square * count;
     }
     moments.squared_mean = mean * mean;
