@@ -37,6 +37,7 @@ public:
         const MeshInView none(textures_);
         parse_bsdf(bsdf, textures_);
     }
+    void check_medium(const NestedObject& medium) { parse_medium(medium, textures_, Vec3d::Zero()); }
     void add_medium(const NestedObject& medium) { medium_index(medium); }
     void set_camera_medium(const std::optional<NestedObject>& medium) {
         camera_medium_ = medium ? medium_index(*medium) : no_medium;
@@ -366,6 +367,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     });
     check_unused(textures, [&](const NestedObject& texture) { builder.check_texture(texture); });
     check_unused(bsdfs, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
+    check_unused(media, [&](const NestedObject& medium) { builder.check_medium(medium); });
     for (const auto& medium : media)
         if (builder.ids().is_used(*medium.element)) builder.add_medium(medium);
     builder.set_camera_medium(parsed.medium);
