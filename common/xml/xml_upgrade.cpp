@@ -90,6 +90,7 @@ public:
         if (version_.before(0, 4)) upgrade_names_before_0_4();
         if (version_.before(0, 5) && is(e_, "bsdf", "bump")) attribute_of(e_, "type")->value = "bumpmap";
         upgrade_color();
+        if (e_.tag == "blackbody") upgrade_blackbody();
         if (e_.tag == "texture") upgrade_texture();
         if (e_.tag == "bsdf") upgrade_bsdf();
         if (e_.tag == "medium") upgrade_medium();
@@ -146,6 +147,20 @@ private:
             const std::size_t count = words_of(value->value).size();
             if (count == 1 || count == 3) e_.tag = "rgb";
         }
+    }
+
+    /// <blackbody temperature="3000K" scale="2"/> is a spectrum with these parameters.
+    void upgrade_blackbody() {
+        e_.check_attributes({"name", "temperature", "scale"});
+        std::string kelvin = e_.required("temperature").value;
+        if (kelvin.ends_with('K') || kelvin.ends_with('k')) kelvin.pop_back();
+        const SourceLocation where = e_.required("temperature").where;
+        e_.tag = "spectrum";
+        e_.children.push_back(value_element("float", "temperature", kelvin, where));
+        if (const XmlAttribute* scale = e_.find("scale"))
+            e_.children.push_back(value_element("float", "scale", scale->value, scale->where));
+        std::erase_if(e_.attributes, [](const XmlAttribute& a) { return a.name != "name"; });
+        e_.attributes.push_back({"type", "blackbody", where});
     }
 
     void upgrade_texture() {

@@ -187,6 +187,14 @@ std::vector<OldScene> lights_and_media() {
              "value='2.2'/><boolean name='cache' value='false'/></emitter>",
          new_sensor + ball("") + "<emitter type='envmap'><string name='filename' value='spots.ppm'/></emitter>",
          {"'gamma' has no effect: the kind of the image decides"}},
+        {"blackbody lamp", "0.6.0",
+         old_sensor + ball("") +
+             "<emitter type='point'><point name='position' x='2' y='3' z='2'/><blackbody name='intensity' "
+             "temperature='3000K' scale='0.05'/></emitter>",
+         new_sensor + ball("") +
+             "<emitter type='point'><point name='position' value='2,3,2'/><spectrum name='intensity' "
+             "type='blackbody'><float name='temperature' value='3000'/><float name='scale' "
+             "value='0.05'/></spectrum></emitter>"},
         {"area lamp in a file that is included", "0.6.0", old_sensor + "<include filename='lamp.xml'/>" + ball(""),
          new_sensor +
              "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate "
