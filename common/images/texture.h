@@ -63,8 +63,8 @@ public:
     Color color(const TexturePoint& at) const { return varying_ ? varying_color(at) : constant_; }
     /// The texture as one number, as Mitsuba's eval_1 returns it: a grey value itself, the luminance of a bitmap's
     /// colour, or the mean of a constant colour's channels. The two colours of a checkerboard are exchanged here, as
-    /// they are in Mitsuba. Of an attribute's colour it is the luminance, too; Mitsuba refuses it. A grey scale multiplies
-    /// this number; with a coloured one it is the luminance of the product.
+    /// they are in Mitsuba. Of an attribute's colour it is the luminance, too; Mitsuba refuses it. A grey scale
+    /// multiplies this number; with a coloured one it is the luminance of the product.
     float value(const TexturePoint& at) const;
     /// The derivative of value() with respect to (u, v), per unit of uv. It is 0 for the filter `nearest` and
     /// for a checkerboard and an attribute.

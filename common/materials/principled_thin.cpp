@@ -80,8 +80,8 @@ LobeValues PrincipledThin::f_local(const Vec3& wo, const Vec3& wi, Transport) co
     return f;
 }
 
-/// The reflectance of the facets lies between that at this angle and that at 60 degrees, where tilted facets may reflect
-/// totally. A floor keeps both lobes sampled.
+/// The reflectance of the facets lies between that at this angle and that at 60 degrees, where tilted facets may
+/// reflect totally. A floor keeps both lobes sampled.
 PrincipledThin::Shares PrincipledThin::shares(float cos_o) const {
     const float cosine = std::min(std::abs(cos_o), 0.98f), transmitted = 0.5f * diff_trans;
     Shares s;

@@ -267,9 +267,11 @@ private:
         std::vector<Light> lights;
         for (const auto& emitter : emitters_) {
             if (area_emitters_.count(emitter.element)) continue;  // it stands in the shape that refers to it
-            lights.push_back(parse_emitter(emitter, textures_, origin));
-            if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
-                throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
+            std::vector<Light> parsed = parse_emitter(emitter, textures_, origin);
+            std::move(parsed.begin(), parsed.end(), std::back_inserter(lights));
+            if (std::count_if(lights.begin(), lights.end(), is_environment) > 1)
+                throw InputError(emitter.where,
+                                 "a scene can have only one environment: a constant, an envmap, a sky or a sun");
         }
         return lights;
     }

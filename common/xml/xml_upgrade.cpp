@@ -99,6 +99,8 @@ public:
             drop(e_, {"collapse"});  // it changes no image
             drop_with_warning("srgb", "integer colours count as sRGB, others as linear");
         }
+        for (const char* type : {"sunsky", "sky", "sun"})
+            if (is(e_, "emitter", type)) upgrade_daylight();
         if (is(e_, "emitter", "envmap")) {
             drop(e_, {"cache"});
             drop_with_warning("gamma", "the kind of the image decides");
@@ -161,6 +163,20 @@ private:
             e_.children.push_back(value_element("float", "scale", scale->value, scale->where));
         std::erase_if(e_.attributes, [](const XmlAttribute& a) { return a.name != "name"; });
         e_.attributes.push_back({"type", "blackbody", where});
+    }
+
+    /// Up is y, east is x and north is -z; in version 3 up is z and north is x.
+    void upgrade_daylight() {
+        if (!property(e_, "to_world"))
+            e_.children.push_back({.tag = "transform",
+                                   .where = e_.where,
+                                   .attributes = {{"name", "to_world", e_.where}},
+                                   .children = {}});
+        XmlElement& to_world = *property(e_, "to_world");
+        const std::string from_version_3 = "0 -1 0 0  0 0 1 0  -1 0 0 0  0 0 0 1";
+        to_world.children.insert(
+            to_world.children.begin(),
+            {.tag = "matrix", .where = e_.where, .attributes = {{"value", from_version_3, e_.where}}, .children = {}});
     }
 
     void upgrade_texture() {

@@ -65,8 +65,8 @@ TEST(PrincipledThin, DiffuseLightIsReflectedOrTransmitted) {
     EXPECT_NEAR(sampled_share(paper, direction_at(70, 1)).weight, 1, 1e-4);
 }
 
-// The specular share is a rough dielectric's reflection, and a rough mirror of another roughness seen in the sheet, times
-// the base colour and 1 - F.
+// The specular share is a rough dielectric's reflection, and a rough mirror of another roughness seen in the sheet,
+// times the base colour and 1 - F.
 TEST(PrincipledThin, SpecularLightIsReflectedOrGoesOnUnbent) {
     const PrincipledThin m{.base_color = amber,
                            .roughness = 0.6f,
@@ -125,7 +125,8 @@ TEST(PrincipledThin, SamplesCarryTheirOwnValueAndDensity) {
             expect_samples_agree(m, direction_at(degrees, 0.3), 1e-5f, "thin", 12.f);
 }
 
-// The reflecting lobe has alpha 0.12, the transmitting one alpha 0.12 (0.65 1.5 - 0.35)^2 = 0.047, which counts as specular.
+// The reflecting lobe has alpha 0.12, the transmitting one alpha 0.12 (0.65 1.5 - 0.35)^2 = 0.047, which counts as
+// specular.
 TEST(PrincipledThin, LobesCountByTheirOwnRoughness) {
     const PrincipledThin m{.base_color = amber, .roughness = std::sqrt(0.12f), .spec_trans = 1.f};
     const Vec3 n = Vec3::UnitZ();
