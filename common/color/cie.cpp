@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t samples = 95;  ///< of each table: 360 nm to 830 nm in steps of 5 nm
 using Table = std::array<double, samples>;
-constexpr double y_integral = 106.7502593994140625, d65_luminance = 98.99741751876255;
+constexpr double d65_luminance = 98.99741751876255;
 
 /// x, y and z of the CIE 1931 2-degree standard observer. Source: CIE 15:2004, table T.4 (ISO 11664-1), as published by
 /// the Colour & Vision Research Laboratory, www.cvrl.org.
@@ -101,7 +101,7 @@ Colord rgb_of_spectrum(const Spectrum& spectrum, Illuminant illuminant) {
         const double light = illuminant == Illuminant::d65 ? cie_d65(wavelength) : 1.0;
         xyz += cie_1931_xyz(wavelength) * (spectrum(wavelength) * light);
     }
-    return rgb_of_xyz(xyz * (range / steps / y_integral));
+    return rgb_of_xyz(xyz * (range / steps / observer_y_integral));
 }
 
 }  // namespace gib

@@ -13,6 +13,9 @@ namespace gib {
 inline constexpr double shortest_wavelength = 360;
 inline constexpr double longest_wavelength = 830;
 
+/// The integral of the colour matching function y over the wavelength [nm].
+inline constexpr double observer_y_integral = 106.7502593994140625;
+
 /// The colour matching functions x, y and z at a wavelength [nm], interpolated linearly between multiples of 5 nm.
 Colord cie_1931_xyz(double wavelength);
 

@@ -93,10 +93,11 @@ struct Texture::Varying {
         /// The clamp keeps rounding from lifting a reflectance above 1.
         Color color(const TexturePoint& at) const { return color_of(texture, at).max(minimum).min(maximum); }
     };
-    std::variant<BitmapTexture, CheckerboardTexture, Attribute> kind;
+    std::variant<BitmapTexture, CheckerboardTexture, Attribute, ScaledTexture> kind;
 
     const BitmapTexture* bitmap() const { return std::get_if<BitmapTexture>(&kind); }
     const Attribute* attribute() const { return std::get_if<Attribute>(&kind); }
+    const ScaledTexture* scaled() const { return std::get_if<ScaledTexture>(&kind); }
     const CheckerboardTexture& checkerboard() const { return std::get<CheckerboardTexture>(kind); }
 };
 
@@ -105,10 +106,15 @@ Texture::Texture(CheckerboardTexture checkerboard)
     : varying_(std::make_shared<const Varying>(Varying{std::move(checkerboard)})) {}
 Texture::Texture(MeshAttributeTexture attribute)
     : varying_(std::make_shared<const Varying>(Varying{Varying::Attribute(std::move(attribute))})) {}
+Texture::Texture(const ScaledTexture& scaled) {
+    if (scaled.texture.constant()) constant_ = scaled.texture.constant_ * scaled.scale;
+    else varying_ = std::make_shared<const Varying>(Varying{scaled});
+}
 
 Color Texture::varying_color(const TexturePoint& at) const {
     if (const auto* bitmap = varying_->bitmap()) return color_of(*bitmap, at.uv);
     if (const auto* attribute = varying_->attribute()) return attribute->color(at);
+    if (const auto* scaled = varying_->scaled()) return scaled->texture.color(at) * scaled->scale;
     const auto& board = varying_->checkerboard();
     return (on_diagonal(board, at.uv) ? board.color0 : board.color1).color(at);
 }
@@ -117,26 +123,38 @@ float Texture::value(const TexturePoint& at) const {
     if (!varying_) return is_grey(constant_) ? constant_[0] : constant_.mean();
     if (const auto* bitmap = varying_->bitmap()) return number(color_of(*bitmap, at.uv), bitmap->bitmap->grey());
     if (const auto* attribute = varying_->attribute()) return number(attribute->color(at), attribute->texture.grey);
+    if (const auto* scaled = varying_->scaled())
+        return is_grey(scaled->scale) ? scaled->texture.value(at) * scaled->scale[0]
+                                      : luminance(scaled->texture.color(at) * scaled->scale);
     const auto& board = varying_->checkerboard();
     return (on_diagonal(board, at.uv) ? board.color1 : board.color0).value(at);
 }
 
 Vec2 Texture::gradient(const Vec2& uv) const {
-    const auto* bitmap = varying_ ? varying_->bitmap() : nullptr;
+    if (!varying_) return Vec2::Zero();
+    if (const auto* scaled = varying_->scaled())
+        return has_gradient() ? Vec2(scaled->scale[0] * scaled->texture.gradient(uv)) : Vec2(Vec2::Zero());
+    const auto* bitmap = varying_->bitmap();
     return bitmap ? gradient_of(*bitmap, uv) : Vec2(Vec2::Zero());
 }
 
-bool Texture::has_gradient() const { return !varying_ || varying_->bitmap(); }
+bool Texture::has_gradient() const {
+    if (!varying_) return true;
+    if (const auto* scaled = varying_->scaled()) return is_grey(scaled->scale) && scaled->texture.has_gradient();
+    return varying_->bitmap();
+}
 
 Color Texture::mean() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->mean();
     if (const auto* attribute = varying_->attribute()) return attribute->mean;
+    if (const auto* scaled = varying_->scaled()) return scaled->texture.mean() * scaled->scale;
     const auto& board = varying_->checkerboard();
     return 0.5f * (board.color0.mean() + board.color1.mean());
 }
 
 double Texture::aspect() const {
+    if (varying_ && varying_->scaled()) return varying_->scaled()->texture.aspect();
     const auto* bitmap = varying_ ? varying_->bitmap() : nullptr;
     return bitmap ? static_cast<double>(bitmap->bitmap->width()) / bitmap->bitmap->height() : 1;
 }
@@ -145,6 +163,7 @@ Color Texture::minimum() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->minimum();
     if (const auto* attribute = varying_->attribute()) return attribute->minimum;
+    if (const auto* scaled = varying_->scaled()) return scaled->texture.minimum() * scaled->scale;
     const auto& board = varying_->checkerboard();
     return board.color0.minimum().min(board.color1.minimum());
 }
@@ -153,6 +172,7 @@ Color Texture::maximum() const {
     if (!varying_) return constant_;
     if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->maximum();
     if (const auto* attribute = varying_->attribute()) return attribute->maximum;
+    if (const auto* scaled = varying_->scaled()) return scaled->texture.maximum() * scaled->scale;
     const auto& board = varying_->checkerboard();
     return board.color0.maximum().max(board.color1.maximum());
 }

@@ -34,6 +34,9 @@ struct BitmapTexture {
 /// A checkerboard of 2 x 2 squares in [0, 1]^2, repeated.
 struct CheckerboardTexture;
 
+/// Another texture times a colour.
+struct ScaledTexture;
+
 /// Colours of one mesh (Mitsuba's `mesh_attribute`): three for each triangle, at its vertices, which are interpolated
 /// linearly, or one for each triangle.
 struct MeshAttributeTexture {
@@ -42,7 +45,8 @@ struct MeshAttributeTexture {
     bool grey = false;  ///< the attribute is a number, not a colour
 };
 
-/// A colour that varies over a surface: a constant, a bitmap, a checkerboard or an attribute of the surface's mesh.
+/// A colour that varies over a surface: a constant, a bitmap, a checkerboard, an attribute of the surface's mesh, or
+/// one of these times a colour.
 /// Cheap to copy: pixels are shared.
 class Texture {
 public:
@@ -50,6 +54,7 @@ public:
     explicit Texture(BitmapTexture bitmap);
     explicit Texture(CheckerboardTexture checkerboard);
     explicit Texture(MeshAttributeTexture attribute);
+    explicit Texture(const ScaledTexture& scaled);
 
     bool constant() const { return !varying_; }
     /// The colour at a place: linear RGB with sRGB's primaries, within minimum() and maximum() everywhere. A coordinate
@@ -58,7 +63,8 @@ public:
     Color color(const TexturePoint& at) const { return varying_ ? varying_color(at) : constant_; }
     /// The texture as one number, as Mitsuba's eval_1 returns it: a grey value itself, the luminance of a bitmap's
     /// colour, or the mean of a constant colour's channels. The two colours of a checkerboard are exchanged here, as
-    /// they are in Mitsuba. Of an attribute's colour it is the luminance, too; Mitsuba refuses it.
+    /// they are in Mitsuba. Of an attribute's colour it is the luminance, too; Mitsuba refuses it. A grey scale
+    /// multiplies this number; with a coloured one it is the luminance of the product.
     float value(const TexturePoint& at) const;
     /// The derivative of value() with respect to (u, v), per unit of uv. It is 0 for the filter `nearest` and
     /// for a checkerboard and an attribute.
@@ -87,6 +93,11 @@ struct CheckerboardTexture {
     Texture color0{Color::Constant(0.4f)};  ///< colour where s and t are in the same half of their period
     Texture color1{Color::Constant(0.2f)};
     UvTransform to_uv;  ///< applies to the squares, not to textures in them
+};
+
+struct ScaledTexture {
+    Texture texture;
+    Color scale;  ///< not negative
 };
 
 }  // namespace gib

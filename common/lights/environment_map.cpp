@@ -9,6 +9,9 @@ namespace gib {
 namespace {
 
 constexpr float uniform_share = 0.1f;
+constexpr double largest_disc_share = 0.75;
+/// Rounding error [rad] of a direction in float.
+constexpr double rounding = 4e-6;
 constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
 
 /// The luminance in double, so that its product with a small solid angle does not underflow.
@@ -18,8 +21,11 @@ Color lerp(const Color& a, const Color& b, float t) { return (1.f - t) * a + t *
 
 }  // namespace
 
-EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
-    : width_(static_cast<std::size_t>(radiance.width)),
+EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world, double reach,
+                               const std::optional<BrightDisc>& disc)
+    : reach_(reach),
+      per_reach_(static_cast<float>(1 / reach)),
+      width_(static_cast<std::size_t>(radiance.width)),
       bands_(std::max<std::size_t>(static_cast<std::size_t>(radiance.height), 2) - 1),
       bands_f_(static_cast<double>(bands_)),
       quad_phi_(2 * std::numbers::pi / radiance.width),
@@ -31,6 +37,12 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
     }
     require_memory(static_cast<double>(width_ * bands_ * bytes_per_choice),
                    fmt::format("choosing directions of an environment of {} x {} pixels", width_, radiance.height));
+    integrate();
+    if (disc && !is_black(disc->radiance)) take_disc(*disc);
+}
+
+/// Finds the integral of the radiance, and the luminance of the quads.
+void EnvironmentMap::integrate() {
     std::vector<double> rows, columns(width_);
     for (std::size_t row = 0; row < bands_; ++row) {
         const double theta0 = theta_of(row), theta1 = theta_of(row + 1);
@@ -51,6 +63,24 @@ EnvironmentMap::EnvironmentMap(Image radiance, const Frame& to_world)
     rows_ = DiscreteDistribution(rows);
 }
 
+/// Adds the part of the disc that is not beyond the map's reach, which is black.
+void EnvironmentMap::take_disc(const BrightDisc& disc) {
+    disc_ = disc;
+    constexpr int steps = 128;
+    int within = 0;
+    for (int i = 0; i < steps * steps; ++i) {
+        const Vec2 u((static_cast<float>(i / steps) + 0.5f) / steps, (static_cast<float>(i % steps) + 0.5f) / steps);
+        const Vec3 w = Frame(disc.axis).to_world(square_to_cone(u, disc.one_minus_cos));
+        if (quad_at(to_world_.to_local(w)).row < bands_) ++within;
+    }
+    const double visible = static_cast<double>(within) / (steps * steps) * static_cast<double>(disc.solid_angle());
+    const Colord map = integral_;
+    integral_ += visible * disc.radiance.cast<double>();
+    const auto brightness = [](const Colord& c) { return c.matrix().dot(Vec3d(0.212671, 0.715160, 0.072169)); };
+    const double share = 1 - brightness(map) / brightness(integral_);
+    disc_share_ = rows_.total() > 0 ? static_cast<float>(std::min(share, largest_disc_share)) : 1.f;
+}
+
 Color EnvironmentMap::texel(std::size_t column, std::size_t row) const {
     const std::size_t i = 3 * (row * width_ + column);
     return {rgb_[i], rgb_[i + 1], rgb_[i + 2]};
@@ -65,6 +95,7 @@ EnvironmentMap::Corners EnvironmentMap::corners(const Quad& quad) const {
 }
 
 Color EnvironmentMap::interpolated(const Quad& quad) const {
+    if (quad.row == bands_) return Color::Zero();
     const Corners c = corners(quad);
     return lerp(lerp(c.c00, c.c10, quad.s), lerp(c.c01, c.c11, quad.s), quad.t);
 }
@@ -72,7 +103,9 @@ Color EnvironmentMap::interpolated(const Quad& quad) const {
 EnvironmentMap::Quad EnvironmentMap::quad_at(const Vec3& w) const {
     // acos(y) would lose half of the digits at the poles.
     const float theta = std::atan2(std::hypot(w.x(), w.z()), w.y());
-    const float v = std::clamp(theta * inv_pi, 0.f, 1.f) * static_cast<float>(bands_);
+    const float share = std::max(theta * per_reach_, 0.f);
+    if (share > 1.f && reach_ < std::numbers::pi) return {.column = 0, .row = bands_, .s = 0.f, .t = 0.f};
+    const float v = std::min(share, 1.f) * static_cast<float>(bands_);
     const float columns = static_cast<float>(width_);
     float u = std::atan2(w.x(), -w.z()) * (0.5f * inv_pi) * columns - 0.5f;
     u -= std::floor(u / columns) * columns;
@@ -97,6 +130,7 @@ double EnvironmentMap::luminance_of(const Corners& c, std::size_t row) const {
 }
 
 float EnvironmentMap::density(const Quad& quad) const {
+    if (quad.row == bands_) return uniform_share * uniform_sphere_pdf_w;
     // The quad was chosen with a rounded probability; within it the density is exactly that of the luminance.
     const DiscreteDistribution& columns = columns_[quad.row];
     if (!(columns.total() > 0)) return uniform_share * uniform_sphere_pdf_w;
@@ -108,7 +142,24 @@ float EnvironmentMap::density(const Quad& quad) const {
     return uniform_share * uniform_sphere_pdf_w + (1.f - uniform_share) * choice * relative;
 }
 
+Vec2 EnvironmentMap::beyond_disc(const Vec2& u) const {
+    return {std::clamp((u.x() - disc_share_) / (1.f - disc_share_), 0.f, 1.f - unit_roundoff), u.y()};
+}
+
 EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
+    if (!disc_) return sample_map(u);
+    Vec3 w;
+    if (u.x() < disc_share_) {
+        w = Frame(disc_->axis).to_world(square_to_cone(Vec2(u.x() / disc_share_, u.y()), disc_->one_minus_cos));
+        // Rounding moves a few points of the rim out of the disc.
+        if (!disc_->contains(w)) w = disc_->axis;
+    } else {
+        w = sample_map(beyond_disc(u)).w;
+    }
+    return {w, radiance(w), pdf_w(w)};
+}
+
+EnvironmentMap::Sample EnvironmentMap::sample_map(const Vec2& u) const {
     if (u.x() < uniform_share) {
         const Vec3 w = square_to_sphere(Vec2(u.x() / uniform_share, u.y()));
         const Quad quad = quad_at(w);
@@ -131,6 +182,16 @@ EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& u) const {
 }
 
 DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) const {
+    if (!disc_) return cone_of_map(lower, upper);
+    if (upper.x() <= disc_share_) {
+        const double half_angle = 2 * std::asin(std::sqrt(0.5 * static_cast<double>(disc_->one_minus_cos)));
+        return {disc_->axis.cast<double>().normalized(), half_angle + rounding};
+    }
+    if (lower.x() < disc_share_) return {};
+    return cone_of_map(beyond_disc(lower), beyond_disc(upper));
+}
+
+DirectionCone EnvironmentMap::cone_of_map(const Vec2& lower, const Vec2& upper) const {
     if (upper.x() <= uniform_share)
         return cone_around(square_to_sphere_patch(Vec2(lower.x() / uniform_share, lower.y()),
                                                   Vec2(std::min(upper.x() / uniform_share, 1.f), upper.y())),

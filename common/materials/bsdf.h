@@ -6,6 +6,7 @@
 #include "common/materials/phong.h"
 #include "common/materials/plastic.h"
 #include "common/materials/principled.h"
+#include "common/materials/principled_thin.h"
 #include "common/materials/rough_scattering.h"
 #include "common/materials/smooth_scattering.h"
 
@@ -16,7 +17,7 @@
 namespace gib {
 
 using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, RoughConductor, RoughDielectric,
-                                Plastic, RoughPlastic, Phong, Principled>;
+                                Plastic, RoughPlastic, Phong, Principled, PrincipledThin>;
 
 /// The effect of a bump or normal map on one layer, in the shading frame of the hit.
 ///

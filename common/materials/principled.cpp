@@ -1,5 +1,6 @@
 #include "common/materials/principled.h"
 
+#include "common/materials/burley.h"
 #include "common/materials/fresnel.h"
 #include "common/materials/gtr1.h"
 #include "common/sampling/warp.h"
@@ -8,27 +9,14 @@
 
 namespace gib {
 
+using burley::lerp, burley::schlick, burley::schlick_weight;
+
 namespace {
 
-constexpr float least_alpha = 1e-3f;
 /// Roughness of the clear coat at the ends of clearcoat_gloss, and that of its masking (Burley 2012).
 constexpr float coat_alpha_dull = 0.1f, coat_alpha_glossy = 1e-3f, coat_masking_alpha = 0.25f;
 constexpr float coat_f0 = 0.04f;
 constexpr float coat_share = 0.25f;
-
-float lerp(float a, float b, float t) { return a + t * (b - a); }
-
-float schlick_weight(float cosine) {
-    const float x = std::clamp(1.f - cosine, 0.f, 1.f);
-    return sqr(sqr(x)) * x;
-}
-
-/// Schlick's weight by the cosine in the medium of lower index, where it is 1 at total reflection.
-float schlick_weight(float cosine, float eta_ti) {
-    return schlick_weight(eta_ti > 1.f ? cosine : std::abs(fresnel_dielectric(cosine, eta_ti).cos_t));
-}
-
-Color schlick(const Color& f0, float weight) { return f0 + weight * (1.f - f0); }
 
 Vec3 on_side(const Vec3& w, bool below) { return below ? Vec3(w.x(), w.y(), -w.z()) : w; }
 
@@ -53,15 +41,9 @@ struct Principled::Choice {
 
 double Principled::eta_of_specular(double specular) { return 2 / (1 - std::sqrt(0.08 * specular)) - 1; }
 
-MicrofacetDistribution Principled::distribution() const {
-    const float aspect = std::sqrt(1.f - 0.9f * anisotropic), alpha = sqr(roughness);
-    return {MicrofacetType::ggx, std::max(alpha / aspect, least_alpha), std::max(alpha * aspect, least_alpha)};
-}
+MicrofacetDistribution Principled::distribution() const { return burley::facets(roughness, anisotropic); }
 
-Color Principled::tint() const {
-    const float y = luminance(base_color);
-    return y > 0.f ? Color(base_color / y) : Color(Color::Ones());
-}
+Color Principled::tint() const { return burley::tint_of(base_color); }
 
 LobeTraits Principled::traits() const {
     LobeTraits t;
@@ -80,12 +62,7 @@ LobeTraits Principled::traits() const {
 
 /// Diffuse light, retro-reflection, approximated subsurface scattering and sheen.
 Color Principled::diffuse_f(float cos_o, float cos_i, float cos_d) const {
-    const float w_o = schlick_weight(cos_o), w_i = schlick_weight(cos_i);
-    const float r = 2.f * roughness * sqr(cos_d);
-    const float plain = (1.f - 0.5f * w_o) * (1.f - 0.5f * w_i) + r * (w_o + w_i + w_o * w_i * (r - 1.f));
-    const float s = lerp(1.f, 0.5f * r, w_o) * lerp(1.f, 0.5f * r, w_i);
-    const float flat = 1.25f * (s * (1.f / (cos_o + cos_i) - 0.5f) + 0.5f);
-    Color f = base_color * (opaque() * inv_pi * lerp(plain, flat, flatness));
+    Color f = base_color * (opaque() * inv_pi * burley::diffuse(roughness, flatness, cos_o, cos_i, cos_d));
     const float fuzz = (1.f - metallic) * sheen * schlick_weight(cos_d);
     if (fuzz > 0.f) f += fuzz * (1.f + sheen_tint * (tint() - 1.f));
     return f;

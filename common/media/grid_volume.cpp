@@ -14,6 +14,9 @@ namespace gib {
 
 namespace {
 
+/// How a file holds its values. A byte of 255 means 1 (the documentation of Mitsuba 0.6, `gridvolume`).
+constexpr std::int32_t float32_encoding = 1, uint8_encoding = 3;
+
 /// Reads a file's values one after another.
 class BinaryCursor {
 public:
@@ -110,8 +113,10 @@ GridVolume::Data load_volume(const std::string& path) {
     if (std::string_view(magic.data(), magic.size()) != "VOL") cursor.fail("no volume: it does not start with VOL");
     if (const int version = cursor.next<std::uint8_t>("its version"); version != 3)
         cursor.fail(fmt::format("version {} is not supported; 3 is", version));
-    if (const auto encoding = cursor.next<std::int32_t>("its encoding"); encoding != 1)
-        cursor.fail(fmt::format("encoding {} is not supported; 1, float32, is", encoding));
+    const auto encoding = cursor.next<std::int32_t>("its encoding");
+    if (encoding != float32_encoding && encoding != uint8_encoding)
+        cursor.fail(fmt::format("encoding {} is not supported; {}, float32, and {}, uint8, are", encoding,
+                                float32_encoding, uint8_encoding));
     GridVolume::Data data;
     std::size_t values = 1;
     for (int& size : data.size) {
@@ -126,11 +131,15 @@ GridVolume::Data load_volume(const std::string& path) {
     for (int corner = 0; corner < 2; ++corner)
         for (int axis = 0; axis < 3; ++axis)
             (corner == 0 ? data.box.min() : data.box.max())[axis] = static_cast<double>(cursor.next<float>("its box"));
-    if (cursor.rest() != values * sizeof(float))
-        cursor.fail(
-            fmt::format("{} bytes of values where its size asks for {}", cursor.rest(), values * sizeof(float)));
+    const std::size_t bytes_of_values = values * (encoding == uint8_encoding ? 1 : sizeof(float));
+    if (cursor.rest() != bytes_of_values)
+        cursor.fail(fmt::format("{} bytes of values where its size asks for {}", cursor.rest(), bytes_of_values));
+    const char* first = bytes.data() + (bytes.size() - cursor.rest());
     data.values.resize(values);
-    std::memcpy(data.values.data(), bytes.data() + (bytes.size() - cursor.rest()), cursor.rest());
+    if (encoding == float32_encoding) std::memcpy(data.values.data(), first, bytes_of_values);
+    else
+        std::transform(first, first + values, data.values.begin(),
+                       [](char byte) { return static_cast<float>(static_cast<unsigned char>(byte)) / 255.f; });
     if (!std::all_of(data.values.begin(), data.values.end(), [](float v) { return std::isfinite(v); }))
         cursor.fail("a value is not finite");
     return data;

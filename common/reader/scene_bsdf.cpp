@@ -337,6 +337,28 @@ void read(ModelReader<Principled>& model) {
         model.properties().not_negative(name, 1);
 }
 
+void read(ModelReader<PrincipledThin>& model) {
+    using Thin = PrincipledThin;
+    model.color("base_color", 0.5f, ColorRange::unit, [](Thin& m, const Color& c) { m.base_color = c; });
+    model.number(
+        "roughness", 0.5f, [](Thin& m, float x) { m.roughness = x; }, 1.f);
+    model.number(
+        "diff_trans", 0.f, [](Thin& m, float x) { m.diff_trans = x; }, 2.f);
+    const auto number = [&](const char* name, auto set) { model.number(name, 0.f, set, 1.f); };
+    number("anisotropic", [](Thin& m, float x) { m.anisotropic = x; });
+    number("spec_trans", [](Thin& m, float x) { m.spec_trans = x; });
+    number("spec_tint", [](Thin& m, float x) { m.spec_tint = x; });
+    number("sheen", [](Thin& m, float x) { m.sheen = x; });
+    number("sheen_tint", [](Thin& m, float x) { m.sheen_tint = x; });
+    number("flatness", [](Thin& m, float x) { m.flatness = x; });
+    model->eta = static_cast<float>(model.properties().within("eta", 1.5, static_cast<double>(lowest_relative_index),
+                                                              static_cast<double>(highest_relative_index)));
+    // Mitsuba's shares of the samples, which change no image.
+    for (const char* name : {"diffuse_reflectance_sampling_rate", "specular_reflectance_sampling_rate",
+                             "specular_transmittance_sampling_rate", "diffuse_transmittance_sampling_rate"})
+        model.properties().not_negative(name, 1);
+}
+
 template <typename Model>
 Material parse_model(Properties& properties, TextureFiles& files) {
     ModelReader<Model> model(properties, files);
@@ -426,6 +448,7 @@ constexpr BsdfPlugin plugins[] = {
     {"roughplastic", parse_model<RoughPlastic>},
     {"phong", parse_model<Phong>},
     {"principled", parse_model<Principled>},
+    {"principledthin", parse_model<PrincipledThin>},
     {"twosided", parse_twosided},
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},

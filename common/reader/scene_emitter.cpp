@@ -2,6 +2,7 @@
 
 #include "common/core/reject.h"
 #include "common/images/linear_file.h"
+#include "common/reader/scene_daylight.h"
 #include "common/reader/scene_sensor.h"
 #include "common/xml/scene_spectrum.h"
 
@@ -128,23 +129,25 @@ Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files) {
     return radiance;
 }
 
-Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin) {
+std::vector<Light> parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin) {
     Properties properties(*emitter.element, files.ids());
-    const std::string& type =
-        properties.plugin({"point", "spot", "projector", "directional", "constant", "envmap", "area"});
+    const std::string& type = properties.plugin(
+        {"point", "spot", "projector", "directional", "constant", "envmap", "sunsky", "sky", "sun", "area"});
     if (type == "area") throw InputError(emitter.where, "an area emitter must stand in a shape");
     check_sampling_weight(properties);
-    const auto parse = [&]() -> Light {
-        if (type == "point") return parse_point(properties, origin);
-        if (type == "spot") return parse_spot(properties, files, origin);
-        if (type == "projector") return parse_projector(properties, files, origin);
-        if (type == "directional") return parse_directional(properties);
-        if (type == "envmap") return parse_envmap(properties, files);
-        return ConstantEnvironment{color_property(properties, "radiance", 1, ColorRange::emission), {}};
+    const auto parse = [&]() -> std::vector<Light> {
+        if (type == "point") return {parse_point(properties, origin)};
+        if (type == "spot") return {parse_spot(properties, files, origin)};
+        if (type == "projector") return {parse_projector(properties, files, origin)};
+        if (type == "directional") return {parse_directional(properties)};
+        if (type == "envmap") return {parse_envmap(properties, files)};
+        if (type == "sunsky" || type == "sky" || type == "sun")
+            return parse_daylight(properties, type, rigid_axes(properties, properties.transform("to_world"), false));
+        return {ConstantEnvironment{color_property(properties, "radiance", 1, ColorRange::emission), {}}};
     };
-    Light light = parse();
+    std::vector<Light> lights = parse();
     properties.finish();
-    return light;
+    return lights;
 }
 
 }  // namespace gib

@@ -11,8 +11,9 @@ Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files);
 
 /// Reads an emitter: point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width,
 /// texture), projector (to_world, irradiance, scale, a perspective's field of view), directional (direction or
-/// to_world, irradiance), constant (radiance) or envmap (filename, scale, to_world). Positions are moved by -origin.
+/// to_world, irradiance), constant (radiance), envmap (filename, scale, to_world), sunsky, sky or sun
+/// (scene_daylight.h). It is one light, but for a sky with a sun of parallel light. Positions are moved by -origin.
 /// Sampling weights are checked but have no effect, because lights are chosen by their power. Throws InputError.
-Light parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin);
+std::vector<Light> parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin);
 
 }  // namespace gib

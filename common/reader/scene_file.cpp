@@ -37,6 +37,7 @@ public:
         const MeshInView none(textures_);
         parse_bsdf(bsdf, textures_);
     }
+    void check_medium(const NestedObject& medium) { parse_medium(medium, textures_, Vec3d::Zero()); }
     void add_medium(const NestedObject& medium) { medium_index(medium); }
     void set_camera_medium(const std::optional<NestedObject>& medium) {
         camera_medium_ = medium ? medium_index(*medium) : no_medium;
@@ -266,9 +267,11 @@ private:
         std::vector<Light> lights;
         for (const auto& emitter : emitters_) {
             if (area_emitters_.count(emitter.element)) continue;  // it stands in the shape that refers to it
-            lights.push_back(parse_emitter(emitter, textures_, origin));
-            if (is_environment(lights.back()) && std::count_if(lights.begin(), lights.end(), is_environment) > 1)
-                throw InputError(emitter.where, "a scene can have only one environment: a constant or an envmap");
+            std::vector<Light> parsed = parse_emitter(emitter, textures_, origin);
+            std::move(parsed.begin(), parsed.end(), std::back_inserter(lights));
+            if (std::count_if(lights.begin(), lights.end(), is_environment) > 1)
+                throw InputError(emitter.where,
+                                 "a scene can have only one environment: a constant, an envmap, a sky or a sun");
         }
         return lights;
     }
@@ -366,6 +369,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     });
     check_unused(textures, [&](const NestedObject& texture) { builder.check_texture(texture); });
     check_unused(bsdfs, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
+    check_unused(media, [&](const NestedObject& medium) { builder.check_medium(medium); });
     for (const auto& medium : media)
         if (builder.ids().is_used(*medium.element)) builder.add_medium(medium);
     builder.set_camera_medium(parsed.medium);

@@ -87,6 +87,21 @@ Texture parse_mesh_attribute(Properties& properties, TextureFiles& files) {
     return files.attribute(name, scale, properties.where("name"));
 }
 
+/// Mitsuba 0.6's `scale`: a texture, or the colour `value`, times a number or a colour.
+Texture parse_scaled(Properties& properties, ColorRange range, TextureFiles& files) {
+    const Color scale = color_property(properties, "scale", 1, ColorRange::non_negative);
+    properties.declare("value");
+    // The product must be in range, not its factor.
+    const ColorRange inner = range == ColorRange::unit ? ColorRange::non_negative : range;
+    const auto nested = properties.object("texture");
+    if (!nested) properties.require("value");
+    const Texture texture =
+        nested ? parse_texture(*nested, inner, files) : Texture(color_property(properties, "value", 1, inner));
+    if (!(texture.maximum() * scale).isFinite().all())
+        properties.reject("scale", "'scale' is too large for its texture");
+    return Texture(ScaledTexture{texture, scale});
+}
+
 Texture parse_within(const NestedObject& object, const std::string& name, ColorRange range, TextureFiles& files) {
     Texture texture = parse_texture(object, range, files);
     const float lowest = texture.minimum().minCoeff(), highest = texture.maximum().maxCoeff();
@@ -149,10 +164,11 @@ std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, cons
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files) {
     const OpenElement open(object, files);
     Properties properties(*object.element, files.ids());
-    const std::string& type = properties.plugin({"bitmap", "checkerboard", "mesh_attribute", "rawconstant"});
+    const std::string& type = properties.plugin({"bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"});
     const Texture texture = type == "bitmap"           ? parse_bitmap(properties, files)
                             : type == "checkerboard"   ? parse_checkerboard(properties, range, files)
                             : type == "mesh_attribute" ? parse_mesh_attribute(properties, files)
+                            : type == "scale"          ? parse_scaled(properties, range, files)
                                                        : parse_raw_constant(properties);
     properties.finish();
     return texture;

@@ -80,8 +80,8 @@ private:
     TextureFiles& files_;
 };
 
-/// Reads a bitmap, a checkerboard, a rawconstant or a mesh_attribute. The constants in a checkerboard must lie within
-/// `range`; other values are not checked. Throws InputError.
+/// Reads a bitmap, a checkerboard, a rawconstant, a mesh_attribute or one of them in a scale. The constants in a
+/// checkerboard must lie within `range`; other values are not checked. Throws InputError.
 Texture parse_texture(const NestedObject& object, ColorRange range, TextureFiles& files);
 
 /// The colour parameter `name`: a value as color_property() takes it, or a texture within `range`.

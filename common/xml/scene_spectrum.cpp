@@ -148,8 +148,9 @@ Color parse_blackbody(Properties& properties, const Purpose& purpose) {
     const double temperature = properties.positive("temperature", 0);
     const double first = properties.number("wavelength_min", shortest_wavelength),
                  last = properties.number("wavelength_max", longest_wavelength);
+    const double scale = properties.not_negative("scale", 1);
     const auto spectrum = [&](double wavelength) {
-        return wavelength >= first && wavelength <= last ? planck(wavelength, temperature) : 0.0;
+        return wavelength >= first && wavelength <= last ? scale * planck(wavelength, temperature) : 0.0;
     };
     return color_of(spectrum, purpose, where);
 }

@@ -11,9 +11,9 @@ namespace gib {
 ///   value="400:0.1, 700:0.2"            wavelengths [nm] and values; linear in between, 0 outside
 ///   filename="x.spd"                    such pairs in a file, one a line; # starts a comment
 /// and of the plugins uniform (grey always), regular, irregular, srgb, d65 (white always) and, as an emission,
-/// blackbody [W/(m^2 sr nm)]. Reflectances and indices are converted under the illuminant D65. Colours that RGB
-/// cannot hold are clamped to its gamut, as in Mitsuba: below 0 always, above 1 in ColorRange::unit. `name` is the
-/// property's name, for messages. Throws InputError, also for values out of `range`.
+/// blackbody [W/(m^2 sr nm)], which also takes the `scale` of Mitsuba 0.6. Reflectances and indices are converted under
+/// the illuminant D65. Colours that RGB cannot hold are clamped to its gamut, as in Mitsuba: below 0 always, above 1 in
+/// ColorRange::unit. `name` is the property's name, for messages. Throws InputError, also for values out of `range`.
 Color parse_spectrum(const XmlElement& element, const XmlIds& ids, const std::string& name, ColorRange range);
 
 /// A colour that a plugin takes: an <rgb>, a <float> for a grey, or a <spectrum>; linear, with sRGB's primaries.

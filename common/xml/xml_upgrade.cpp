@@ -90,6 +90,7 @@ public:
         if (version_.before(0, 4)) upgrade_names_before_0_4();
         if (version_.before(0, 5) && is(e_, "bsdf", "bump")) attribute_of(e_, "type")->value = "bumpmap";
         upgrade_color();
+        if (e_.tag == "blackbody") upgrade_blackbody();
         if (e_.tag == "texture") upgrade_texture();
         if (e_.tag == "bsdf") upgrade_bsdf();
         if (e_.tag == "medium") upgrade_medium();
@@ -98,6 +99,8 @@ public:
             drop(e_, {"collapse"});  // it changes no image
             drop_with_warning("srgb", "integer colours count as sRGB, others as linear");
         }
+        for (const char* type : {"sunsky", "sky", "sun"})
+            if (is(e_, "emitter", type)) upgrade_daylight();
         if (is(e_, "emitter", "envmap")) {
             drop(e_, {"cache"});
             drop_with_warning("gamma", "the kind of the image decides");
@@ -146,6 +149,34 @@ private:
             const std::size_t count = words_of(value->value).size();
             if (count == 1 || count == 3) e_.tag = "rgb";
         }
+    }
+
+    /// <blackbody temperature="3000K" scale="2"/> is a spectrum with these parameters.
+    void upgrade_blackbody() {
+        e_.check_attributes({"name", "temperature", "scale"});
+        std::string kelvin = e_.required("temperature").value;
+        if (kelvin.ends_with('K') || kelvin.ends_with('k')) kelvin.pop_back();
+        const SourceLocation where = e_.required("temperature").where;
+        e_.tag = "spectrum";
+        e_.children.push_back(value_element("float", "temperature", kelvin, where));
+        if (const XmlAttribute* scale = e_.find("scale"))
+            e_.children.push_back(value_element("float", "scale", scale->value, scale->where));
+        std::erase_if(e_.attributes, [](const XmlAttribute& a) { return a.name != "name"; });
+        e_.attributes.push_back({"type", "blackbody", where});
+    }
+
+    /// Up is y, east is x and north is -z; in version 3 up is z and north is x.
+    void upgrade_daylight() {
+        if (!property(e_, "to_world"))
+            e_.children.push_back({.tag = "transform",
+                                   .where = e_.where,
+                                   .attributes = {{"name", "to_world", e_.where}},
+                                   .children = {}});
+        XmlElement& to_world = *property(e_, "to_world");
+        const std::string from_version_3 = "0 -1 0 0  0 0 1 0  -1 0 0 0  0 0 0 1";
+        to_world.children.insert(
+            to_world.children.begin(),
+            {.tag = "matrix", .where = e_.where, .attributes = {{"value", from_version_3, e_.where}}, .children = {}});
     }
 
     void upgrade_texture() {

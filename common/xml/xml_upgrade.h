@@ -35,6 +35,9 @@ SceneVersion parse_version(const XmlAttribute& version);
 ///  - a mixturebsdf of two bsdfs whose weights sum to 1 is a blendbsdf, and the scale of a bumpmap stands in a texture around its own;
 ///  - a medium's density_multiplier is its scale, and the density of a heterogeneous one its sigma_t; a constvolume has no
 ///    box, and a gridvolume has the one in its file;
+///  - a <blackbody> is a spectrum of this type;
+///  - up is y for sunsky, sky and sun, whose east is x and north -z (the documentation has north at z, which would make
+///    the sky the mirror image of the real one; Mitsuba 0.6 itself does as here);
 ///  - vertexcolors is the attribute vertex_color of a mesh.
 /// As the files data/schema/upgrade_0.*.xsl of Mitsuba 0.6 say: before 0.5 a bumpmap was called bump. Before 0.4 a sensor was
 /// called camera, looked at a mirrored world, and took its angle of view on the smaller side unless map_smaller_side was false; an emitter was

@@ -50,6 +50,8 @@ std::vector<NamedMaterial> materials() {
                                                      number("clearcoat_gloss", 0.2) + number("metallic", 0.3))},
         {"principled_glass",
          bsdf("principled", rgb("base_color", "0.6 0.3 0.2") + number("spec_trans", 0.6) + number("roughness", 0.6))},
+        {"principledthin", bsdf("principledthin", rgb("base_color", "0.6 0.3 0.2") + number("spec_trans", 0.5) +
+                                                      number("roughness", 0.6) + number("diff_trans", 1.2))},
         {"blend", bsdf("blendbsdf", number("weight", 0.3) + grey + bsdf("roughconductor", distribution("ggx", 0.05)))},
         {"mask", bsdf("mask", number("opacity", 0.4) + grey)},
         {"null", bsdf("null")},

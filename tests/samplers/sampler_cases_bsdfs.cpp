@@ -190,6 +190,28 @@ struct ModelsOf {
              true},
         };
     }
+    Models operator()(std::type_identity<PrincipledThin>) const {
+        const std::string amber = "<rgb name='base_color' value='0.6, 0.4, 0.1'/>";
+        return {
+            {"thin principled sheet",
+             bsdf("principledthin", amber + number("diff_trans", 0.8) + number("sheen", 0.4) + number("flatness", 0.3)),
+             1,
+             {},
+             true},
+            {"thin principled pane",
+             bsdf("principledthin", amber + number("spec_trans", 1) + number("roughness", 0.4) +
+                                        number("spec_tint", 0.5) + number("eta", 1.33)),
+             1,
+             {},
+             true},
+            {"thin principled of all lobes",
+             bsdf("principledthin", amber + number("spec_trans", 0.5) + number("diff_trans", 0.6) +
+                                        number("roughness", 0.35) + number("anisotropic", 0.7) + number("sheen", 0.2)),
+             1,
+             {},
+             true},
+        };
+    }
 
 private:
     const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";

@@ -322,9 +322,20 @@ struct LightCasesOf {
     Cases operator()(std::type_identity<MappedEnvironment>) const {
         const TemporaryFolder folder;
         const auto lit = [](const std::string& map) { return lit_by<MappedEnvironment>(small_shape + map); };
+        const double sun_radius = 4 * std::numbers::pi / 180;
+        const std::string sun_at_zenith =
+            "<emitter type='sunsky'>" + number("sun_aperture", 8) +
+            "<vector name='sun_direction' x='0' y='0' z='1'/><transform name='to_world'/></emitter>";
         return {
             light_case("envmap", lit(sunny_map(folder)), beside_shape, {up}),
             light_case("envmap of noise", lit(envmap_xml(folder, image_of(5, 4, noise))), beside_shape, {up}),
+            light_case("sunsky", lit(sun_at_zenith), beside_shape,
+                       {Vec3(0, 0, 1), 1.0, {1 - std::cos(sun_radius), 1.0}}),
+            emission_direction_case("sunsky", lit(sun_at_zenith),
+                                    [scene = lit(sun_at_zenith)](const Vec3& w) {
+                                        return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
+                                    },
+                                    {1.0, 1 + std::cos(sun_radius)}),
             light_case("envmap of one row", lit(envmap_xml(folder, image_of(4, 1, noise))), beside_shape, {up}),
             emission_map_case(),
         };

@@ -430,5 +430,14 @@ TEST(BsdfErrors, PrincipledTakesSharesOfOneAndOneIndex) {
                 testing::HasSubstr("give either 'specular' or 'eta'"));
 }
 
+TEST(BsdfErrors, PrincipledThinTakesTwiceTheTransmittedShare) {
+    EXPECT_EQ(error_of("principledthin", number("diff_trans", "2")), "no error");
+    expect_errors(
+        {{"principledthin", number("diff_trans", "2.5"), number_place("diff_trans"), "must be at most 2, not 2.5"},
+         {"principledthin", number("spec_trans", "1.5"), number_place("spec_trans"), "must be at most 1, not 1.5"},
+         {"principledthin", number("eta", "0"), number_place("eta"), "'eta' must be between 0.01 and 100"},
+         {"principledthin", number("metallic", "1"), "4:1", "does not take a parameter 'metallic'"}});
+}
+
 }  // namespace
 }  // namespace gib

@@ -52,9 +52,9 @@ std::string to_world(const std::string& operation) {
 const std::string squares = "<texture name=\"texture\" type=\"checkerboard\"/>";
 
 TEST(EmitterErrors, Plugins) {
-    expect_errors({{emitter("sky", ""), "3:10",
-                    "the emitter 'sky' is not supported; supported are: point, spot, projector, directional, constant, "
-                    "envmap, area"},
+    expect_errors({{emitter("moon", ""), "3:10",
+                    "the emitter 'moon' is not supported; supported are: point, spot, projector, directional, "
+                    "constant, envmap, sunsky, sky, sun, area"},
                    {emitter("area", ""), "3:1", "must stand in a shape"},
                    {"<shape type=\"sphere\">\n<emitter type=\"constant\"/></shape>", "3:10", "supported are: area"}});
 }

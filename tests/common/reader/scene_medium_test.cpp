@@ -1,7 +1,9 @@
 // Tests of the reader of media: what it accepts has Mitsuba's meaning, and what is wrong is an error at its place.
 
 #include "common/core/error.h"
+#include "common/media/grid_volume.h"
 #include "common/scene/effects.h"
+#include "common/scene/scene.h"
 #include "tests/support/input_error.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/volume_file.h"
@@ -113,7 +115,8 @@ TEST(MediumErrors, VolumeFiles) {
         {good.substr(0, 30), "the file ends in its box"},
         {"PLY" + good.substr(3), "it does not start with VOL"},
         {with(3, std::uint8_t{2}), "version 2 is not supported"},
-        {with(4, std::int32_t{3}), "encoding 3 is not supported"},
+        {with(4, std::int32_t{2}), "encoding 2 is not supported; 1, float32, and 3, uint8, are"},
+        {with(4, std::int32_t{3}), "8 bytes of values where its size asks for 2"},
         {with(8, std::int32_t{0}), "a side of 0 voxels"},
         {with(12, std::int32_t{-4}), "a side of -4 voxels"},
         {with(16, std::int32_t{100000}), "a side of 100000 voxels"},
@@ -131,6 +134,28 @@ TEST(MediumErrors, VolumeFiles) {
         EXPECT_THAT(error, StartsWith(file + ":1:1: ")) << message;
         EXPECT_THAT(error, HasSubstr(message));
     }
+}
+
+// A file of bytes means what a file of these numbers over 255 does.
+TEST(MediumReader, TakesVolumesOfBytes) {
+    const TemporaryFolder folder;
+    std::string bytes = volume_bytes({2, 1, 1}, 3, {});
+    bytes[4] = 3;
+    for (const int byte : {0, 51, 102, 153, 204, 255})
+        bytes += static_cast<char>(byte);
+    const GridVolume::Data data = load_volume(folder.write("bytes.vol", bytes));
+    EXPECT_EQ(data.values, (std::vector<float>{0.f, 51 / 255.f, 102 / 255.f, 153 / 255.f, 204 / 255.f, 1.f}));
+}
+
+// The errors of a medium that nothing refers to are warnings, and it is left out.
+TEST(MediumReader, ReadsWhatNothingRefersTo) {
+    const std::string ball = "<shape type='sphere'/>";
+    EXPECT_TRUE(load("<medium type='homogeneous' id='fog'/>" + ball).warnings.empty());
+    const LoadedScene scene =
+        load("<medium type='homogeneous' id='fog'><rgb name='albedo' value='2'/></medium>" + ball);
+    EXPECT_THAT(scene.warnings, ::testing::ElementsAre(::testing::AllOf(
+                                    StartsWith("test.xml:2:1: nothing refers to this medium"), HasSubstr("'albedo'"))));
+    EXPECT_FALSE(scene.scene->has_media());
 }
 
 // A medium may stand in the scene, and shapes and the camera refer to it; in a shape it needs the name of a side.

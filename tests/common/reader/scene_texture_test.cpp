@@ -330,5 +330,50 @@ TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
     EXPECT_THROW(load_linear_image(folder / "no.exr"), InputError);
 }
 
+// The texture `scale` of Mitsuba 0.6 multiplies a texture, or the colour `value`.
+TEST_F(SceneTextures, ScaleMultipliesATexture) {
+    const auto scaled = [&](const std::string& scale, const std::string& inner) {
+        return reflectance("<texture name=\"reflectance\" type=\"scale\">" + scale + inner + "</texture>");
+    };
+    const std::string image =
+        "<texture type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string name=\"filter_type\" "
+        "value=\"nearest\"/></texture>";
+    const std::string half = "<float name=\"scale\" value=\"0.5\"/>",
+                      colour = "<rgb name=\"scale\" value=\"0.5 1 0.25\"/>";
+    const Texture plain = reflectance(
+        "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string "
+        "name=\"filter_type\" value=\"nearest\"/></texture>");
+    const Vec2 at(0.75f, 0.5f);
+    EXPECT_TRUE(scaled(half, image).color(at).isApprox(0.5f * plain.color(at)));
+    EXPECT_TRUE(scaled(half, image).mean().isApprox(0.5f * plain.mean()));
+    EXPECT_TRUE(scaled(half, image).maximum().isApprox(0.5f * plain.maximum()));
+    EXPECT_NEAR(scaled(half, image).value(at), 0.5f * plain.value(at), 1e-6f);
+    EXPECT_EQ(scaled(half, image).aspect(), 2);
+    const Color factor(0.5f, 1.f, 0.25f);
+    EXPECT_TRUE(scaled(colour, image).color(at).isApprox(factor * plain.color(at)));
+    EXPECT_NEAR(scaled(colour, image).value(at), luminance(factor * plain.color(at)), 1e-6f);
+    EXPECT_TRUE(scaled(half, image).has_gradient());
+    EXPECT_FALSE(scaled(colour, image).has_gradient());
+    // Only the product must be a reflectance.
+    const Texture board = scaled("<float name=\"scale\" value=\"0.25\"/>",
+                                 "<texture type=\"checkerboard\"><rgb name=\"color0\" value=\"4\"/></texture>");
+    EXPECT_TRUE(board.color(Vec2(0.2f, 0.2f)).isApprox(Color::Ones()));
+    const Texture grey = scaled(half, "<rgb name=\"value\" value=\"0.8\"/>");
+    EXPECT_TRUE(grey.constant());
+    EXPECT_NEAR(grey.color(at)[0], 0.4f, 1e-6f);
+}
+
+TEST_F(SceneTextures, ScaleErrors) {
+    const auto error = [&](const std::string& inside) {
+        return error_of("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"scale\">" + inside +
+                        "</texture></bsdf>");
+    };
+    EXPECT_THAT(error("<float name=\"scale\" value=\"0.5\"/>"), HasSubstr("'scale' needs 'value'"));
+    EXPECT_THAT(error("<float name=\"scale\" value=\"-0.5\"/><rgb name=\"value\" value=\"0.8\"/>"),
+                HasSubstr("'scale' must not be negative"));
+    EXPECT_THAT(error("<float name=\"scale\" value=\"2\"/><rgb name=\"value\" value=\"0.8\"/>"),
+                HasSubstr("'reflectance' must be between 0 and 1, but its texture has 1.6"));
+}
+
 }  // namespace
 }  // namespace gib

@@ -150,6 +150,13 @@ TEST(Spectrum, BlackbodiesHaveTheirColourAndLuminance) {
     EXPECT_NEAR(luminance_at_platinum, 60e4, 0.01 * 60e4);
 }
 
+TEST(Spectrum, ABlackbodyTakesAScale) {
+    const std::string scaled =
+        "<spectrum name=\"x\" type=\"blackbody\"><float name=\"temperature\" value=\"3000\"/><float name=\"scale\" "
+        "value=\"0.25\"/></spectrum>";
+    EXPECT_TRUE(color_of(scaled, ColorRange::emission).isApprox(0.25f * blackbody(3000), 1e-6f));
+}
+
 TEST(Spectrum, StandsWhereverAColourDoes) {
     const TemporaryFolder folder;
     folder.write("data/a.spd", "# wavelengths\n400 0.1 # first\r\n\n  500\t0.2\n600 0.4\n700 0.1");

@@ -187,6 +187,36 @@ std::vector<OldScene> lights_and_media() {
              "value='2.2'/><boolean name='cache' value='false'/></emitter>",
          new_sensor + ball("") + "<emitter type='envmap'><string name='filename' value='spots.ppm'/></emitter>",
          {"'gamma' has no effect: the kind of the image decides"}},
+        {"sky of 0.6",
+         "0.6.0",
+         old_sensor + ball("") +
+             "<emitter type='sunsky'><float name='turbidity' value='4'/><vector name='sunDirection' x='1' y='1' "
+             "z='2'/><float name='skyScale' value='3'/><float name='sunRadiusScale' value='2'/><spectrum "
+             "name='albedo' value='0.2'/><integer name='resolution' value='256'/></emitter>",
+         new_sensor + ball("") +
+             "<emitter type='sunsky'><float name='turbidity' value='4'/><vector name='sun_direction' x='1' y='1' "
+             "z='2'/><float name='sky_scale' value='3'/><float name='sun_radius_scale' value='2'/><transform "
+             "name='to_world'><matrix value='0 -1 0 0 0 0 1 0 -1 0 0 0 0 0 0 1'/></transform></emitter>",
+         {"Preetham"}},
+        {"sky of 0.5 with z upwards",
+         "0.5.0",
+         old_sensor + ball("") +
+             "<emitter type='sky'><float name='hour' value='10'/><transform name='toWorld'><rotate x='1' "
+             "angle='90'/></transform></emitter>",
+         // North is y there, and x in version 3.
+         new_sensor + ball("") +
+             "<emitter type='sky'><float name='hour' value='10'/><transform name='to_world'><matrix value='0 -1 0 0 0 "
+             "0 "
+             "1 0 -1 0 0 0 0 0 0 1'/><rotate x='1' angle='90'/></transform></emitter>",
+         {"Preetham"}},
+        {"blackbody lamp", "0.6.0",
+         old_sensor + ball("") +
+             "<emitter type='point'><point name='position' x='2' y='3' z='2'/><blackbody name='intensity' "
+             "temperature='3000K' scale='0.05'/></emitter>",
+         new_sensor + ball("") +
+             "<emitter type='point'><point name='position' value='2,3,2'/><spectrum name='intensity' "
+             "type='blackbody'><float name='temperature' value='3000'/><float name='scale' "
+             "value='0.05'/></spectrum></emitter>"},
         {"area lamp in a file that is included", "0.6.0", old_sensor + "<include filename='lamp.xml'/>" + ball(""),
          new_sensor +
              "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate "

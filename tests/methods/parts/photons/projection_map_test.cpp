@@ -56,6 +56,7 @@ std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
         {"hollow mesh", emitting("obj", "<scale value='0.8'/>" + leaning, mesh + "wedge.obj'/>")},
         {"textured rectangle", emitting("rectangle", "<scale x='0.3' y='0.6'/>" + leaning, "", texture)},
         {"textured sphere", emitting("sphere", "<scale value='0.4'/>" + leaning, "", texture)},
+        {"sunsky", "<emitter type='sunsky'><vector name='sun_direction' value='1 2 4'/></emitter>"},
         {"point", "<emitter type='point'>" + at + "</emitter>"},
         {"spot", "<emitter type='spot'>" + aim + "<float name='cutoff_angle' value='35'/></emitter>"},
         {"wide spot", "<emitter type='spot'>" + aim +
