@@ -4,13 +4,13 @@
 #include "common/core/error.h"
 #include "common/core/memory_limit.h"
 
-#include <OpenImageIO/hash.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <nettle/sha1.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -81,14 +81,12 @@ private:
 };
 
 std::string binary_digest(std::string_view data) {
-    OIIO::SHA1 sha;
-    // Lengths have 32 bits inside OIIO::SHA1, so that longer data are added in blocks of 2^30 bytes.
-    constexpr std::size_t block = std::size_t{1} << 30;
-    for (std::size_t i = 0; i < data.size(); i += block)
-        sha.append(data.data() + i, std::min(block, data.size() - i));
-    OIIO::SHA1::Hash hash;
-    sha.gethash(hash);
-    return {reinterpret_cast<const char*>(hash.hash), sizeof hash.hash};
+    sha1_ctx sha;
+    sha1_init(&sha);
+    sha1_update(&sha, data.size(), reinterpret_cast<const std::uint8_t*>(data.data()));
+    std::array<std::uint8_t, SHA1_DIGEST_SIZE> digest;
+    sha1_digest(&sha, digest.size(), digest.data());
+    return {reinterpret_cast<const char*>(digest.data()), digest.size()};
 }
 
 /// Removes the temporary files without a lock in `folder` if `ours(name)` is true for the name of their target.

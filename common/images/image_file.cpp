@@ -138,7 +138,9 @@ const Image* LayeredImage::find(const std::string& layer) const {
 }
 
 void write_exr(const std::string& path, const LayeredImage& image) {
-    write_file(path, encoded_for(path, image, Imf::ZIP_COMPRESSION));
+    // Noise leaves little to compress: for a render of the Cornell box with six layers of 256 x 256 pixels, ZIP takes
+    // 69 ms for 1.57 MB, and run lengths take 9 ms for 2.08 MB.
+    write_file(path, encoded_for(path, image, Imf::RLE_COMPRESSION));
 }
 
 void write_scratch_exr(const std::string& path, const LayeredImage& image) {

@@ -20,7 +20,8 @@ struct LayeredImage {
     const Image* find(const std::string& layer) const;
 };
 
-/// Writes a one-part float32 EXR with ZIP compression; the file appears whole or not at all. Throws RunError.
+/// Writes a one-part float32 EXR, compressed by run lengths without loss; the file appears whole or not at all. Throws
+/// RunError.
 void write_exr(const std::string& path, const LayeredImage& image);
 
 /// Writes an EXR file that another process reads at once and that is then removed. The file is uncompressed and not

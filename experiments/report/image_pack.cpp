@@ -2,7 +2,7 @@
 
 #include "common/core/error.h"
 
-#include <OpenImageIO/strutil.h>
+#include <nettle/base64.h>
 #include <zlib.h>
 
 #include <Eigen/Core>
@@ -47,7 +47,9 @@ int scale_exponent(std::span<const float> values) {
 }  // namespace
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-    return OIIO::Strutil::base64_encode({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
+    base64_encode_raw(text.data(), bytes.size(), bytes.data());
+    return text;
 }
 
 PackedImage pack_half(std::span<const float> values, int width, int height, int channels) {

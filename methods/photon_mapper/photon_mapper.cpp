@@ -59,12 +59,16 @@ public:
         walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
         if (plan.runs(pass_caustic))
             maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
+        if (settings.area == DiscArea::surface && (plan.runs(pass_caustic) || plan.runs(pass_global)))
+            flat_regions_.emplace(scene,
+                                  FlatRegions::resolution_for(std::max(settings.photons, settings.caustic_photons)));
         const auto estimator = [&](std::size_t k, double radius) {
             return DensityEstimator{.kernel = settings.kernel,
                                     .k = k,
                                     .max_radius = length(radius),
                                     .area = settings.area,
-                                    .compensation = settings.compensation};
+                                    .compensation = settings.compensation,
+                                    .flat_regions = flat_regions_ ? &*flat_regions_ : nullptr};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
         maps_.caustic_estimator = estimator(settings.caustic_k, settings.caustic_radius);
@@ -173,6 +177,7 @@ private:
     StageTimes& stages_;
     Film film_;
     bool traces_;
+    std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
     WalkSettings walk_;
     GatheredLight light_;

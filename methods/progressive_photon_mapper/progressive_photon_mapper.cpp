@@ -55,7 +55,11 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!plan_.runs(pass_eye_paths)) return Progress::converged;
-        if (pass == 0) find_first_radii();
+        if (pass == 0) {
+            find_first_radii();
+            if (settings_.maps.area == DiscArea::surface)
+                flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
+        }
         trace_maps(combine_keys(seed_, pass));
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
@@ -146,7 +150,8 @@ private:
                                     .k = all_photons,
                                     .max_radius = static_cast<float>(first * shrinking_.on_surfaces(passes_before)),
                                     .area = s.area,
-                                    .estimates_bias = true};
+                                    .estimates_bias = true,
+                                    .flat_regions = flat_regions_ ? &*flat_regions_ : nullptr};
         };
         maps_.caustic_estimator = on_surfaces(first_.caustic);
         maps_.global_estimator = on_surfaces(first_.global);
@@ -166,6 +171,7 @@ private:
     WalkSettings walk_;
     ShrinkingRadius shrinking_;
     Aims aims_;
+    std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
     struct {
         double caustic, global, volume;

@@ -113,7 +113,7 @@ void BM_PhotonMapBuildOverNanoflann(benchmark::State& state) {
 }  // namespace
 
 BENCHMARK(BM_PhotonMapLookupOverNanoflann)
-    ->ArgsProduct({{1000000, 10000000}, {50, 200}})
+    ->ArgsProduct({{1000000, 10000000}, {50, 200, 2500}})
     ->ArgNames({"photons", "k"})
     ->UseRealTime()
     ->Iterations(15);

@@ -35,6 +35,9 @@ public:
           disc_(hit, normal_, u),
           neighbours_(neighbours) {
         neighbours_.clear();
+        // All photons are lifted above the horizon, so that an ideal diffuse side has the same f for all of them.
+        if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z()))
+            same_f_ = hit.bsdf->f_local(wo_local_, wo_local_).diffuse.cast<double>();
     }
 
     Reflected radiance() {
@@ -59,9 +62,12 @@ private:
         if (inside < neighbours_.size() && r <= known) return radiance_within(known);
         if (inside == 0 || !(r > 0.f)) return {.radius = r};
         PhotonSums sums;
+        const bool even = e_.kernel == Kernel::uniform;
+        const double weight = kernel_weight(e_.kernel, 0.f, r);
         for (std::size_t i = 0; i < inside; ++i) {
             const Photon photon = map_[neighbours_[i].index];
-            sums.add(photon, reflected(photon) * kernel_weight(e_.kernel, neighbours_[i].distance2, r));
+            sums.add(photon,
+                     reflected(photon) * (even ? weight : kernel_weight(e_.kernel, neighbours_[i].distance2, r)));
         }
         return normalised(sums, r);
     }
@@ -87,22 +93,28 @@ private:
     /// were found without them, so a look-up without obstacles traces a few short rays. If something stands there,
     /// the search is repeated without the photons that it hides.
     void find_nearest() {
-        const auto near_plane = [this](const Photon& photon, float distance2) {
-            return counts(photon, photon.p - hit_.p, distance2);
+        bool any_off_plane = false;
+        const auto near_plane = [&](const Photon& photon, float distance2) {
+            const Vec3 offset = photon.p - hit_.p;
+            if (!counts(photon, offset, distance2)) return false;
+            any_off_plane |= disc_.off_plane(offset);
+            return true;
         };
         map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, neighbours_);
         if (e_.area != DiscArea::surface || neighbours_.empty()) return;
 
         const auto offset_of = [this](const Neighbour& n) -> Vec3 { return map_[n.index].p - hit_.p; };
         bool hidden = false;
-        if (std::any_of(neighbours_.begin(), neighbours_.end(),
-                        [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
+        // The search may also have met photons off the plane that are not among the nearest.
+        if (any_off_plane && std::any_of(neighbours_.begin(), neighbours_.end(),
+                                         [&](const auto& n) { return disc_.off_plane(offset_of(n)); })) {
             disc_.find_layers(rays_, max_elevation_slope * e_.max_radius);
             near_obstacle_ = true;
             hidden = std::any_of(neighbours_.begin(), neighbours_.end(),
                                  [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
         }
         const float r = neighbours_.size() == e_.k && !hidden ? std::sqrt(neighbours_.back().distance2) : e_.max_radius;
+        if (!hidden && is_flat_within(r)) return;
         if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
         near_obstacle_ = true;
         map_.nearest(
@@ -114,11 +126,18 @@ private:
             neighbours_);
     }
 
+    /// Whether nothing but the surface's plane lies as far from the centre as the rays of disc_ for this radius reach.
+    bool is_flat_within(float r) {
+        constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
+        flat_ = e_.flat_regions && e_.flat_regions->flat_around(hit_, reach * r);
+        return flat_;
+    }
+
     /// The estimate from all photons within r.
     Reflected radiance_within(float r) {
         const bool on_surface = e_.area == DiscArea::surface;
         if (!(r > 0.f)) return {};
-        if (on_surface) {
+        if (on_surface && !is_flat_within(r)) {
             disc_.find_layers(rays_, max_elevation_slope * r);
             near_obstacle_ = disc_.find_obstacles(rays_, r, r);
         }
@@ -142,14 +161,15 @@ private:
 
     /// f times the power of one photon [W/sr], its term of the sum without the kernel.
     Colord reflected(const Photon& photon) const {
+        // In double: a bright photon's power times the factors may exceed the range of float before the
+        // kernel lowers it.
+        const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
+        if (same_f_) return *same_f_ * arriving;
         const Vec3 wi = photon.direction();
         if (!hit_.normals_agree_about(wi)) return Colord::Zero();
         const Vec3 wi_local =
             transmits_ ? hit_.shading.to_local(wi) : lifted_above_horizon(wo_local_, hit_.shading.to_local(wi));
         const Color f = hit_.bsdf->f_local(wo_local_, wi_local).diffuse;
-        // In double: a bright photon's power times the factors may exceed the range of float before the
-        // kernel lowers it.
-        const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
         return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 
@@ -158,7 +178,7 @@ private:
         Reflected L{.between_surfaces = sums.between_surfaces.cast<float>(),
                     .through_media = sums.through_media.cast<float>(),
                     .radius = r};
-        if (e_.area == DiscArea::surface && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
+        if (e_.area == DiscArea::surface && !flat_ && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
             const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
             L.between_surfaces /= share;
             L.through_media /= share;
@@ -209,9 +229,11 @@ private:
     Vec3 wo_local_;
     const EyePath& eye_;
     bool transmits_;                                     ///< the material scatters light from behind, too
+    std::optional<Colord> same_f_;                       ///< f of all photons [1/sr]; empty if it depends on wi
     mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< normal code of the photon judged last; none at first
     mutable bool agrees_ = false;                        ///< the answer for that code
     bool near_obstacle_ = false;
+    bool flat_ = false;  ///< the whole disc lies on the surface, with nothing near it
     SurfaceDisc disc_;
     std::vector<Neighbour>& neighbours_;
 };

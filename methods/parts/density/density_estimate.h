@@ -27,6 +27,7 @@
 //    at 45 degrees (tested).
 
 #include "common/sampling/sampler.h"
+#include "methods/parts/density/flat_regions.h"
 #include "methods/parts/density/kernel.h"
 #include "methods/parts/photons/photon_join.h"
 #include "methods/parts/photons/photon_map.h"
@@ -72,6 +73,8 @@ struct DensityEstimator {
     /// not with all_photons.
     bool compensation = false;
     bool estimates_bias = false;  ///< only with all_photons
+    /// Tells where no rays are needed that look for obstacles; null: they are always traced.
+    const FlatRegions* flat_regions = nullptr;
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc.

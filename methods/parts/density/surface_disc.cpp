@@ -91,18 +91,23 @@ bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
     for (int i = 0; i < directions; ++i)
         sector_[static_cast<std::size_t>(i)] = narrow * std::min(free_[static_cast<std::size_t>(i)],
                                                                  free_[static_cast<std::size_t>((i + 1) % directions)]);
+    const auto [shortest, longest] = std::minmax_element(sector_.begin(), sector_.begin() + directions);
+    shortest_ = *shortest;
+    longest_ = *longest;
     return any;
 }
 
 bool SurfaceDisc::inside(const Vec3& offset) const {
     if (directions_ == 0) return true;
-    const float x = offset.dot(frame_.s), y = offset.dot(frame_.t);
+    const float x = offset.dot(frame_.s), y = offset.dot(frame_.t), distance2 = x * x + y * y;
+    if (distance2 <= sqr(shortest_)) return true;
+    if (distance2 > sqr(longest_)) return false;
     const auto n = static_cast<float>(directions_);
     float sector = std::atan2(y, x) / (2.f * pi) * n - u_.x();
     if (sector < 0.f) sector += n;
     if (sector < 0.f) sector += n;  // it was -n/2 - 1 or more at first
     const int i = std::min(static_cast<int>(sector), directions_ - 1);
-    return x * x + y * y <= sqr(sector_[static_cast<std::size_t>(i)]);
+    return distance2 <= sqr(sector_[static_cast<std::size_t>(i)]);
 }
 
 float SurfaceDisc::share(Kernel kernel, float r) const {

@@ -14,6 +14,8 @@ namespace {
 constexpr double all_but_kept = 0.98;
 /// Such lights are looked for when 1 / trial_share of the bins have been made, so that the other lights get the rest.
 constexpr std::size_t trial_share = 4;
+/// Balls around the targets: a few for each bin, as coarse bins cannot tell more of them apart, but not more than this.
+constexpr std::size_t balls_per_bin = 8, most_balls = 1 << 15;
 /// A tenth of the choices is spread evenly over the lights, as without projection maps (light_choice()).
 constexpr double uniform_share = 0.1;
 
@@ -195,7 +197,7 @@ private:
 };
 
 ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins)
-    : targets_(scene, surfaces) {
+    : targets_(scene, surfaces, std::min(balls_per_bin * most_bins, most_balls)) {
     for (const Light& light : scene.lights()) {
         const auto* area = std::get_if<AreaLight>(&light);
         const bool blind = area && cannot_see_itself(*area, scene.shapes());

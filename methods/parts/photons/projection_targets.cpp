@@ -11,8 +11,7 @@ namespace {
 
 using Ball = ProjectionTargets::Ball;
 
-/// About this number of balls is made for all shapes together; no shape has a finer grid than this.
-constexpr double wanted_balls = 1 << 15;
+/// No shape has a finer grid than this.
 constexpr int finest_grid = 32;
 /// Relative bound of the rounding of positions in float and of ray queries.
 constexpr float rounding = 1e-5f;
@@ -147,7 +146,7 @@ void append_balls(const Shape& shape, std::uint32_t index, int resolution, std::
     std::visit(BallsOf{resolution, index, balls}, shape);
 }
 
-std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
+std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls) {
     const InstancedGroups& groups = scene.groups();
     const std::size_t in_scene = groups.begin.empty() ? scene.shapes().size() : groups.begin.front();
     const auto wanted = [&](std::size_t shape) {
@@ -160,7 +159,7 @@ std::vector<Ball> balls_of(const Scene& scene, TargetSurfaces surfaces) {
         for (std::size_t i = groups.begin[instance.group]; i < groups.begin[instance.group + 1]; ++i)
             copies += wanted(i);
     // A grid of n^3 voxels holds a surface in about 6 n^2 of them.
-    const double finest = std::sqrt(wanted_balls / (6 * std::max(copies, 1.0)));
+    const double finest = std::sqrt(static_cast<double>(wanted_balls) / (6 * std::max(copies, 1.0)));
     const int resolution = std::clamp(static_cast<int>(finest), 1, finest_grid);
 
     std::vector<Ball> balls;
@@ -230,8 +229,8 @@ private:
 
 }  // namespace
 
-ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces) {
-    std::vector<Ball> balls = balls_of(scene, surfaces);
+ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls) {
+    std::vector<Ball> balls = balls_of(scene, surfaces, wanted_balls);
     if (balls.empty()) return;
     nodes_.reserve(2 * balls.size() - 1);
     build(balls, 0, balls.size());

@@ -20,7 +20,8 @@ enum class TargetSurfaces {
 /// shapes of instances are carried into the scene. Each piece lies inside its ball.
 class ProjectionTargets {
 public:
-    ProjectionTargets(const Scene& scene, TargetSurfaces surfaces);
+    /// Makes about `wanted_balls` balls, but at least one for each shape.
+    ProjectionTargets(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls);
 
     bool empty() const { return nodes_.empty(); }
     std::size_t balls() const { return (nodes_.size() + 1) / 2; }
