@@ -205,9 +205,8 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
     return result;
 }
 
-/// How much larger a mean of squares may be because of values that are too rare for any replicate to show: `terms`
-/// times the largest square of a pixel that was seen, as a share of that mean. The scatter of the replicates cannot
-/// tell this. A value that does not occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this
+/// A mean of squares may be larger because of values that are too rare for any replicate to show, which the scatter of
+/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this
 /// size on average, with a confidence of 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a
 /// Pareto tail of index a, the squares beyond the largest one that was seen exceed it a / (a - 1) times on average. The
 /// index is taken as 2, the heaviest tail whose squares have a variance.
