@@ -3,6 +3,7 @@
 #include "common/core/error.h"
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
+#include "experiments/analysis/known_bias.h"
 #include "experiments/analysis/price.h"
 #include "experiments/analysis/scene_light.h"
 #include "experiments/results/flip_record.h"
@@ -197,9 +198,12 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
         for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
             analysis.rows.push_back(std::move(row));
     }
-    for (std::size_t i = first_row; i < analysis.rows.size(); ++i)
-        analysis.rows[i].components_missing =
-            light.holding_light(components_missing(analysis.index, scene.name, analysis.rows[i].method));
+    for (std::size_t i = first_row; i < analysis.rows.size(); ++i) {
+        TableRow& row = analysis.rows[i];
+        const std::string left_out = components_missing(analysis.index, scene.name, row.method);
+        row.components_missing = light.holding_light(left_out);
+        row.is_unbiased = is_unbiased(row, left_out);
+    }
     analysis.references.back().unjudged = light.holding_light(names_of(reference.unresolved));
 }
 

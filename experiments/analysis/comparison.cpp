@@ -153,7 +153,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     law.values.push_back(x);
-                    if (!row->statistics || !row->statistics->bias2) continue;
+                    if (row->is_unbiased || !row->statistics || !row->statistics->bias2) continue;
                     const Estimate& bias2 = *row->statistics->bias2;
                     if (!bias2.interval || !(bias2.interval->lo > 0)) continue;
                     const double width = std::log(bias2.interval->hi / bias2.interval->lo);

@@ -180,7 +180,7 @@ std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, cons
 }
 
 double floor_bias2(const TableRow& row) {
-    if (!row.law || !row.statistics || !row.statistics->rel_bias2) return 0;
+    if (row.is_unbiased || !row.law || !row.statistics || !row.statistics->rel_bias2) return 0;
     return std::clamp(row.statistics->rel_bias2->value, 0.0, row.law->floor.value);
 }
 

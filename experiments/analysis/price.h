@@ -25,7 +25,7 @@ std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, cons
 
 /// The part of a law's floor that is bias^2, taken from the relative bias^2 of
 /// the final images. The rest is variance that more time does not remove, such as
-/// that of a fixed photon map. 0 without a law or without an estimate of bias^2.
+/// that of a fixed photon map. 0 without a law, without an estimate of bias^2, or if the method is unbiased.
 double floor_bias2(const TableRow& row);
 
 /// A change of the best method: from `seconds` on, `method` is closer to the reference than the others.

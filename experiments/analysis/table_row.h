@@ -44,6 +44,7 @@ struct TableRow {
     double epsilon = 0;          ///< of the relative errors [radiance^2]
     /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
     std::string components_missing = {};
+    bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
 };
 
 /// The accuracy of a scene's reference, and how it was made.

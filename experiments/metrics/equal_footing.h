@@ -30,7 +30,7 @@ struct Footing {
     double unit = 0;  ///< energy that differences are divided by [W/(sr m^2)]
     /// (mean of the method - mean of the reference) / unit, over pixels and channels. The unit is the reference's
     /// mean of this component, or a hundredth of its mean of the total image if that is more. With two seeds or more
-    /// there is a 99 % interval (Welch's, over the seeds and the reference's groups).
+    /// there is a 99 % interval, over the seeds and the reference's groups (half_width()).
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::unresolved;
 

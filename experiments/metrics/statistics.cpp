@@ -13,8 +13,8 @@
 // The delete-one jackknife counts the terms of second order twice or more (Efron and Stein 1981), and these are the
 // only terms when the bias is near zero. So both orders are estimated, without assuming a distribution of the noise.
 // The inner products of different images form a diallel table (Griffing 1956, method 4): its main effects give the
-// first order, its residuals the second. The variances from the seeds and from the groups are added, with the degrees
-// of freedom of Welch and Satterthwaite.
+// first order, its residuals the second. The variances from the seeds and from the groups are combined by
+// half_width(). Intervals of squares (mse, variance) also allow for values too rare to be seen (unseen_terms).
 #include "experiments/metrics/statistics.h"
 
 #include "common/core/float_traps.h"
@@ -39,12 +39,12 @@ Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
 }
 
 /// The estimate of a positive statistic. The interval is symmetric in the logarithm, so that it stays positive and
-/// follows the skewness of a variance from few replicates.
-Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms) {
+/// follows the skewness of a variance from few replicates. Its upper end is raised by `unseen`.
+Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms, double unseen) {
     if (value == 0) return {0, Interval{0, 0}};
     const double half = half_width(terms, interval_tail) / value;
     if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
-    return {value, Interval{value * std::exp(-half), value * std::exp(half)}};
+    return {value, Interval{value * std::exp(-half), value * std::exp(half) + unseen}};
 }
 
 Estimate square_root(const Estimate& e) {
@@ -106,7 +106,8 @@ VarianceTerm pair_jackknife(const PairMean& pairs, double n) {
 
 /// The variance of a pair mean of two or three images. Their table has no residuals, so its diagonal is used too. The
 /// variance of the linearised statistic, 4/(n(n-1)) sum_i (mean_j k_ij - mean)^2, is exact for two images if the sums
-/// of their noise are normal (many pixels); for three it has 1.33 times the term of second order.
+/// of their noise are normal (many pixels); for three it has 1.33 times the term of second order. If few pixels carry
+/// the noise, the diagonal scatters more than normal sums would, and the variance becomes too large.
 VarianceTerm linearised(const Table& k) {
     const auto n = static_cast<double>(k.rows());
     double sum = 0;
@@ -121,9 +122,14 @@ VarianceTerm linearised(const Table& k) {
 /// subtracted, and the result is at least the variance that all squares together give if there is
 /// no first order. For n >= 4, intervals then cover 93 to 98 % at every ratio of the two orders.
 VarianceTerm pair_variance(const Table& k) {
-    if (k.rows() < 4) return linearised(k);
     const auto n = static_cast<double>(k.rows());
     const PairMean pairs = pair_mean(k);
+    if (k.rows() < 4) {
+        const VarianceTerm with_diagonal = linearised(k);
+        // The jackknife needs no diagonal, but for three images it has four times the term of second order.
+        if (k.rows() < 3 || with_diagonal.variance <= pair_jackknife(pairs, n).variance) return with_diagonal;
+        return pair_jackknife(pairs, n);
+    }
     const double residual_degrees = n * (n - 3) / 2;
     const double pooled =
         ((n - 1) * pairs.effects_square + residual_degrees * pairs.residual_square) / (n - 1 + residual_degrees);
@@ -199,12 +205,61 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
     return result;
 }
 
+/// A mean of squares may be larger because of values that are too rare for any replicate to show, which the scatter of
+/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this
+/// size on average, with a confidence of 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a
+/// Pareto tail of index a, the squares beyond the largest one that was seen exceed it a / (a - 1) times on average. The
+/// index is taken as 2, the heaviest tail whose squares have a variance.
+constexpr double unseen_terms = 3.69 * 2;
+
+/// unseen_terms times the largest excess of one pixel of one replicate over the pixel's mean, for two kinds of squares.
+struct Unseen {
+    double mse = 0;       ///< of (x - R)^2
+    double variance = 0;  ///< of (x - mean of the replicates)^2
+};
+
+Unseen unseen_squares(const std::vector<Image>& replicates, const Image& origin, const Weights& weights) {
+    const auto n = static_cast<double>(replicates.size());
+    Unseen largest;
+    if (n < 2) return largest;
+    std::vector<double> from_origin(replicates.size()), from_mean(replicates.size());
+    for (std::size_t pixel = 0; pixel < origin.pixels(); ++pixel) {
+        std::fill(from_origin.begin(), from_origin.end(), 0.0);
+        std::fill(from_mean.begin(), from_mean.end(), 0.0);
+        for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
+            double mean = 0;
+            for (const Image& x : replicates)
+                mean += static_cast<double>(x.rgb[i]) / n;
+            for (std::size_t k = 0; k < replicates.size(); ++k) {
+                const auto value = static_cast<double>(replicates[k].rgb[i]);
+                from_origin[k] += weights(i) * sqr(value - static_cast<double>(origin.rgb[i]));
+                from_mean[k] += weights(i) * sqr(value - mean);
+            }
+        }
+        const auto excess = [n](const std::vector<double>& squares) {
+            double sum = 0, most = 0;
+            for (const double square : squares) {
+                sum += square;
+                most = std::max(most, square);
+            }
+            return most - sum / n;
+        };
+        largest.mse = std::max(largest.mse, excess(from_origin));
+        largest.variance = std::max(largest.variance, excess(from_mean));
+    }
+    // A square s in one replicate alone exceeds the mean over the replicates by s (n - 1) / n. Around the mean of the
+    // replicates, it leaves squares of s (n - 1)^2 / n^2 and s / n^2, whose excess is s (n - 1) (n - 2) / n^2.
+    const double share = unseen_terms / (n * static_cast<double>(origin.rgb.size()));
+    return {share * n / (n - 1) * largest.mse, n < 3 ? 0 : share * n * n / ((n - 1) * (n - 2)) * largest.variance};
+}
+
 /// The inner products for one choice of weights, from which all estimates are made.
 struct Moments {
     Table seeds;                 ///< n x n, <x_i - R, x_j - R>
     Table groups;                ///< m x m, <mean x - G_g, mean x - G_h>; empty without groups
     double shared_variance = 0;  ///< 4/(nm) Var<e_i, h_g>, which the scatter of seeds and that of groups both contain
     PlainReference reference;
+    Unseen unseen;
 };
 
 /// The mean square of the interactions in an n x m table, which
@@ -236,6 +291,7 @@ Moments moments(const std::vector<Image>& replicates, const ReferenceLayer& refe
     Moments result;
     result.seeds = all.topLeftCorner(n, n);
     result.reference = plain_reference(replicates, reference, weights);
+    result.unseen = unseen_squares(replicates, reference.mean, weights);
     if (m == 0) return result;
     const Table cross = all.topRightCorner(n, m), scatter = all.bottomRightCorner(m, m);
     result.groups = scatter + mean_of(result.seeds);
@@ -279,14 +335,16 @@ Estimate bias2_of(const Moments& of) {
 
 /// The variance of one replicate, which is the mean of |x_i - x_j|^2 / 2 over pairs. Its term of first order never
 /// vanishes, so that the plain jackknife is accurate enough.
-Estimate variance_of(const Table& seeds) {
+Estimate variance_of(const Moments& of) {
+    const Table& seeds = of.seeds;
     Table halves = -seeds;
     halves.colwise() += 0.5 * seeds.matrix().diagonal().array();
     halves.rowwise() += 0.5 * seeds.matrix().diagonal().array().transpose();
     const PairMean pairs = pair_mean(halves);
     // Two replicates form one pair, which has no scatter for an interval.
     if (seeds.rows() < 3) return {pairs.value, std::nullopt};
-    return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))});
+    return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))},
+                             of.unseen.variance);
 }
 
 /// The mean squared error over the replicates. The interval belongs to the plain formula, whose expectation contains
@@ -299,7 +357,7 @@ Estimate mse_of(const Moments& of) {
     double scatter = 0;
     for (double error2 : each)
         scatter += sqr(error2 - value);
-    return positive_estimate(value, {{scatter / (n * (n - 1)), n - 1}, reference_term(of)});
+    return positive_estimate(value, {{scatter / (n * (n - 1)), n - 1}, reference_term(of)}, of.unseen.mse);
 }
 
 bool all_finite(const std::vector<Image>& images) {
@@ -372,7 +430,7 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance - relative.reference.squared_bias;
     if (replicates.size() > 1) {
         result.bias2 = bias2_of(plain);
-        result.variance = variance_of(plain.seeds);
+        result.variance = variance_of(plain);
         result.rel_bias2 = bias2_of(relative);
     }
     return result;

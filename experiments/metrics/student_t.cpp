@@ -34,16 +34,13 @@ SampleMean sample_mean(std::span<const double> values) {
 }
 
 double half_width(const std::vector<VarianceTerm>& terms, double tail) {
-    double sum = 0, spread = 0;
-    for (const auto& term : terms)
-        sum += term.variance;
-    if (sum == 0 || !std::isfinite(sum)) return sum;
-    // Variances are divided by the sum before they are squared. The square of a variance is the eighth power of a
-    // difference of images, which may leave the range of double.
-    for (const auto& term : terms)
-        spread += sqr(term.variance / sum) / term.degrees;
-    const double degrees = spread > 0 ? 1 / spread : std::numeric_limits<double>::infinity();
-    return std::sqrt(sum) * student_t_two_sided(tail, degrees);
+    double sum = 0;
+    for (const auto& term : terms) {
+        if (std::isnan(term.variance)) return term.variance;
+        if (term.variance == 0) continue;
+        sum += sqr(student_t_two_sided(tail, term.degrees)) * term.variance;
+    }
+    return std::sqrt(sum);
 }
 
 }  // namespace gib

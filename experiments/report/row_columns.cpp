@@ -93,8 +93,15 @@ std::string relative_error_text(const TableRow& row) {
     return with_interval(corrected, root_percent);
 }
 
+/// Where bias^2 comes from: `unbiased` (0 by theory) or `measured`; empty if there is none.
+std::string bias_state(const TableRow& row) {
+    if (!row.statistics || !row.statistics->bias2) return "";
+    return row.is_unbiased ? "unbiased" : "measured";
+}
+
 /// The share of bias^2 in the mean squared error; empty if it is not known.
 std::string bias_share(const TableRow& row) {
+    if (bias_state(row) == "unbiased") return "none: unbiased";
     if (!row.statistics || !row.statistics->bias2 || !row.statistics->variance) return "";
     const double bias2 = at_least_zero(row.statistics->bias2->value);
     const double sum = bias2 + at_least_zero(row.statistics->variance->value);
@@ -149,7 +156,9 @@ void add_errors(Columns& c) {
     c.estimate("rel_mse", error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %",
                relative_error_text);
     c.words(in_noise, "mean squared error", shown(error(&ReplicateStatistics::mse), short_number));
-    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2", shown(bias2, clipped));
+    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2", [measured = shown(bias2, clipped)](const TableRow& row) {
+        return bias_state(row) == "unbiased" ? "0, unbiased" : measured(row);
+    });
     c.number("variance", variance, in_errors | in_noise, "variance");
     c.words(in_noise, "share of bias^2", bias_share);
     c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid");
@@ -197,6 +206,7 @@ void add_laws(Columns& c) {
     c.number("rel_mse_top_share", share, in_outliers, "share of the worst %", if_outliers(share, percent_text));
     c.number("epsilon", of(&TableRow::epsilon));
     c.text("components_missing", &TableRow::components_missing);
+    c.text("bias_state", bias_state);
 }
 
 }  // namespace

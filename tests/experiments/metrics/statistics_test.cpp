@@ -108,7 +108,7 @@ TEST(StudentT, QuantilesAgreeWithTables) {
 // The squares of the variances overflow a double from a unit of 1e154 on, and underflow below 1e-154.
 TEST(StudentT, HalfWidthsScaleWithAnyUnit) {
     const double width = half_width({{1, 2}, {3, 7}}, 0.05);
-    EXPECT_NEAR(width, 2 * student_t_two_sided(0.05, 16 / (1 / 2. + 9 / 7.)), 1e-9);
+    EXPECT_NEAR(width, std::hypot(student_t_two_sided(0.05, 2), std::sqrt(3) * student_t_two_sided(0.05, 7)), 1e-9);
     for (const double unit : {1e-140, 1e-100, 1e100, 1e150})
         EXPECT_NEAR(half_width({{unit * unit, 2}, {3 * unit * unit, 7}}, 0.05) / (unit * width), 1, 1e-9) << unit;
 }
@@ -222,9 +222,9 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     }
 }
 
-// The 95 % intervals contain the truth in 92 to 98.5 % of 1000 repetitions, with correlated noise
-// and a reference redrawn each time. Three seeds, fewer than the intervals are made for, are allowed
-// two standard errors of a proportion more.
+// The 95 % intervals contain the truth in 92 % or more of 1000 repetitions, with correlated noise
+// and a reference redrawn each time, and those of bias^2, which allow for nothing unseen, in at most 98.5 %. Three
+// seeds, fewer than the intervals are made for, are allowed two standard errors of a proportion more.
 TEST(ReplicateStatistics, IntervalsContainTheTruth) {
     constexpr int repetitions = 1000;
     for (const int seeds : {3, 5, 8})
@@ -244,7 +244,8 @@ TEST(ReplicateStatistics, IntervalsContainTheTruth) {
                 RecordProperty(std::string(name) + "_" + std::to_string(seeds), std::to_string(coverage));
                 const double more = seeds < 5 ? 2 * std::sqrt(0.05 * 0.95 / repetitions) : 0;
                 EXPECT_GE(coverage, 0.92 - more) << name << " bias " << bias << " seeds " << seeds;
-                EXPECT_LE(coverage, 0.985 + more) << name << " bias " << bias << " seeds " << seeds;
+                const double most = std::string(name) == "bias2" ? 0.985 + more : 1;
+                EXPECT_LE(coverage, most) << name << " bias " << bias << " seeds " << seeds;
             }
         }
 }

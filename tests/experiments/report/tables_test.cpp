@@ -115,8 +115,8 @@ TEST(Tables, ShowEveryMemberOfARow) {
     Analysis analysis;
     analysis.rows.resize(1);
     auto& [scene, method, component, seeds, seconds, prepare_seconds, statistics, robust, noise, bias, times, footing,
-           law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip, epsilon,
-           components_missing] = analysis.rows[0];
+           law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip, epsilon, components_missing,
+           is_unbiased] = analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -146,6 +146,8 @@ TEST(Tables, ShowEveryMemberOfARow) {
     expect_shown(flip, 0.25);
     expect_shown(epsilon, 0.02);
     expect_shown(components_missing, "caustic");
+    statistics->bias2 = Estimate{1, {}};
+    expect_shown(is_unbiased, true);
 }
 
 // Every entry of row_columns() with a heading stands in table.md, so that no metric is for the CSV file alone.
