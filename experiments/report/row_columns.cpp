@@ -1,6 +1,7 @@
 #include "experiments/report/row_columns.h"
 
 #include "experiments/analysis/price.h"
+#include "experiments/report/error_words.h"
 #include "experiments/report/price_text.h"
 #include "experiments/text/numbers.h"
 
@@ -80,22 +81,29 @@ std::string clipped(double value) { return short_number(at_least_zero(value)); }
 std::string whole(double value) { return fmt::format("{:.0f}", value); }
 std::string whole_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// The relative RMSE [%] with its 95 % interval, the reference's own variance subtracted.
-std::string relative_error_text(const TableRow& row) {
-    if (!row.statistics) return "not judged";
+/// rel_mse with its interval, less the reference's own variance; unclipped.
+std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
+    if (!row.statistics) return std::nullopt;
     const auto& s = *row.statistics;
-    if (s.rel_mse_corrected <= row.noise_floor)
-        return fmt::format("below {}, not resolved", root_percent(row.noise_floor));
-    // The ends are those of the plain interval, less the reference's variance.
     const double own = s.rel_mse.value - s.rel_mse_corrected;
     Estimate corrected{s.rel_mse_corrected, std::nullopt};
     if (s.rel_mse.interval) corrected.interval = Interval{s.rel_mse.interval->lo - own, s.rel_mse.interval->hi - own};
-    return with_interval(corrected, root_percent);
+    return corrected;
 }
 
-/// The share of bias^2 in the mean squared error; empty if it is not known.
+/// The relative RMSE [%] with its 95 % interval, the reference's own variance subtracted.
+std::string relative_error_text(const TableRow& row) {
+    if (!row.statistics) return "not judged";
+    if (row.statistics->rel_mse_corrected <= row.noise_floor)
+        return fmt::format("below {}, not resolved", root_percent(row.noise_floor));
+    return with_interval(*corrected_rel_mse(row), root_percent);
+}
+
+/// The share of bias^2 in the mean squared error, which is noise for a method that is declared unbiased; empty if it is
+/// not known.
 std::string bias_share(const TableRow& row) {
     if (!row.statistics || !row.statistics->bias2 || !row.statistics->variance) return "";
+    if (is_declared_unbiased(row)) return "unbiased";
     const double bias2 = at_least_zero(row.statistics->bias2->value);
     const double sum = bias2 + at_least_zero(row.statistics->variance->value);
     return sum > 0 && std::isfinite(sum) ? whole_percent(bias2 / sum) + " bias" : "";
@@ -111,21 +119,6 @@ std::string floor_text(const TableRow& row) {
     const double bias2 = floor_bias2(row);
     return fmt::format("{} ({} to {}: bias {}, fixed noise {})", root_percent(floor), root_percent(interval->lo),
                        root_percent(interval->hi), root_percent(bias2), root_percent(floor - bias2));
-}
-
-/// The names with commas and spaces, "specular reflection, refraction".
-std::string spaced(const std::string& names) {
-    std::string text;
-    for (const char c : names)
-        text += c == ';' ? ", " : c == '_' ? " " : std::string(1, c);
-    return text;
-}
-
-/// The light and the effects that a method leaves out, such as "refraction; light of direct, indirect".
-std::string left_out(const TableRow& row) {
-    const std::string effects = spaced(row.effects_missing);
-    if (row.components_missing.empty()) return effects;
-    return effects + (effects.empty() ? "" : "; ") + "light of " + spaced(row.components_missing);
 }
 
 /// The text if the error of the whole image is that of few pixels, else empty.
@@ -148,19 +141,24 @@ void add_errors(Columns& c) {
     c.estimate("rmse", error(&ReplicateStatistics::rmse));
     c.estimate("rel_mse", error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %",
                relative_error_text);
-    c.words(in_noise, "mean squared error", shown(error(&ReplicateStatistics::mse), short_number));
-    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2", shown(bias2, clipped));
-    c.number("variance", variance, in_errors | in_noise, "variance");
+    c.words(in_noise, "mean squared error [radiance^2]", shown(error(&ReplicateStatistics::mse), short_number));
+    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2 [radiance^2]", shown(bias2, clipped));
+    c.number("variance", variance, in_errors | in_noise, "variance [radiance^2]");
     c.words(in_noise, "share of bias^2", bias_share);
-    c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid");
-    c.number("noise_low_ratio", of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies");
+    c.words(in_errors, "bias or noise", error_kind);
+    c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise,
+             "noise centroid [cycles per pixel]");
+    c.number("noise_low_ratio", of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise,
+             "low frequencies [white noise = 1]");
     for (std::size_t t = 0; t < 4; ++t)
-        c.number(name_of_time(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %");
+        c.number(name_of_time(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %",
+                 [t](const TableRow& row) { return time_text(row, t); });
     for (std::size_t t = 0; t < target_names.size(); ++t)
         c.words(in_prices, fmt::format("seconds to {} %", target_names[t]),
                 [t](const TableRow& row) { return time_text(row, t); });
     c.text(
-        "nonfinite", [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors, "not finite");
+        "nonfinite", [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors,
+        "samples not finite");
     const Value memory = of(&TableRow::peak_rss_mib);
     c.number("peak_rss_mib", memory, in_prices, "memory MiB", shown(memory, whole));
     c.text("effects_missing", &TableRow::effects_missing);
@@ -170,8 +168,8 @@ void add_errors(Columns& c) {
     c.number(name_of_time(4), time(4));
     for (std::size_t t = 0; t < target_names.size(); ++t)
         c.ends(name_of_time(t), time(t));
-    c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "preparation");
-    c.number("flip", of(&TableRow::flip), in_errors, "FLIP");
+    c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "seconds of preparation");
+    c.number("flip", of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
     c.words(in_prices | in_errors, "missing effects", left_out);
     c.number("rel_mse_resolved", of(&TableRow::noise_floor));
     c.estimate("energy_excess", of(&TableRow::footing, &Footing::excess));
@@ -181,14 +179,15 @@ void add_errors(Columns& c) {
 void add_laws(Columns& c) {
     const auto law = [](auto member) { return of(&TableRow::law, member); };
     const auto robust = [](auto member) { return finite(of(&TableRow::robust, member)); };
-    c.estimate("last_halving", of(&TableRow::last_halving), in_laws, "last halving");
+    c.estimate("last_halving", of(&TableRow::last_halving), in_laws, "last halving: times the seconds");
     c.estimate("law_floor", law(&PriceLaw::floor), in_laws, "floor %", floor_text);
     c.number("law_floor_bias2", [](const TableRow& r) { return r.law ? estimate_of(floor_bias2(r)) : std::nullopt; });
     c.estimate("law_slope", law(&PriceLaw::slope), in_laws, "slope");
     c.number("law_factor", [](const TableRow& r) { return r.law ? estimate_of(r.law->law.factor) : std::nullopt; });
     c.number("law_misfit", law(&PriceLaw::misfit), in_laws, "worst point off the law",
              shown(law(&PriceLaw::misfit), whole_percent));
-    c.estimate("next_halving", law(&PriceLaw::next_halving), in_laws, "next halving (extrapolated)", next_halving_text);
+    c.estimate("next_halving", next_halving, in_laws, "next halving: times the seconds (extrapolated)",
+               next_halving_text);
     const Value median = robust(&RobustError::median), trimmed = robust(&RobustError::trimmed);
     const Value share = robust(&RobustError::share);
     c.number("rel_mse_median", median, in_outliers, "median %", if_outliers(median, root_percent));
@@ -197,6 +196,7 @@ void add_laws(Columns& c) {
     c.number("rel_mse_top_share", share, in_outliers, "share of the worst %", if_outliers(share, percent_text));
     c.number("epsilon", of(&TableRow::epsilon));
     c.text("components_missing", &TableRow::components_missing);
+    c.ends("rel_mse_corrected", corrected_rel_mse);
 }
 
 }  // namespace
