@@ -24,7 +24,7 @@ void check(const Parameter& p, const std::string& value, const SourceLocation& w
     if (p.kind == Parameter::Kind::choice)
         reject(where, "parameter '{}' cannot be '{}'; it is one of: {}", p.name, value, fmt::join(p.choices, ", "));
     const auto number = parse_number(value);
-    if (!number) reject(where, "parameter '{}' needs a number, not '{}'", p.name, value);
+    if (!number) reject(where, "parameter '{}' needs a number such as 16 or 1e6, not '{}'", p.name, value);
     if (*number < p.lower || *number > p.upper)
         reject(where, "parameter '{}' = {} is out of range: {}", p.name, value, range_of(p));
     if (p.kind == Parameter::Kind::integer && (*number != std::floor(*number) || std::abs(*number) > 0x1p53))
@@ -53,7 +53,10 @@ MethodLabel MethodLabel::parse(std::string_view text, const SourceLocation& wher
         const std::string word(text.substr(at, end - at));
         at = end;
         if (word.find_first_of(",\"\n") != std::string::npos)
-            reject(where, "a method's label has no commas, quotes or line breaks: '{}'", word);
+            reject(where,
+                   "a method's label has no commas, quotes or line breaks: '{}' (lists of values stand in experiment "
+                   "files)",
+                   word);
         const std::size_t equals = word.find('=');
         if (label.name.empty()) {
             if (equals != std::string::npos) reject(where, "a method's label starts with its name, not '{}'", word);

@@ -4,6 +4,7 @@
 
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <optional>
 #include <pugixml.hpp>
 
 namespace gib {
@@ -60,6 +61,51 @@ private:
     std::vector<std::size_t> line_starts_{0};
 };
 
+struct WrongEndTag {
+    std::string tag;       ///< the name in the end tag
+    std::string open_tag;  ///< the name of the innermost element that is open there
+    std::size_t opened;    ///< offset of that element's `<`
+};
+
+/// The offset after the tag whose `<` stands at `at`; a `>` within quotes does not end it.
+std::size_t end_of_tag(const std::string& text, std::size_t at) {
+    char quote = 0;
+    for (; at < text.size(); ++at) {
+        const char c = text[at];
+        if (quote) quote = c == quote ? char{0} : quote;
+        else if (c == '"' || c == '\'') quote = c;
+        else if (c == '>') return at + 1;
+    }
+    return text.size();
+}
+
+/// The first end tag that does not close the innermost open element; the XML library names neither.
+std::optional<WrongEndTag> wrong_end_tag(const std::string& text) {
+    std::vector<std::pair<std::string, std::size_t>> open;
+    for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
+        const auto skip_to = [&](std::string_view end) { at = std::min(text.find(end, at), text.size()); };
+        if (text.compare(at, 4, "<!--") == 0) {
+            skip_to("-->");
+            continue;
+        }
+        if (text.compare(at, 9, "<![CDATA[") == 0) {
+            skip_to("]]>");
+            continue;
+        }
+        const std::size_t end = end_of_tag(text, at), from = at + (text.compare(at, 2, "</") == 0 ? 2 : 1);
+        const std::string name = text.substr(from, text.find_first_of(" \t\r\n/>", from) - from);
+        if (from == at + 2) {
+            if (open.empty()) return std::nullopt;
+            if (open.back().first != name) return WrongEndTag{name, open.back().first, open.back().second};
+            open.pop_back();
+        } else if (text[from] != '!' && text[from] != '?' && text.compare(end - 2, 2, "/>") != 0) {
+            open.emplace_back(name, at);
+        }
+        at = end;
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 const XmlAttribute* XmlElement::find(std::string_view name) const {
@@ -88,8 +134,14 @@ XmlElement parse_xml(const std::string& text, const std::string& file) {
     const Converter converter(text, file);
     pugi::xml_document document;
     const auto result = document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
-    if (!result)
-        reject(converter.location(static_cast<std::size_t>(result.offset)), "malformed XML: {}", result.description());
+    if (!result) {
+        const auto where = converter.location(static_cast<std::size_t>(result.offset));
+        const auto wrong = result.status == pugi::status_end_element_mismatch ? wrong_end_tag(text) : std::nullopt;
+        if (wrong)
+            reject(where, "malformed XML: </{}> stands where <{}> of line {} has to be closed first", wrong->tag,
+                   wrong->open_tag, converter.location(wrong->opened).line);
+        reject(where, "malformed XML: {}", result.description());
+    }
     const pugi::xml_node root = document.document_element();
     if (const pugi::xml_node second = root.next_sibling())
         throw InputError(converter.location(static_cast<std::size_t>(second.offset_debug()) - 1),

@@ -3,8 +3,10 @@
 #include "common/core/error.h"
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
+#include "experiments/analysis/equal_time_look.h"
 #include "experiments/analysis/known_bias.h"
 #include "experiments/analysis/price.h"
+#include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
@@ -205,6 +207,8 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
         row.is_unbiased = is_unbiased(row, left_out);
     }
     analysis.references.back().unjudged = light.holding_light(names_of(reference.unresolved));
+    for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, judgement, folder))
+        analysis.looks.push_back(std::move(look));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "experiments/analysis/comparison.h"
 
 #include "common/core/number_text.h"
-#include "experiments/analysis/curves.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,20 +101,30 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 
 }  // namespace
 
+double equal_time(const CellsByMethod& methods) {
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    for (const auto& [method, cells] : methods) {
+        double sum = 0;
+        bool converged = true;
+        for (const Cell* cell : cells) {
+            sum += cell->last().seconds;
+            converged = converged && cell->converged;
+        }
+        const double mean = sum / static_cast<double>(cells.size());
+        longest = std::max(longest, mean);
+        if (!converged) shortest = std::min(shortest, mean);
+    }
+    return std::min(shortest, longest);
+}
+
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
     std::vector<EqualTimeRow> rows;
     for (const auto& scene : scenes_of(analysis)) {
         const CellsByMethod methods = cells_by_method(analysis, scene);
-        double shortest = std::numeric_limits<double>::infinity();
-        for (const auto& [method, cells] : methods) {
-            double sum = 0;
-            for (const Cell* cell : cells)
-                sum += cell->last().seconds;
-            shortest = std::min(shortest, sum / static_cast<double>(cells.size()));
-        }
+        const double seconds = equal_time(methods);
         for (const auto& component : components_of(analysis, scene)) {
             if (component == total_name && !analysis.unjudged(scene).empty()) continue;
-            if (auto row = equal_time_row(methods, scene, component, shortest, analysis.noise_floor(scene, component)))
+            if (auto row = equal_time_row(methods, scene, component, seconds, analysis.noise_floor(scene, component)))
                 rows.push_back(std::move(*row));
         }
     }

@@ -2,7 +2,7 @@
 // Compares methods with each other: which is closest to the reference after the same time, which checkpoints lie on
 // the Pareto frontier of time and error, and how bias falls with a parameter.
 
-#include "experiments/analysis/analysis.h"
+#include "experiments/analysis/curves.h"
 
 #include <string>
 #include <vector>
@@ -16,10 +16,13 @@ struct EqualTimeRow {
         double relative_rmse;  ///< sqrt of the seeds' mean rel_mse, less the reference's own variance
     };
     std::string scene, component;
-    double seconds;  ///< the shortest of the methods' mean total times
+    double seconds;  ///< equal_time()
     /// The methods that have an image by then and an error above the noise floor, best first.
     std::vector<Entry> entries;
 };
+/// The time [s] after which the methods of a scene are compared: the shortest of their mean total times, without methods
+/// that have converged, whose images more time would not change (the longest of all if each has).
+double equal_time(const CellsByMethod& methods);
 /// The rows of every scene with two methods or more; none for the total where part of the light is not judged. Between
 /// two checkpoints, errors follow a power law of time.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gib {
 
@@ -57,9 +58,19 @@ std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, c
     return sum / static_cast<double>(cells.size());
 }
 
+std::optional<double> mean_error2_by(const std::vector<const Cell*>& cells, const std::string& component,
+                                     double seconds) {
+    double total = 0;
+    for (const Cell* cell : cells)
+        total += cell->last().seconds / static_cast<double>(cells.size());
+    constexpr double rounding = 1e-12;
+    const bool all_done = total <= (1 + rounding) * seconds;
+    return mean_error2_after(cells, component, all_done ? std::numeric_limits<double>::infinity() : seconds);
+}
+
 std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
                                           double seconds, double noise_floor) {
-    const auto error2 = mean_error2_after(cells, component, seconds);
+    const auto error2 = mean_error2_by(cells, component, seconds);
     return error2 && *error2 > std::max(noise_floor, 0.0) ? std::optional(std::sqrt(*error2)) : std::nullopt;
 }
 

@@ -26,7 +26,11 @@ std::optional<double> error2_after(const Cell& cell, const std::string& componen
 /// The mean of error2_after() over runs, unclipped. Empty unless all runs have an image by then.
 std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, const std::string& component,
                                         double seconds);
-/// The square root of mean_error2_after(). Empty where this mean is not above `noise_floor`, the relative squared
+/// The same, but that of the final images if the runs' mean total time is not above `seconds`, although some of them are
+/// not complete by then.
+std::optional<double> mean_error2_by(const std::vector<const Cell*>& cells, const std::string& component,
+                                     double seconds);
+/// The square root of mean_error2_by(). Empty where this mean is not above `noise_floor`, the relative squared
 /// error that is lost in the reference's own noise.
 std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
                                           double seconds, double noise_floor);

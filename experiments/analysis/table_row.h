@@ -47,6 +47,17 @@ struct TableRow {
     bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
 };
 
+/// What a method shows of a scene after a charged time that is the same for all methods (equal_time_look.h).
+struct EqualTimeLook {
+    std::string scene, method;
+    double seconds = 0;                 ///< that time; that of the first image if the method has none by then
+    std::optional<double> error2 = {};  ///< mean relative squared error of the seeds then, of `total`
+    std::uint32_t passes = 0;           ///< of seed 1's last stored image by then, or at most a tenth later
+    double image_seconds = 0;           ///< of that image
+    bool is_final = false;              ///< whether that is the final image
+    std::optional<double> flip = {};    ///< HDR-FLIP of that image, mean over the pixels
+};
+
 /// The accuracy of a scene's reference, and how it was made.
 struct ReferenceQuality {
     std::string scene, method;
@@ -67,6 +78,11 @@ struct Analysis {
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
     std::vector<TableRow> rows;  ///< in the order of scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
+    std::vector<EqualTimeLook>
+        looks;  ///< of the labels that one_label_a_method() keeps, in the order of scenes, methods
+    /// Of one_label_a_method() alone: the passes after which the labels that differ from (scene, label) in `spp` alone
+    /// stopped.
+    std::map<std::pair<std::string, std::string>, std::vector<std::uint32_t>> stops;
     std::vector<std::string> damage;  ///< messages: what is damaged, and the cell or scene that is left out
     std::size_t missing_cells = 0;    ///< cells of the experiment that are not complete
 

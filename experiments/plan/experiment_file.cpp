@@ -122,7 +122,8 @@ double parse_target(const std::string& text, const SourceLocation& where) {
     number.erase(number.find_last_not_of(" \t") + 1);
     const double value = number_from<double>(number).value_or(0) / (percent ? 100 : 1);
     if (!(std::isfinite(value) && value > 0 && value < 1))
-        reject(where, "a target is a relative error such as \"1%\" or 0.01, not '{}'", text);
+        reject(where, "a target is a relative error such as \"1%\" or 0.01, not '{}'{}", text,
+               !percent && value >= 1 && value < 100 ? fmt::format("; did you mean \"{}%\"?", number) : "");
     return value;
 }
 

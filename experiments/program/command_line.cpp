@@ -3,6 +3,7 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/measuring/cell_process.h"
+#include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
 #include "experiments/run/repeat.h"
@@ -22,8 +23,27 @@ namespace gib {
 namespace {
 
 constexpr int exit_wrong_input = 2;
+constexpr const char* scene_help = "a scene file (Mitsuba 3 XML), or a name that `gibench list scenes` prints";
 constexpr const char* epsilon_help =
     "epsilon of relative errors [radiance^2] (default: (0.1 m)^2, m the mean luminance of the reference)";
+
+/// The keys of an experiment file; experiments/README.md has a table of them.
+constexpr const char* experiment_help =
+    "An experiment file (TOML; * has to be given):\n"
+    "  title            text                    heading of the tables and the report\n"
+    "  scenes *         [\"FILE.xml\", ...]       scene files, relative to the experiment file\n"
+    "  paths            [\"FOLDER\", ...]         searched for the scenes' files\n"
+    "  resolution       [WIDTH, HEIGHT]         size of every image [pixels] (default: each scene's own)\n"
+    "  seeds            whole number            runs of each method (default 1; 2 tell bias from noise)\n"
+    "  epsilon          number                  of relative errors [radiance^2] (default (0.1 m)^2, m the mean "
+    "luminance)\n"
+    "  budget           { seconds = 30 }        or passes = 64: where a run ends, unless its spp ends it earlier\n"
+    "  [reference]      method = \"auto\"         name or label of the method of the references\n"
+    "                   target = \"1%\"          relative standard error, or a list of one for each scene\n"
+    "                   seconds = 120           time after which a reference is taken as it is\n"
+    "  [[method]] *     name = \"path\"           `gibench list methods` says which there are\n"
+    "                   spp = [16, 64]          any of its parameters; a list makes a sweep, several make a grid\n"
+    "                                           (`gibench list methods --parameters` has them)\n";
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
@@ -104,6 +124,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
         "are identical");
     for (CLI::Option* other : command->get_options())
         if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
+    command->footer(experiment_help);
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
@@ -128,7 +149,7 @@ CLI::Validator seed_text() {
 void add_render(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
-    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method, "name and parameters of the method, such as \"path spp=64\"")
         ->required();
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
@@ -142,17 +163,22 @@ void add_render(CLI::App& app, Action& action) {
 void add_reference(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReferenceOptions>();
     CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or add samples to one");
-    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option(
         "--method", options->method,
         "name and parameters of the method, without spp (default \"auto\", which combines all unbiased methods)");
     command->add_option("--target", options->target,
                         "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
-    command->add_option("--max-seconds", options->seconds, "stop after this time, even if the target is not reached");
+    command->add_option(
+        "--max-seconds", options->seconds,
+        "stop after the round of passes during which this charged time is used up, even if the target is not "
+        "reached; one round of 16 batches always completes");
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     add_threads(command, options->threads);
     add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
+    command->add_flag("--replace", options->replace,
+                      "replace an image at -o that is not the reference of this scene, method and size");
     perform_with(options, command, action, [](const auto& o) { return make_reference_file(o, std::cout); });
 }
 
@@ -165,6 +191,8 @@ void add_compare(CLI::App& app, Action& action) {
         ->expected(2, 1 << 20);
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_flag("--json", options->json, "print JSON");
+    command->add_flag("--other-scene", options->other_scene,
+                      "compare images of another scene, or of another version of it, than the reference's, too");
     CLI::Option* z_test = command->add_flag(
         "--z-test", options->z_test,
         "test whether the images differ from the reference by noise alone: exit code 0 accepted, 1 rejected. They are "
@@ -194,7 +222,7 @@ void add_plan(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
         "plan", "show which light transport a scene calls for, and what a method simulates and leaves out");
-    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
     add_loading(command, options->loading);
@@ -280,7 +308,11 @@ int run_program(int argc, char** argv) {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
             // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
-            return app.exit(error) == 0 ? 0 : exit_wrong_input;
+            const bool asks = error.get_exit_code() == 0;
+            const std::string wrong = asks ? "" : wrong_word(app, std::vector<std::string>(argv + 1, argv + argc));
+            if (wrong.empty()) return app.exit(error) == 0 ? 0 : exit_wrong_input;
+            std::cerr << wrong << "\nRun with --help for more information.\n";
+            return exit_wrong_input;
         }
         return action();
     });

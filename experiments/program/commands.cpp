@@ -2,10 +2,13 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
+#include "common/scene/scene.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
+#include "experiments/program/overwriting.h"
+#include "experiments/program/shipped_scenes.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
@@ -61,9 +64,15 @@ void warn_of(const std::vector<std::string>& warnings) {
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
+/// A warning if the scene has no emitter; else empty.
+std::string darkness(const Scene& scene) {
+    return !scene.has_light() ? "nothing in the scene emits light: every image is black" : "";
+}
+
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
-    LoadedScene loaded = load_scene(scene, loading);
+    LoadedScene loaded = load_scene(scene_file(scene), loading);
     warn_of(loaded.warnings);
+    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) warn_of({dark});
     return loaded;
 }
 
@@ -96,6 +105,7 @@ void check_writable(const std::string& path) {
 int render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     check_writable(options.out);
+    require_no_reference(options.out);
     const LoadedScene loaded = loaded_with_warnings(options.scene, options.loading);
     const auto method = chosen.create({loaded.max_edges});
     const CellWork work{.scene = *loaded.scene,
@@ -159,6 +169,7 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
         progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
     });
+    if (!options.replace) require_own_reference(options.out, loaded, label);
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);
@@ -174,9 +185,10 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
         for (const auto& name : names_of_comparable_methods())
             chosen.emplace_back(MethodLabel{name, {}});
     else chosen.emplace_back(MethodLabel::parse(method));
-    const LoadedScene loaded = load_scene(scene, loading);
+    const LoadedScene loaded = load_scene(scene_file(scene), loading);
     for (const auto& warning : loaded.warnings)
         out << "warning: " << warning << "\n";
+    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) out << "warning: " << dark << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     for (const auto& one : chosen) {

@@ -30,6 +30,7 @@ struct ReferenceOptions {
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;
+    bool replace = false;  ///< an image at `out` that is not the reference of this scene, method and size
 };
 int make_reference_file(const ReferenceOptions& options, std::ostream& out);
 

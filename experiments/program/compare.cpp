@@ -118,6 +118,23 @@ void require_comparable(const std::string& path, const Image& image, const Compa
                r.width, r.height);
 }
 
+/// Throws InputError if the image and the reference say that they show different scenes: their hashes of the scene's
+/// content differ.
+void require_same_scene(const std::string& path, const LayeredImage& image, const CompareOptions& options,
+                        const Reference& reference) {
+    const auto of_image = image.metadata.find("scene_hash"), of_reference = reference.metadata.find("scene_hash");
+    if (options.other_scene || of_image == image.metadata.end() || of_reference == reference.metadata.end()) return;
+    if (of_image->second == of_reference->second) return;
+    const auto name = [](const auto& metadata) {
+        const auto found = metadata.find("scene");
+        return found == metadata.end() ? std::string("unknown") : found->second;
+    };
+    reject({},
+           "{} ('{}') and {} ('{}') are not of the same scene, or of different versions of it; --other-scene compares "
+           "them all the same",
+           path, name(image.metadata), options.reference, name(reference.metadata));
+}
+
 void require_finite(const std::string& path, const std::string& layer, const ReferenceLayer& reference) {
     std::size_t bad = reference.mean.non_finite_values();
     if (reference.standard_error) bad += reference.standard_error->non_finite_values();
@@ -207,6 +224,13 @@ void print_text(const std::string& title, const Json& json, std::ostream& out) {
     }
 }
 
+/// Whether a component holds no light in any image.
+bool is_black(const Json& values) {
+    const auto is_zero = [](const Json& v) { return v.is_number() && v.get<double>() == 0; };
+    const auto all_zero = [&](const char* key) { return std::all_of(values[key].begin(), values[key].end(), is_zero); };
+    return is_zero(values["mse"]) && all_zero("mean") && all_zero("reference_mean");
+}
+
 }  // namespace
 
 int compare(const CompareOptions& options, std::ostream& out) {
@@ -223,6 +247,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
         files.push_back(read_image(path));
         subjects.front().second.tests.push_back(judged_total(files.back(), reference, judgement, path));
         require_comparable(path, subjects.front().second.tests.back(), options, r);
+        require_same_scene(path, files.back(), options, reference);
     }
     for (Component c : all_components) {
         const std::string name(name_of(c));
@@ -258,7 +283,9 @@ int compare(const CompareOptions& options, std::ostream& out) {
     }
     print_text(total_name, json, out);
     for (const auto& [name, values] : components.items())
-        print_text(name, values, out);
+        if (is_black(values)) out << name << ": black in the images and in the reference\n";
+        else print_text(name, values, out);
+    out << "The names are those of the columns in experiments/README.md; absolute errors are in radiance.\n";
     if (z) out << z->text;
     return code;
 }

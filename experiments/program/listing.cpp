@@ -2,6 +2,7 @@
 
 #include "common/scene/effects.h"
 #include "experiments/program/commands.h"
+#include "experiments/program/shipped_scenes.h"
 #include "experiments/system/build_info.h"
 #include "methods/method.h"
 
@@ -64,14 +65,8 @@ int list_methods(bool parameters, std::ostream& out) {
 
 int list_scenes(std::ostream& out) {
     const std::filesystem::path folder(shipped_scenes_folder());
-    std::vector<std::string> names;
-    if (std::filesystem::is_directory(folder))
-        for (const auto& entry : std::filesystem::directory_iterator(folder))
-            if (entry.path().extension() == ".xml") names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    for (const auto& name : names) {
-        const std::string sentence = sentence_about(name, (folder / "README.md").string());
-        const std::string stem = name.substr(0, name.size() - 4);
+    for (const std::string& stem : shipped_scene_names()) {
+        const std::string sentence = sentence_about(stem + ".xml", (folder / "README.md").string());
         out << (sentence.empty() ? stem : fmt::format("{:<28} {}", stem, sentence)) << "\n";
     }
     return 0;

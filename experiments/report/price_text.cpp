@@ -1,7 +1,9 @@
 #include "experiments/report/price_text.h"
 
 #include "common/core/math.h"
+#include "experiments/report/error_words.h"
 #include "experiments/text/numbers.h"
+#include "experiments/text/spaced.h"
 
 #include <fmt/format.h>
 
@@ -21,13 +23,13 @@ bool law_holds(const PriceLaw& law) { return law.misfit <= largest_misfit; }
 
 /// time_text() of a target that is resolved and that no run has reached.
 std::string unmeasured_time(const TableRow& row, double target) {
-    if (!row.law || !law_holds(*row.law)) return "";
+    if (!row.law || !law_holds(*row.law)) return "not reached";
     const auto time = row.law->extrapolate(target * target);
     if (!time) return fmt::format("never (floor {} %)", percent_text(std::sqrt(row.law->floor.value)));
     // A time within the measured span is no extrapolation: the first image was better already, or the points scatter
     // about the law.
     if (time->seconds <= row.law->last_seconds || time->seconds > farthest_extrapolation * row.law->last_seconds)
-        return "";
+        return "not reached";
     return fmt::format("{}{} (extrapolated)", time->at_least ? "at least " : "", short_number(time->seconds));
 }
 
@@ -46,25 +48,37 @@ std::string quoted(const std::string& names) {
     return text + "`";
 }
 
+double final_error2(const CellsByMethod& methods, const TableRow& row) {
+    return mean_error2_after(methods.at(row.method), total_name, INFINITY).value_or(INFINITY);
+}
+
 bool overlap(const Estimate& a, const Estimate& b) {
     return !a.interval || !b.interval || (a.interval->lo <= b.interval->hi && b.interval->lo <= a.interval->hi);
 }
 
-/// A text with the component that has the largest part of a method's squared error after `seconds`, and its share of
-/// the sum over components; empty if there is none.
-std::string largest_part(const Analysis& analysis, const std::vector<const Cell*>& cells, const std::string& scene,
-                         double seconds) {
-    double sum = 0, largest = 0;
-    std::string name;
+/// A text with the components' shares of the sum of their squared errors after `seconds`, largest first, without those
+/// below half a percent; empty if there is none.
+std::string parts_of_error(const Analysis& analysis, const std::vector<const Cell*>& cells, const std::string& scene,
+                           double seconds) {
+    double sum = 0;
+    std::vector<std::pair<double, std::string>> parts;
     for (const auto& component : components_of(analysis, scene)) {
         if (component == total_name) continue;
         const auto error2 = mean_error2_after(cells, component, seconds);
         if (!error2 || !(*error2 > 0)) continue;
         sum += *error2;
-        if (*error2 > largest) largest = *error2, name = component;
+        parts.emplace_back(*error2, component);
     }
-    return sum > 0 ? fmt::format(", {:.0f} % of its squared error in `{}`", 100 * largest / sum, name) : "";
+    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::string text;
+    for (const auto& [error2, component] : parts)
+        if (error2 >= 0.005 * sum)
+            text += fmt::format(", {:.0f} % {}in `{}`", 100 * error2 / sum, text.empty() ? "of its squared error " : "",
+                                component);
+    return text;
 }
+
+std::string in_brackets(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
 
 /// Says how large the error of a method is after `seconds` (if infinite: that of its final images, as in the table of
 /// errors), which component has most of it, what the method leaves out and, if `with_time`, when it reaches the target:
@@ -75,10 +89,11 @@ std::string what_keeps(const Analysis& analysis, const CellsByMethod& methods, c
     std::string text =
         fmt::format("fter {} s `{}` has ", short_number(std::isinf(seconds) ? row.seconds : seconds), row.method);
     if (const auto error = relative_rmse_after(cells, total_name, seconds, row.noise_floor))
-        text += percent_text(*error) + " %" + largest_part(analysis, cells, row.scene, seconds);
+        text += percent_text(*error) + " %" + parts_of_error(analysis, cells, row.scene, seconds) +
+                in_brackets(error_kind(row));
     else if (mean_error2_after(cells, total_name, seconds)) text += "an error below what the reference resolves";
     else text += "no image yet";
-    if (!row.effects_missing.empty()) text += ", leaves out " + row.effects_missing;
+    if (!row.effects_missing.empty()) text += ", leaves out " + spaced(row.effects_missing);
     if (!row.components_missing.empty()) text += ", leaves out light of " + quoted(row.components_missing);
     const std::string time = with_time ? time_text(row, target) : "";
     return text + (time.empty() ? "." : fmt::format("; seconds to {} %: {}.", target_names[target], time));
@@ -117,6 +132,7 @@ std::string answer_with_winner(const Analysis& analysis, const CellsByMethod& me
     if (winner.prepare_seconds > 0.1 * seconds)
         text += fmt::format(", of which {} s are preparation", short_number(winner.prepare_seconds));
     text += ".";
+    if (const std::string kind = error_kind(winner); !kind.empty()) text += fmt::format(" Its error: {}.", kind);
     if (reached.size() > 1) {
         const TableRow& next = *reached[1];
         text += fmt::format(" `{}` takes {} times as long{}.", next.method,
@@ -134,11 +150,7 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
     if (!is_target_resolved(target, rows.front()->noise_floor))
         return fmt::format("The reference does not resolve {} %, only {} %.", target_names[target],
                            percent_text(std::sqrt(rows.front()->noise_floor)));
-    const auto error = [&](const TableRow* row) {
-        return mean_error2_after(methods.at(row->method), total_name, INFINITY).value_or(INFINITY);
-    };
-    const TableRow& closest = **std::min_element(
-        rows.begin(), rows.end(), [&](const TableRow* a, const TableRow* b) { return error(a) < error(b); });
+    const TableRow& closest = *closest_row(analysis, rows.front()->scene);
     const bool any_reached =
         std::any_of(rows.begin(), rows.end(), [&](const TableRow* row) { return row->times[target].has_value(); });
     return fmt::format("No method {}reached {} %. Closest: a{}", any_reached ? "with all light of the scene " : "",
@@ -149,6 +161,18 @@ std::string answer_without_winner(const Analysis& analysis, const CellsByMethod&
 
 bool reaches(const TableRow& row, std::size_t target) {
     return row.times[target].has_value() && row.effects_missing.empty() && row.components_missing.empty();
+}
+
+const TableRow* closest_row(const Analysis& analysis, const std::string& scene) {
+    const CellsByMethod methods = cells_by_method(analysis, scene);
+    const auto rank = [&](const TableRow& row) {
+        const bool incomplete = !row.effects_missing.empty() || !row.components_missing.empty();
+        return std::pair(incomplete, final_error2(methods, row));
+    };
+    const TableRow* closest = nullptr;
+    for (const TableRow* row : totals_of(analysis, scene))
+        if (!closest || rank(*row) < rank(*closest)) closest = row;
+    return closest;
 }
 
 std::string time_text(const TableRow& row, std::size_t target) {
@@ -166,6 +190,11 @@ std::string next_halving_text(const TableRow& row) {
     if (factor > farthest_extrapolation) return fmt::format("over {:.0f}", farthest_extrapolation);
     if (time->at_least) return "at least " + short_number(factor);
     return with_interval(*price.next_halving);
+}
+
+std::optional<Estimate> next_halving(const TableRow& row) {
+    if (!row.law || !law_holds(*row.law) || !row.law->next_halving) return std::nullopt;
+    return row.law->next_halving->value > farthest_extrapolation ? std::nullopt : row.law->next_halving;
 }
 
 std::vector<PriceAnswer> price_answers(const Analysis& analysis) {

@@ -1,6 +1,8 @@
 #include "experiments/report/report.h"
 
 #include "common/core/files.h"
+#include "experiments/analysis/same_method.h"
+#include "experiments/report/look_words.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/report_assets.h"
 #include "experiments/report/report_data.h"
@@ -13,6 +15,8 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -32,8 +36,9 @@ data optional_text(const std::string& text) { return text.empty() ? data(false) 
 
 /// Whether a column holds words, which stand on the left.
 bool is_of_words(const std::string& column) {
-    static const std::set<std::string> names = {"method",    "before",        "best",           "component",
-                                                "parameter", "times as much", "missing effects"};
+    static const std::set<std::string> names = {
+        "method",        "before",          "best",  "component",     "parameter",
+        "times as much", "missing effects", "image", "bias or noise", "energy differs in"};
     return names.count(column) > 0;
 }
 
@@ -82,6 +87,12 @@ data sections_data(const std::vector<Section>& all, const Keeps& keeps) {
     return sections;
 }
 
+/// ", 2.80 s (extrapolated)" of "2.80 (extrapolated)", and the like; empty for words without a time.
+std::string seconds_text(const std::string& time) {
+    const std::size_t at = time.find(" (extrapolated)");
+    return at == std::string::npos ? "" : ", " + time.substr(0, at) + " s" + time.substr(at);
+}
+
 /// The method that reaches each of asked_targets first; none where a part of the light is not judged.
 data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
     list cheapest;
@@ -96,14 +107,54 @@ data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
                 (!best || row.times[t]->value < best->times[t]->value))
                 best = &row;
         const bool resolved = is_target_resolved(t, analysis.noise_floor(quality.scene, total_name));
-        cheapest.push_back(best ? object{{"method", best->method}, {"seconds", short_number(best->times[t]->value)}}
-                                : object{{"method", resolved ? "not reached" : "not resolved"}, {"seconds", false}});
+        if (best) {
+            cheapest.push_back(
+                object{{"method", best->method}, {"seconds", short_number(best->times[t]->value) + " s"}});
+            continue;
+        }
+        // Where no method has reached the error, the closest one and its time by the fitted law stand there.
+        const TableRow* closest = resolved ? closest_row(analysis, quality.scene) : nullptr;
+        const std::string time = closest ? time_text(*closest, t) : "";
+        const std::string detail = fmt::format("closest: {}{}", closest ? closest->method : "", seconds_text(time));
+        cheapest.push_back(object{{"method", resolved ? "not reached" : "not resolved"},
+                                  {"seconds", closest ? data(detail) : data(false)}});
     }
     return cheapest;
 }
 
+/// The images of a scene at equal time, which the report's script draws beside these words.
+data looks_data(const Analysis& analysis, const std::string& scene) {
+    list looks;
+    for (const LookWords& words : look_words(analysis, scene))
+        looks.push_back(object{{"method", words.look.method},
+                               {"attribute", html_escape(words.look.method)},
+                               {"passes", std::to_string(words.look.passes)},
+                               {"error", words.error},
+                               {"percent", std::isdigit(static_cast<unsigned char>(words.error.back())) != 0},
+                               {"flip", optional_text(words.flip)},
+                               {"kind", optional_text(words.kind)},
+                               {"missing", optional_text(words.missing)},
+                               {"energy", optional_text(words.energy)},
+                               {"shown", words.shown},
+                               {"best", looks.empty()}});
+    return looks;
+}
+
+/// The time after which the methods of a scene are compared [s].
+std::string look_seconds(const Analysis& analysis, const std::string& scene) {
+    double seconds = INFINITY;
+    for (const EqualTimeLook& look : analysis.looks)
+        if (look.scene == scene) seconds = std::min(seconds, look.seconds);
+    return short_number(seconds);
+}
+
 data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all, const Analysis& analysis) {
-    const data sections = sections_data(all, [&](const Section::Row& row) { return row.scene == quality.scene; });
+    const auto of_scene = [&](const Section::Row& row) { return row.scene == quality.scene; };
+    std::vector<Section> words, tables;
+    for (const Section& section : all)
+        if (section.title != look_title) (section.columns.empty() ? words : tables).push_back(section);
+    const data tables_of_scene = sections_data(tables, of_scene);
+    const data looks = looks_data(analysis, quality.scene);
     return object{{"scene", quality.scene},
                   {"number", std::to_string(&quality - analysis.references.data())},
                   {"attribute", html_escape(quality.scene)},
@@ -114,8 +165,13 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"target", quality.target ? data(percent_text(*quality.target)) : data(false)},
                   {"notes", list(quality.notes.begin(), quality.notes.end())},
                   {"cheapest", cheapest_data(quality, analysis)},
-                  {"complete", sections.is_non_empty_list()},
-                  {"sections", sections}};
+                  {"complete", tables_of_scene.is_non_empty_list()},
+                  {"looks", looks},
+                  {"look", looks.is_non_empty_list()},
+                  {"many", looks.list_value().size() > 7},
+                  {"look_seconds", look_seconds(analysis, quality.scene)},
+                  {"words", sections_data(words, of_scene)},
+                  {"tables", tables_of_scene}};
 }
 
 std::string counted(int count, const char* name) { return fmt::format("{} {}{}", count, name, count == 1 ? "" : "s"); }
@@ -166,10 +222,11 @@ json scale_json(ColorScale colors) {
 }  // namespace
 
 std::string markdown_table(const Analysis& analysis) {
-    return filled(table_page(), page_data(analysis), markdown_text);
+    return filled(table_page(), page_data(one_label_a_method(analysis)), markdown_text);
 }
 
-std::string report_html(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {
+std::string report_html(const Analysis& whole, const ResultFolder& folder, std::vector<std::string>* damage) {
+    const Analysis analysis = one_label_a_method(whole);
     ReportPictures pictures = report_pictures(analysis, folder);
     if (damage) damage->insert(damage->end(), pictures.damage.begin(), pictures.damage.end());
     json numbers = report_data(analysis);

@@ -80,6 +80,12 @@ void append(json& list, const Estimate& e) {
     list.push_back(e.interval ? number_to_json(e.interval->hi) : json(nullptr));
 }
 
+/// The passes at which the labels that differ from a method's in `spp` alone stopped.
+json stops_of(const Analysis& analysis, const std::string& scene, std::size_t method) {
+    const auto found = analysis.stops.find({scene, analysis.index.methods[method]});
+    return found == analysis.stops.end() ? json::array() : json(found->second);
+}
+
 json curves_of(const Analysis& analysis, const std::string& scene, const std::string& component) {
     json curves = json::array();
     for (std::size_t m = 0; m < analysis.index.methods.size(); ++m) {
@@ -90,7 +96,8 @@ json curves_of(const Analysis& analysis, const std::string& scene, const std::st
             append(point, p.rmse);
             points.push_back(std::move(point));
         }
-        if (!points.empty()) curves.push_back({{"method", m}, {"points", std::move(points)}});
+        if (!points.empty())
+            curves.push_back({{"method", m}, {"points", std::move(points)}, {"stops", stops_of(analysis, scene, m)}});
     }
     return curves;
 }

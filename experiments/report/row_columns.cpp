@@ -1,6 +1,7 @@
 #include "experiments/report/row_columns.h"
 
 #include "experiments/analysis/price.h"
+#include "experiments/report/error_words.h"
 #include "experiments/report/price_text.h"
 #include "experiments/text/numbers.h"
 
@@ -80,17 +81,22 @@ std::string clipped(double value) { return short_number(at_least_zero(value)); }
 std::string whole(double value) { return fmt::format("{:.0f}", value); }
 std::string whole_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// The relative RMSE [%] with its 95 % interval, the reference's own variance subtracted.
-std::string relative_error_text(const TableRow& row) {
-    if (!row.statistics) return "not judged";
+/// rel_mse with its interval, less the reference's own variance; unclipped.
+std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
+    if (!row.statistics) return std::nullopt;
     const auto& s = *row.statistics;
-    if (s.rel_mse_corrected <= row.noise_floor)
-        return fmt::format("below {}, not resolved", root_percent(row.noise_floor));
-    // The ends are those of the plain interval, less the reference's variance.
     const double own = s.rel_mse.value - s.rel_mse_corrected;
     Estimate corrected{s.rel_mse_corrected, std::nullopt};
     if (s.rel_mse.interval) corrected.interval = Interval{s.rel_mse.interval->lo - own, s.rel_mse.interval->hi - own};
-    return with_interval(corrected, root_percent);
+    return corrected;
+}
+
+/// The relative RMSE [%] with its 95 % interval, the reference's own variance subtracted.
+std::string relative_error_text(const TableRow& row) {
+    if (!row.statistics) return "not judged";
+    if (row.statistics->rel_mse_corrected <= row.noise_floor)
+        return fmt::format("below {}, not resolved", root_percent(row.noise_floor));
+    return with_interval(*corrected_rel_mse(row), root_percent);
 }
 
 /// Where bias^2 comes from: `unbiased` (0 by theory) or `measured`; empty if there is none.
@@ -120,21 +126,6 @@ std::string floor_text(const TableRow& row) {
                        root_percent(interval->hi), root_percent(bias2), root_percent(floor - bias2));
 }
 
-/// The names with commas and spaces, "specular reflection, refraction".
-std::string spaced(const std::string& names) {
-    std::string text;
-    for (const char c : names)
-        text += c == ';' ? ", " : c == '_' ? " " : std::string(1, c);
-    return text;
-}
-
-/// The light and the effects that a method leaves out, such as "refraction; light of direct, indirect".
-std::string left_out(const TableRow& row) {
-    const std::string effects = spaced(row.effects_missing);
-    if (row.components_missing.empty()) return effects;
-    return effects + (effects.empty() ? "" : "; ") + "light of " + spaced(row.components_missing);
-}
-
 /// The text if the error of the whole image is that of few pixels, else empty.
 RowText if_outliers(const Value& value, std::string (*text)(double)) {
     return [show = shown(value, text)](const TableRow& row) {
@@ -155,21 +146,27 @@ void add_errors(Columns& c) {
     c.estimate("rmse", error(&ReplicateStatistics::rmse));
     c.estimate("rel_mse", error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %",
                relative_error_text);
-    c.words(in_noise, "mean squared error", shown(error(&ReplicateStatistics::mse), short_number));
-    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2", [measured = shown(bias2, clipped)](const TableRow& row) {
-        return bias_state(row) == "unbiased" ? "0, unbiased" : measured(row);
-    });
-    c.number("variance", variance, in_errors | in_noise, "variance");
+    c.words(in_noise, "mean squared error [radiance^2]", shown(error(&ReplicateStatistics::mse), short_number));
+    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2 [radiance^2]",
+               [measured = shown(bias2, clipped)](const TableRow& row) {
+                   return bias_state(row) == "unbiased" ? "0, unbiased" : measured(row);
+               });
+    c.number("variance", variance, in_errors | in_noise, "variance [radiance^2]");
     c.words(in_noise, "share of bias^2", bias_share);
-    c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid");
-    c.number("noise_low_ratio", of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies");
+    c.words(in_errors, "bias or noise", error_kind);
+    c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise,
+             "noise centroid [cycles per pixel]");
+    c.number("noise_low_ratio", of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise,
+             "low frequencies [white noise = 1]");
     for (std::size_t t = 0; t < 4; ++t)
-        c.number(name_of_time(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %");
+        c.number(name_of_time(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %",
+                 [t](const TableRow& row) { return time_text(row, t); });
     for (std::size_t t = 0; t < target_names.size(); ++t)
         c.words(in_prices, fmt::format("seconds to {} %", target_names[t]),
                 [t](const TableRow& row) { return time_text(row, t); });
     c.text(
-        "nonfinite", [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors, "not finite");
+        "nonfinite", [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors,
+        "samples not finite");
     const Value memory = of(&TableRow::peak_rss_mib);
     c.number("peak_rss_mib", memory, in_prices, "memory MiB", shown(memory, whole));
     c.text("effects_missing", &TableRow::effects_missing);
@@ -179,8 +176,8 @@ void add_errors(Columns& c) {
     c.number(name_of_time(4), time(4));
     for (std::size_t t = 0; t < target_names.size(); ++t)
         c.ends(name_of_time(t), time(t));
-    c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "preparation");
-    c.number("flip", of(&TableRow::flip), in_errors, "FLIP");
+    c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "seconds of preparation");
+    c.number("flip", of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
     c.words(in_prices | in_errors, "missing effects", left_out);
     c.number("rel_mse_resolved", of(&TableRow::noise_floor));
     c.estimate("energy_excess", of(&TableRow::footing, &Footing::excess));
@@ -190,14 +187,15 @@ void add_errors(Columns& c) {
 void add_laws(Columns& c) {
     const auto law = [](auto member) { return of(&TableRow::law, member); };
     const auto robust = [](auto member) { return finite(of(&TableRow::robust, member)); };
-    c.estimate("last_halving", of(&TableRow::last_halving), in_laws, "last halving");
+    c.estimate("last_halving", of(&TableRow::last_halving), in_laws, "last halving: times the seconds");
     c.estimate("law_floor", law(&PriceLaw::floor), in_laws, "floor %", floor_text);
     c.number("law_floor_bias2", [](const TableRow& r) { return r.law ? estimate_of(floor_bias2(r)) : std::nullopt; });
     c.estimate("law_slope", law(&PriceLaw::slope), in_laws, "slope");
     c.number("law_factor", [](const TableRow& r) { return r.law ? estimate_of(r.law->law.factor) : std::nullopt; });
     c.number("law_misfit", law(&PriceLaw::misfit), in_laws, "worst point off the law",
              shown(law(&PriceLaw::misfit), whole_percent));
-    c.estimate("next_halving", law(&PriceLaw::next_halving), in_laws, "next halving (extrapolated)", next_halving_text);
+    c.estimate("next_halving", next_halving, in_laws, "next halving: times the seconds (extrapolated)",
+               next_halving_text);
     const Value median = robust(&RobustError::median), trimmed = robust(&RobustError::trimmed);
     const Value share = robust(&RobustError::share);
     c.number("rel_mse_median", median, in_outliers, "median %", if_outliers(median, root_percent));
@@ -207,6 +205,7 @@ void add_laws(Columns& c) {
     c.number("epsilon", of(&TableRow::epsilon));
     c.text("components_missing", &TableRow::components_missing);
     c.text("bias_state", bias_state);
+    c.ends("rel_mse_corrected", corrected_rel_mse);
 }
 
 }  // namespace

@@ -3,11 +3,13 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
 #include "experiments/analysis/price.h"
+#include "experiments/report/look_words.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/row_columns.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -20,13 +22,35 @@ std::string error_text(double relative_rmse) {
     return relative_rmse > 0 ? percent_text(relative_rmse) : "below the reference's";
 }
 
+/// The label of a row and, in brackets, the passes at which the labels that differ in `spp` alone stopped.
+std::string method_text(const Analysis& analysis, const TableRow& row) {
+    const auto stops = analysis.stops.find({row.scene, row.method});
+    if (stops == analysis.stops.end()) return row.method;
+    return fmt::format("{} (stopped at spp = {} too)", row.method, fmt::join(stops->second, ", "));
+}
+
+Section look_section(const Analysis& analysis) {
+    Section section{look_title,
+                    "Relative RMSE, mean over the seeds, after the time of the fastest method; FLIP of seed 1's last "
+                    "image that was kept by then. Bias or noise: of the final images.",
+                    {"method", "seconds", "relative RMSE %", "FLIP of the image", "image", "bias or noise",
+                     "missing effects", "energy differs in"},
+                    {}};
+    for (const auto& scene : scenes_of(analysis))
+        for (const LookWords& words : look_words(analysis, scene))
+            section.rows.push_back({scene,
+                                    {words.look.method, short_number(words.look.seconds), words.error, words.flip,
+                                     words.shown, words.kind, words.missing, words.energy}});
+    return section;
+}
+
 /// The section with those columns of row_columns() that belong to it; rows without any text are left out.
 Section row_section(const Analysis& analysis, RowSection which, std::string title, std::string sentence) {
     Section section{std::move(title), std::move(sentence), {"method"}, {}};
     for (const RowColumn& column : row_columns())
         if (column.sections & which) section.columns.push_back(column.heading);
     for (const TableRow& row : analysis.rows) {
-        std::vector<std::string> fields = {row.method};
+        std::vector<std::string> fields = {method_text(analysis, row)};
         for (const RowColumn& column : row_columns())
             if (column.sections & which) fields.push_back(column.section_text(row));
         if (std::any_of(fields.begin() + 1, fields.end(), [](const auto& field) { return !field.empty(); }))
@@ -149,8 +173,9 @@ Section stages_section(const Analysis& analysis) {
 
 std::vector<Section> sections(const Analysis& analysis) {
     std::vector<Section> all = {
-        footing_section(analysis),
+        look_section(analysis),
         answers_section(analysis),
+        footing_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
             "Seconds until the relative RMSE, the reference's own error subtracted, is at the percentage above; "
@@ -165,8 +190,10 @@ std::vector<Section> sections(const Analysis& analysis) {
         row_section(analysis, in_outliers, "Errors of few pixels",
                     "The worst 0.1 % of the pixels hold most of the squared error of these images. The table has the "
                     "error without them and the median over the pixels, by the plain formulas."),
-        row_section(analysis, in_noise, "Bias and noise",
-                    "The parts of the mean squared error of the final images, and the noise's spatial frequencies."),
+        row_section(
+            analysis, in_noise, "Bias and noise",
+            "The parts of the mean squared error of the final images, in absolute units, so that they do not add "
+            "up to the square of the relative RMSE; and the noise's spatial frequencies."),
         equal_time_section(analysis),
         frontier_section(analysis),
         bias_law_section(analysis),

@@ -21,8 +21,12 @@ struct Section {
     std::vector<Row> rows;
 };
 
-/// The sections in their order; those without rows are left out. table.md prints each of them once, the report those
-/// rows of each that belong to a scene.
+/// The title of the section that shows each method at equal time; the report has images in its place.
+inline constexpr const char* look_title = "Each method at equal time";
+
+/// The sections in their order: a look at each method at equal time, words, tables. Those without rows are left out.
+/// table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in `spp`
+/// alone have to be merged before (same_method.h).
 std::vector<Section> sections(const Analysis& analysis);
 
 }  // namespace gib

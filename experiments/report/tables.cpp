@@ -13,7 +13,8 @@ CsvTable curves_table(const Analysis& analysis) {
     CsvTable table;
     table.columns = {"scene",           "method",    "seed",         "pass", "seconds",
                      "prepare_seconds", "spp",       "photons",      "mse",  "rmse",
-                     "rel_mse",         "nonfinite", "peak_rss_mib", "rays", "rel_mse_corrected"};
+                     "rel_mse",         "nonfinite", "peak_rss_mib", "rays", "rel_mse_corrected",
+                     "mse_corrected"};
     for (const Cell& cell : analysis.cells)
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
             const auto total = errors.find(total_name);
@@ -28,7 +29,8 @@ CsvTable curves_table(const Analysis& analysis) {
                        std::to_string(checkpoint.passes), std::to_string(checkpoint.counts.photons),
                        csv_number(error.mse), csv_number(error.rmse), csv_number(error.rel_mse),
                        std::to_string(checkpoint.counts.non_finite.count), csv_number(checkpoint.peak_rss_mib),
-                       std::to_string(checkpoint.counts.rays), csv_number(error.rel_mse_corrected)});
+                       std::to_string(checkpoint.counts.rays), csv_number(error.rel_mse_corrected),
+                       csv_number(error.mse_corrected)});
         }
     return table;
 }

@@ -88,13 +88,19 @@ report.charts = (() => {
     const shown = data.scenes[scene].curves[component] ?? [];
     const sets = [];
     let times = [];
-    for (const {method, points} of shown) {
+    for (const {method, points, stops} of shown) {
       if (hidden.has(method)) continue;
       const at = (offset) => points.filter((p) => p[column + offset] !== null)
         .map((p) => ({x: p[1], y: factor * p[column + offset], passes: p[0],
           low: factor * p[column + 1], high: factor * p[column + 2]}));
       times = times.concat(points.map((p) => p[1]));
-      sets.push(line(method, at(0)), ...band(method, at(1), at(2)));
+      const isStop = (item) => stops.includes(item.raw?.passes);
+      sets.push(line(method, at(0), {
+        pointRadius: (item) => (isStop(item) ? 7 : 3.5),
+        pointBackgroundColor: (item) => (isStop(item) ? "transparent" : report.methodColor(method)),
+        pointBorderWidth: (item) => (isStop(item) ? 2 : 1),
+        stops,
+      }), ...band(method, at(1), at(2)));
     }
     const floor = metric === "relative" ? data.scenes[scene].noise_floor[component] : 0;
     if (floor > 0 && times.length > 0)
@@ -120,7 +126,7 @@ report.charts = (() => {
     if (passes === undefined) return `${item.dataset.label}: ${number(y, 3)}`;
     const interval = Number.isFinite(low) && low > 0 ? ` (${number(low, 3)} to ${number(high, 3)})` : "";
     return [item.dataset.label, `${number(y, 3)}${interval} after ${number(x, 3)} s`,
-      `${passes} pass${passes === 1 ? "" : "es"}`];
+      `${passes} pass${passes === 1 ? "" : "es"}${item.dataset.stops?.includes(passes) ? ", a stop" : ""}`];
   }
 
   const spectrumTip = (item) => [item.dataset.label,
@@ -160,7 +166,7 @@ report.charts = (() => {
     const panels = [
       new Panel(section.querySelector(".curve-chart"), "Error against time",
         "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Below the dashed line the " +
-        "reference resolves nothing. Time is charged wall-clock time, preparation included.", () => ({
+        "reference resolves nothing. Rings: where labels with a smaller spp stopped. Time is charged wall-clock time, preparation included.", () => ({
           sets: curveSets(scene, state.component, state.metric, state.hidden),
           xAxis: () => axis("logarithmic", "seconds"),
           yAxis: () => axis("logarithmic", metrics[state.metric].label),

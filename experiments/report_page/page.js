@@ -16,7 +16,7 @@
 
   /** Gives the labels of methods the colours that they have in the charts. */
   function colourMethods() {
-    for (const cell of document.querySelectorAll("tbody th, td.text")) {
+    for (const cell of document.querySelectorAll("tbody th, td.text, .tile .name")) {
       const method = data.methods.indexOf(text(cell));
       if (method >= 0) cell.prepend(swatch(`var(--method-${method % 10})`));
     }
@@ -43,8 +43,8 @@
       if (share >= 0) cell.prepend(bar([{share, color: "var(--bias)", title: "bias^2"},
         {share: 1 - share, color: "var(--noise)", title: "variance"}]));
     }
-    const table = [...section.querySelectorAll("h3")].find((h) => h.textContent === "Where the time goes")
-      ?.nextElementSibling.nextElementSibling.querySelector("table");
+    const table = [...section.querySelectorAll("summary")].find((s) => s.textContent === "Where the time goes")
+      ?.parentElement.querySelector("table");
     if (!table) return;
     const heads = [...table.tHead.rows[0].cells], rows = [...table.tBodies[0].rows];
     const seconds = rows.map((row) => [...row.cells].map((cell) => Number(text(cell)) || 0));
@@ -66,6 +66,26 @@
           redraw();
         });
       }));
+  }
+
+  /** The viewer of a scene, which is made when it is first needed. */
+  function panelOf(section) {
+    const {scene} = section.dataset;
+    if (!section.panel && data.pictures[scene])
+      section.panel = new report.panel.Panel(section.querySelector(".viewer"), scene);
+    return section.panel;
+  }
+
+  function setUpStrip(section) {
+    const strip = new report.strip.Strip(section, section.dataset.scene, (index, quantity, seconds) => {
+      panelOf(section).show(index, quantity, seconds);
+    });
+    section.strip = strip;
+    new IntersectionObserver((seen, observer) => {
+      if (!seen.some((s) => s.isIntersecting)) return;
+      observer.disconnect();
+      strip.draw();
+    }, {rootMargin: "400px"}).observe(section.querySelector(".strip"));
   }
 
   function setUpScene(section) {
@@ -90,12 +110,14 @@
     chooseRows(section, state.component);
     charts.draw();
     report.onScheme(() => charts.draw());
-    // Images are unpacked when their scene comes into view, because a page may have many scenes.
+    // Images are unpacked when their scene comes into view, because a page may have many scenes. The whole scene is
+    // observed, so that the viewer is there before the keyboard comes to it.
     new IntersectionObserver((seen, observer) => {
       if (!seen.some((s) => s.isIntersecting)) return;
       observer.disconnect();
-      if (data.pictures[scene]) section.panel = new report.panel.Panel(section.querySelector(".viewer"), scene);
-    }, {rootMargin: "400px"}).observe(section.querySelector(".viewer"));
+      panelOf(section);
+    }, {rootMargin: "400px"}).observe(section);
+    if (data.pictures[scene] && section.querySelector(".strip")) setUpStrip(section);
   }
 
   document.documentElement.classList.add("scripted");

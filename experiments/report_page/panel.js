@@ -117,6 +117,22 @@ report.panel = (() => {
       this.stage.place.scrollIntoView({block: "nearest"});
     }
 
+    /** Shows image `index`, as it was after `seconds`, as A beside the reference, and brings the viewer into sight. */
+    show(index, quantity, seconds) {
+      const {times} = this.sources;
+      const time = times.findLastIndex((t) => t <= (seconds ?? Infinity));
+      Object.assign(this.state, {a: index, b: 0, quantity, layer: 0, side: 0, time: Math.max(0, time)});
+      this.a.set(index);
+      this.b.set(0);
+      this.quantity.set(quantity);
+      this.layer.set(0);
+      this.time.set(this.state.time);
+      this.showMode();
+      this.changed();
+      this.stage.heading.scrollIntoView({block: "start"});
+      this.stage.place.focus({preventScroll: true});
+    }
+
     exposeBy(stops) {
       if (this.exposure.input.disabled) return;
       this.exposure.set(Number(this.exposure.input.value) + stops);

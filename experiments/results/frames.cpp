@@ -79,6 +79,10 @@ std::optional<Image> read_frame(const ResultFolder& folder, const std::string& c
     }
 }
 
+bool has_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes) {
+    return std::filesystem::exists(frame_path(folder, cell_name, passes));
+}
+
 void forget_frames(const ResultFolder& folder, const std::string& cell_name) {
     std::filesystem::remove_all(frame_folder(folder, cell_name));
 }

@@ -29,6 +29,8 @@ void write_frame(const ResultFolder& folder, const std::string& cell_name, std::
 /// Reads a frame. Empty if there is no file, or if it is damaged; `damage`, if given, then receives a message.
 std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes,
                                 std::string* damage = nullptr);
+/// Whether there is a file of that frame, damaged or not.
+bool has_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes);
 /// Deletes the frames of a cell before the cell is measured again.
 void forget_frames(const ResultFolder& folder, const std::string& cell_name);
 

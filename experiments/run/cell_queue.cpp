@@ -294,13 +294,14 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
 
 std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const std::vector<PlannedCell>& all) {
     std::vector<const PlannedCell*> to_do;
-    std::size_t kept = 0, of_other_builds = 0;
+    std::size_t kept = 0, of_other_builds = 0, replaced = 0;
     for (const auto& cell : all) {
         if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
         std::string damage;
         const auto stored = folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {
             if (!damage.empty()) progress_.message(fmt::format("warning: {}; the cell is done again", damage));
+            else if (fs::exists(folder_.cell_folder(cell.name) + "/cell.json")) ++replaced;
             to_do.push_back(&cell);
             continue;
         }
@@ -308,6 +309,11 @@ std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const 
         if (stored->build != build_) ++of_other_builds;
     }
     if (kept > 0) progress_.message(fmt::format("cells complete already, not done again: {}", kept));
+    if (replaced > 0)
+        progress_.message(
+            fmt::format("cells measured before with another scene file, reference, budget, epsilon or "
+                        "number of threads, done again: {}",
+                        replaced));
     if (of_other_builds > 0)
         progress_.message(fmt::format(
             "warning: {} of them were measured by another build of gibench; --fresh does them again", of_other_builds));

@@ -1,4 +1,5 @@
-"""Error against time: the mean of the seeds at each pass, its 95 % band, and the reference's own error."""
+"""Error against time: the mean of the seeds at each pass, its 95 % band, and what the reference resolves. The
+reference's own variance is subtracted, as in table.md and the report."""
 import math
 from dataclasses import dataclass
 
@@ -6,10 +7,10 @@ from plotting.result_tables import is_number, select, unique
 
 # For each metric: column of curves.csv, whether the root of its mean is shown, factor, name on the axis.
 METRICS = {
-    "rel_rmse": ("rel_mse", True, 100, "relative RMSE [%]"),
-    "rel_mse": ("rel_mse", False, 1, "relative MSE"),
-    "rmse": ("mse", True, 1, "RMSE"),
-    "mse": ("mse", False, 1, "MSE"),
+    "rel_rmse": ("rel_mse_corrected", True, 100, "relative RMSE [%]"),
+    "rel_mse": ("rel_mse_corrected", False, 1, "relative MSE"),
+    "rmse": ("mse_corrected", True, 1, "RMSE [radiance]"),
+    "mse": ("mse_corrected", False, 1, "MSE [radiance$^2$]"),
 }
 
 
@@ -80,15 +81,10 @@ def error_curve(rows, metric):
     return points
 
 
-def reference_error(rows, metric):
-    """The reference's own error, None if unknown; `rows`: those of table.csv for one scene, component total. It is
-    the difference between the plain and the corrected error in the row with the smallest error, because rounding loses
-    least of it there."""
-    value, corrected, power = (("rel_mse", "rel_mse_corrected", 1) if METRICS[metric][0] == "rel_mse"
-                               else ("rmse", "rmse_corrected", 2))
-    both = [row for row in rows if is_number(row[value]) and is_number(row[corrected])]
-    if not both:
+def resolved_error(rows, metric):
+    """The error below which the reference's noise hides the rest, None if unknown; `rows`: those of table.csv for one
+    scene, component total. It is known for relative errors only."""
+    known = [row["rel_mse_resolved"] for row in rows if is_number(row["rel_mse_resolved"])]
+    if METRICS[metric][0] != "rel_mse_corrected" or not known or known[0] <= 0:
         return None
-    row = min(both, key=lambda each: each[value])
-    difference = row[value] ** power - row[corrected] ** power
-    return shown(metric, difference) if difference > 0 else None
+    return shown(metric, known[0])

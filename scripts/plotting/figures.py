@@ -124,7 +124,7 @@ def draw_curve(axes, number, points):
 
 
 def error_figure(curves, labels, shared, reference, y_label, width):
-    """`curves`: points by method; `reference`: the reference's own error in the unit of the axis, or None."""
+    """`curves`: points by method; `reference`: the error that it resolves in the unit of the axis, or None."""
     methods = list(labels)
     drawn = {method: points for method, points in curves.items() if points}
     errors = [point.error for points in drawn.values() for point in points]
@@ -135,7 +135,7 @@ def error_figure(curves, labels, shared, reference, y_label, width):
         unit = " %" if "%" in y_label else ""
         below = "" if near else " (below the axis)"
         handles.append((Patch(facecolor=REFERENCE_GREY, edgecolor="black", linewidth=0.5),
-                        f"the reference's own error: {reference:.3g}{unit}{below}"))
+                        f"what the reference resolves: {reference:.3g}{unit}{below}"))
     sheet = Sheet(width, [0.72 * (width - LEFT)], handles, heading_of(shared))
     axes = sheet.axes[0]
     axes.set_xscale("log")

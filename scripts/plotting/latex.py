@@ -40,12 +40,16 @@ def percent(rel_mse):
 
 
 def relative_rmse(row):
-    if not is_number(row["rel_mse"]):
+    """The relative RMSE [%] with its interval, the reference's own variance subtracted: the number of table.md."""
+    value, low, high = (row["rel_mse_corrected" + end] for end in ("", "_lo", "_hi"))
+    if not is_number(value):
         return NONE
-    text = percent(row["rel_mse"])
-    if is_number(row["rel_mse_lo"]) and is_number(row["rel_mse_hi"]):
-        text += f" ({percent(row['rel_mse_lo'])}--{percent(row['rel_mse_hi'])})"
-    return text
+    resolved = row["rel_mse_resolved"]
+    if is_number(resolved) and value <= resolved:
+        return rf"$<${percent(resolved)}"
+    if is_number(low) and is_number(high):
+        return f"{percent(value)} ({percent(low)}--{percent(high)})"
+    return percent(value)
 
 
 def table_row(row, label, with_missing):
@@ -61,8 +65,8 @@ def latex_table(rows, scene, component):
     labels, shared = short_labels([row["method"] for row in rows])
     with_missing = any(row["effects_missing"] for row in rows)
     columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")
-    heads = ["method", "seconds", r"relative RMSE [\%]", "bias$^2$", "variance",
-             *(rf"s to {target}\,\%" for _, target in TARGETS)]
+    heads = ["method", "time [s]", r"relative RMSE [\%]", "bias$^2$ [radiance$^2$]", "variance [radiance$^2$]",
+             *(rf"time to {target}\,\% [s]" for _, target in TARGETS)]
     if with_missing:
         heads.append("not simulated")
     comment = f"% Scene {scene}, component {component}; needs \\usepackage{{booktabs}}.".replace("\n", " ")

@@ -5,9 +5,9 @@ import os
 from dataclasses import dataclass
 
 # The columns that are used; the files have more.
-CURVES = ("scene", "method", "seed", "pass", "seconds", "mse", "rmse", "rel_mse")
-TABLE = ("scene", "method", "component", "seconds", "rmse", "rel_mse", "rel_mse_lo", "rel_mse_hi", "bias2", "bias2_lo",
-         "bias2_hi", "variance", "variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected",
+CURVES = ("scene", "method", "seed", "pass", "seconds", "mse_corrected", "rel_mse_corrected")
+TABLE = ("scene", "method", "component", "seconds", "rel_mse_corrected", "rel_mse_corrected_lo", "rel_mse_corrected_hi",
+         "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance", "variance_lo", "variance_hi",
          "seconds_to_5pct", "seconds_to_2pct", "seconds_to_1pct", "effects_missing")
 SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
 STAGES = ("scene", "method", "seed", "stage", "seconds")

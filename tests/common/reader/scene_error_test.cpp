@@ -37,6 +37,8 @@ void expect_errors(const std::vector<Row>& rows) {
 TEST(SceneErrors, MalformedXml) {
     EXPECT_THAT(error_of("<scene version=\"3.0.0\">\n  <shape type=\"sphere\">\n</scene>"),
                 StartsWith("t.xml:3:3: malformed XML"));
+    EXPECT_THAT(error_of("<scene version='3.0.0'>\n<!-- <a> -->\n<shape type='a/>b'>\n<bsdf/>\n</scene>"),
+                ::testing::HasSubstr("</scene> stands where <shape> of line 3 has to be closed first"));
     EXPECT_THAT(error_of(""), StartsWith("t.xml:1:1: malformed XML"));
     EXPECT_THAT(error_of("<scene version=\"3.0.0\"/><scene/>"), StartsWith("t.xml:1:25: malformed XML"));
     EXPECT_THAT(error_of("<scene version=\"3.0.0\">\n text</scene>"), HasSubstr("unexpected text in <scene>"));

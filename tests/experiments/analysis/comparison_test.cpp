@@ -45,6 +45,30 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
 }
 
+// Its runs end after 8 and 12 s. After 10 s, their mean, the second one is not complete.
+TEST(EqualTime, TheFastestHasTheErrorOfItsFinalImages) {
+    Analysis analysis;
+    analysis.cells = {run("fast", 4e-4, 1, 8), run("fast", 4e-4, 1.5, 12), run("slow", 1e-2, 1, 64)};
+    analysis.rows = {row("fast"), row("slow")};
+    const auto rows = equal_time_rows(analysis);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].seconds, 10);
+    EXPECT_EQ(rows[0].entries.at(0).method, "fast");
+    EXPECT_NEAR(rows[0].entries.at(0).relative_rmse, std::sqrt((4e-4 / 8 + 4e-4 / 12) / 2), 1e-12);
+}
+
+// More time would not change the image of a method that has converged.
+TEST(EqualTime, DoesNotEndWithAMethodThatHasConverged) {
+    Analysis analysis;
+    analysis.cells = {run("path", 4e-4, 0.7, 90), run("solution", 1e-2, 1, 4), run("photons", 1e-4, 1, 16)};
+    analysis.cells[1].converged = true;
+    const auto methods = [&] { return cells_by_method(analysis, "box"); };
+    EXPECT_EQ(equal_time(methods()), 16);
+    for (Cell& cell : analysis.cells)
+        cell.converged = true;
+    EXPECT_NEAR(equal_time(methods()), 89.6, 1e-9) << "the longest, if each has";
+}
+
 // At 1, 2, 4 and 8 s the quick method has 4e-4 / t; the slow one starts at 4 s with 1e-4 / t.
 TEST(ParetoFrontier, IsOfTheCheckpointsThatNoOtherBeats) {
     Analysis analysis;

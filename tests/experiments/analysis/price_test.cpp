@@ -148,7 +148,7 @@ TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
     ASSERT_EQ(answers.size(), 2u);
     EXPECT_THAT(answers[0].text, HasSubstr("`quick` is the cheapest at 5 %: 0."));
     EXPECT_THAT(answers[0].text, HasSubstr("`exact` takes 10.0 times as long. After 0.637 s"));
-    EXPECT_THAT(answers[0].text, HasSubstr("90 % of its squared error in `caustic`"));
+    EXPECT_THAT(answers[0].text, HasSubstr("90 % of its squared error in `caustic`, 10 % in `indirect`"));
     EXPECT_THAT(answers[1].text, HasSubstr("No method reached 1 %"));
     EXPECT_THAT(answers[1].text, HasSubstr("`exact`"));
     EXPECT_THAT(answers[1].text, HasSubstr("(extrapolated)")) << "160 s were not measured";

@@ -187,6 +187,95 @@ TEST_F(CommandLineTest, PlanSaysWhatAMethodCannotSample) {
     EXPECT_THAT(run(glass + "bidirectional").out, Not(HasSubstr("unresolved")));
 }
 
+TEST_F(CommandLineTest, NamesTheWrongWordAndTheLikelyRightOne) {
+    const auto error = [&](const std::string& arguments) {
+        const ProgramResult result = run(arguments);
+        EXPECT_EQ(result.code, 2) << arguments;
+        return result.err;
+    };
+    EXPECT_THAT(error("rendre tiny.xml"),
+                StartsWith("gibench has no command 'rendre'; did you mean 'render'? There are: run, "));
+    EXPECT_THAT(error(""), StartsWith("gibench needs a command; there are: run, "));
+    EXPECT_THAT(error("list parameters"), StartsWith("gibench list has no command 'parameters'. There are: methods, "));
+    EXPECT_THAT(error("list"), StartsWith("gibench list needs a command; there are: methods, scenes, effects"));
+    EXPECT_THAT(
+        error("render tiny.xml --method path spp=16 -o a.exr"),
+        StartsWith("gibench render: 'spp=16' is not expected; a label stands in quotes: --method \"NAME spp=16\""));
+    EXPECT_THAT(error("render tiny.xml --spp 4 --method path -o a.exr"),
+                StartsWith("gibench render: '--spp' is not expected; parameters stand in the label"));
+    EXPECT_THAT(error("run --seed 3 e.toml"),
+                StartsWith("gibench run: '--seed' is not expected; did you mean '--seeds'?"));
+    EXPECT_THAT(error("plan corner-box"), HasSubstr("did you mean 'cornell-box'?"));
+    EXPECT_THAT(error("reference tiny.xml --target 1 -o a.exr"), HasSubstr("did you mean \"1%\"?"));
+}
+
+TEST_F(CommandLineTest, ScenesOfTheProgramAreKnownByName) {
+    EXPECT_THAT(run("plan cornell-glass").out, HasSubstr("called for: refraction\n"));
+    ASSERT_EQ(run("render furnace --method 'path spp=1' --resolution 2x2 -o a.exr").code, 0);
+    EXPECT_EQ(read_image(folder_ / "a.exr").metadata.at("scene"), "furnace");
+}
+
+TEST_F(CommandLineTest, ReferencesAreNeverLostToAnotherScene) {
+    ASSERT_EQ(run("reference tiny.xml --target 40% -o r.exr").code, 0);
+    folder_.write("other.xml", tiny_scene_xml(6));
+    const std::string before = read_file(folder_ / "r.exr");
+    for (const char* arguments :
+         {"reference other.xml --target 40% -o r.exr", "reference tiny.xml --method path --target 40% -o r.exr",
+          "reference tiny.xml --resolution 4x4 --target 40% -o r.exr",
+          "render tiny.xml --method 'path spp=1' -o r.exr"}) {
+        const ProgramResult result = run(arguments);
+        EXPECT_EQ(result.code, 2) << arguments;
+        EXPECT_THAT(result.err, StartsWith("r.exr:1:1: this is ")) << arguments;
+        EXPECT_EQ(read_file(folder_ / "r.exr"), before) << arguments;
+    }
+    EXPECT_EQ(run("reference tiny.xml --target 39% -o r.exr").code, 0) << "its own scene adds to it";
+    EXPECT_EQ(run("reference other.xml --target 40% --replace -o r.exr").code, 0);
+    ASSERT_EQ(run("render tiny.xml --method 'path spp=1' -o a.exr").code, 0);
+    EXPECT_EQ(run("reference tiny.xml --target 40% -o a.exr").code, 2) << "nor is an image";
+}
+
+TEST_F(CommandLineTest, ImagesOfDifferentScenesAreNotCompared) {
+    ASSERT_EQ(run("reference tiny.xml --target 40% -o r.exr").code, 0);
+    std::string xml = tiny_scene_xml();
+    const std::size_t at = xml.find("value='5'/></emitter>");
+    ASSERT_NE(at, std::string::npos);
+    folder_.write("brighter.xml", xml.replace(at, 9, "value='6'"));
+    ASSERT_EQ(run("render brighter.xml --method 'path spp=1' -o b.exr").code, 0);
+    const ProgramResult refused = run("compare b.exr r.exr");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.err,
+                AllOf(HasSubstr("b.exr ('brighter') and r.exr ('tiny')"), HasSubstr("not of the same scene")));
+    EXPECT_EQ(run("compare b.exr r.exr --other-scene").code, 0);
+}
+
+TEST_F(CommandLineTest, ASceneWithoutLightIsSaid) {
+    std::string xml = tiny_scene_xml();
+    const std::size_t begin = xml.find("<emitter"), end = xml.find("</emitter>") + 10;
+    folder_.write("dark.xml", xml.erase(begin, end - begin));
+    EXPECT_THAT(run("render dark.xml --method 'path spp=1' -o a.exr").err,
+                HasSubstr("warning: nothing in the scene emits light"));
+    EXPECT_THAT(run("plan dark.xml").out, HasSubstr("warning: nothing in the scene emits light"));
+    EXPECT_THAT(run("plan tiny.xml").out, Not(HasSubstr("warning")));
+}
+
+// The old numbers are gone then, so that it is said.
+TEST_F(CommandLineTest, ARunSaysWhichCellsAChangedSceneReplaces) {
+    folder_.write("e.toml",
+                  "scenes = ['tiny.xml']\nseeds = 2\nbudget = { passes = 1 }\n[reference]\ntarget = '60%'\n"
+                  "[[method]]\nname = 'path'\n");
+    EXPECT_THAT(run("run e.toml --out r").err, Not(HasSubstr("done again")));
+    folder_.write("tiny.xml", tiny_scene_xml(9));
+    EXPECT_THAT(run("run e.toml --out r").err, HasSubstr("done again: 2"));
+    EXPECT_THAT(run("run e.toml --out r").err, HasSubstr("cells complete already, not done again: 2"));
+}
+
+TEST_F(CommandLineTest, HelpOfRunHasTheKeysOfAnExperimentFile) {
+    const std::string help = run("run --help").out;
+    for (const char* key : {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "[reference]",
+                            "target", "seconds", "[[method]]", "name"})
+        EXPECT_THAT(help, HasSubstr(key));
+}
+
 TEST_F(CommandLineTest, ListsNameFirst) {
     EXPECT_THAT(run("list methods").out, AllOf(StartsWith("path "), HasSubstr("\nphoton_mapper ")));
     EXPECT_THAT(run("list methods --parameters").out, AllOf(HasSubstr("  photons"), HasSubstr("  spp")));

@@ -14,6 +14,7 @@
 
 #include "common/images/image_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <zlib.h>
 #include <nlohmann/json.hpp>
@@ -185,8 +186,10 @@ TEST_F(ReportPageTest, TitlesAndDataDoNotBreakThePage) {
     EXPECT_THAT(page, ::testing::HasSubstr("<h1>A &lt;/script&gt;&lt;b&gt; title</h1>"));
     const json data = json::parse(element(page, "report-data"));
     EXPECT_EQ(data.at("methods"), json({"path spp=8", "path spp=64"}));
-    const json& curve = data["scenes"]["tiny"]["curves"]["total"][1];
+    ASSERT_EQ(data["scenes"]["tiny"]["curves"]["total"].size(), 1u) << "labels that differ in spp alone are one method";
+    const json& curve = data["scenes"]["tiny"]["curves"]["total"][0];
     EXPECT_EQ(curve.at("method"), 1);
+    EXPECT_EQ(curve.at("stops"), json({8}));
     ASSERT_FALSE(curve.at("points").empty());
     EXPECT_EQ(curve["points"][0].size(), 8u);
 }
@@ -196,11 +199,11 @@ TEST_F(ReportPageTest, HoldsThePixelsOfTheImages) {
     const json data = json::parse(element(page, "report-data"));
     const json& scene = data["pictures"]["tiny"];
     EXPECT_EQ(scene.at("reduction"), 1);
-    ASSERT_EQ(scene.at("images").size(), 3u) << "the reference and two methods";
+    ASSERT_EQ(scene.at("images").size(), 2u) << "the reference and one method, which two labels run";
     const ComponentImages file = components_in(read_image(folder_->method_image("tiny", "path spp=64")));
     std::vector<float> sum(file.total().rgb.size(), 0.f);
     for (const auto& name : scene["layers"][0].at("parts")) {
-        const auto part = pixels(page, scene["images"][2]["parts"].at(name.get<std::string>()));
+        const auto part = pixels(page, scene["images"][1]["parts"].at(name.get<std::string>()));
         for (std::size_t i = 0; i < sum.size(); ++i)
             sum[i] += part[i];
     }
@@ -211,6 +214,25 @@ TEST_F(ReportPageTest, HoldsThePixelsOfTheImages) {
         largest = std::max(largest, sum[i]);
     }
     EXPECT_GT(largest, 0.f);
+}
+
+// The two labels are one method, whose longest run was the only one that could go on.
+TEST_F(ReportPageTest, ShowsEachMethodAtEqualTime) {
+    ASSERT_EQ(analysis_.looks.size(), 1u);
+    const EqualTimeLook& look = analysis_.looks[0];
+    EXPECT_EQ(look.method, "path spp=64");
+    EXPECT_LE(look.image_seconds, look.seconds);
+    EXPECT_GE(look.passes, 16u) << "the mean of two runs ends near the first one's end";
+    ASSERT_TRUE(look.flip.has_value());
+    EXPECT_GT(*look.flip, 0);
+    EXPECT_LT(*look.flip, 1);
+    const std::string page = report_html(analysis_, *folder_);
+    EXPECT_THAT(page, ::testing::HasSubstr(fmt::format("data-method=\"path spp=64\" data-passes=\"{}\"", look.passes)));
+    const std::size_t strip = page.find("class=\"strip"), chart = page.find("class=\"curve-chart"),
+                      words = page.find("class=\"answers"), table = page.find("<details class=\"folded");
+    EXPECT_LT(strip, chart) << "look first, then error against time";
+    EXPECT_LT(chart, words);
+    EXPECT_LT(words, table);
 }
 
 TEST_F(ReportPageTest, HoldsTheFramesOnTheWay) {

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
+# Those of the report: "path spp=16" is "path spp=64" that stopped earlier.
 METHODS = ("path spp=64", "photon_mapper photons=2000 spp=8", "radiosity patch=0.2 spp=8",
            "bidirectional techniques=on spp=8")
 SCENES = ("cornell-box", "cornell-glass")
@@ -23,7 +24,7 @@ method = "path"
 seconds = 2
 [[method]]
 name = "path"
-spp = 64
+spp = [16, 64]
 [[method]]
 name = "photon_mapper"
 photons = 2000

@@ -42,6 +42,7 @@ class ChartTest(ReportCase):
         for place, old in zip(places, before):
             self.assertTrue(self.points(PATH, place))
             self.assertNotEqual(self.points(PATH, place), old)
+        self.driver.execute_script("for (const d of document.querySelectorAll('.folded')) d.open = true")
         shown = [row.get_attribute("data-component") for row in
                  self.section.find_elements(By.CSS_SELECTOR, "tr[data-component]") if row.is_displayed()]
         self.assertEqual(set(shown), {"indirect"})
@@ -79,6 +80,7 @@ class PageTest(ReportCase):
                 self.open(size, scheme)
                 self.driver.execute_script("scrollTo(0, 0)")
                 self.shot(f"{name}-{scheme}-top")
+                self.driver.execute_script("for (const d of document.querySelectorAll('.folded')) d.open = true")
                 for place in (".scene-controls", ".curve-chart", ".viewer", ".shares"):
                     self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
                                                self.section.find_element(By.CSS_SELECTOR, place))
@@ -94,7 +96,7 @@ class PageTest(ReportCase):
                 lines = self.driver.execute_script(
                     "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
                     "return c.data.datasets[0].borderColor", self.section)
-                self.assertEqual(lines, {"light": "#1f6fd6", "dark": "#62a5ff"}[scheme])
+                self.assertEqual(lines, {"light": "#d1480f", "dark": "#ff8a50"}[scheme], "the second label")
         self.assertEqual(len(grounds), 2)
 
     def clipped(self):
@@ -163,7 +165,7 @@ class PageTest(ReportCase):
             text = self.driver.find_element(By.TAG_NAME, "body").text
         finally:
             self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
-        for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS,
+        for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS, "noise: the method is unbiased",
                       "Where the time goes"):
             self.assertIn(words, text)
 

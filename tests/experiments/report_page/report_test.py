@@ -17,6 +17,7 @@ if MISSING:
 
 from report_browser import ReportCase  # noqa: E402  needs selenium
 from report_page_cases import ChartTest, PageTest  # noqa: E402, F401  found by unittest
+from report_strip_cases import StripTest  # noqa: E402, F401
 from report_viewer_cases import ViewerTest  # noqa: E402, F401
 
 if __name__ == "__main__":

@@ -153,7 +153,7 @@ class ViewerTest(ReportCase):
         seeds = [fixture.pixels(os.path.join(fixture.cell_folder(self.results, BOX, PATH, s), "final.exr"))[x, y]
                  for s in (1, 2, 3)]
         bias = sum((sum(seed[k] for seed in seeds) / 3 - r[k]) / scale[k] for k in range(3)) / 3
-        self.assertAlmostEqual(self.values("A")[0], 100 * bias, delta=0.02 + 1e-2 * abs(bias))
+        self.assertAlmostEqual(self.values("A")[0], 100 * bias, delta=0.02 + 5e-3 * abs(100 * bias))
         self.assertIn("measured against", self.label_of_b())
         self.press("FLIP")
         self.assertFalse(self.control("Amplification").is_enabled())

@@ -38,7 +38,7 @@ protected:
 };
 
 TEST_F(UnjudgedLight, HasNoCheapestMethod) {
-    const std::string paths = table("path", "[[method]]\nname = 'path'\nspp = [64, 1024]\n");
+    const std::string paths = table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n");
     EXPECT_THAT(paths, AllOf(HasSubstr("No method is the cheapest: the reference does not judge the light of "
                                        "`caustic`"),
                              Not(HasSubstr("is the cheapest at")), Not(HasSubstr("## When the best method changes")),
@@ -48,7 +48,7 @@ TEST_F(UnjudgedLight, HasNoCheapestMethod) {
 }
 
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
-    const std::string nothing = table("light_tracer", "[[method]]\nname = 'path'\nspp = [16, 64]\n");
+    const std::string nothing = table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n");
     EXPECT_THAT(nothing, AllOf(HasSubstr("No method is the cheapest"), HasSubstr("not judged"),
                                Not(HasSubstr("is the cheapest at"))));
 }

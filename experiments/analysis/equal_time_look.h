@@ -1,0 +1,17 @@
+#pragma once
+// What each method shows of a scene after the same charged time: which of its stored images, and how good it is.
+
+#include "experiments/analysis/table_row.h"
+#include "experiments/results/judgement.h"
+
+#include <vector>
+
+namespace gib {
+
+/// The looks of all methods of one scene, as of one_label_a_method(). The seconds are those of the scene's rows at equal
+/// time (comparison.h). FLIP needs the images, which are read from the folder: a frame is compared at its own size, a
+/// final image as in the tables.
+std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
+                                            const Judgement& judgement, const ResultFolder& folder);
+
+}  // namespace gib

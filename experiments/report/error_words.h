@@ -1,0 +1,18 @@
+#pragma once
+// Says in words what a method's error is made of, and what the method leaves out.
+
+#include "experiments/analysis/table_row.h"
+
+#include <string>
+
+namespace gib {
+
+/// The light and the effects that a method leaves out, such as "refraction; light of direct, indirect".
+std::string left_out(const TableRow& row);
+
+/// Whether the error of the final images is bias or noise: "noise; bias below 16 % of the squared error", "bias: 63 % of
+/// the squared error, 51 to 75". The shares are bias^2 and its 95 % interval, over bias^2 + variance. For a method that
+/// is declared unbiased and leaves out nothing: "noise: the method is unbiased". Empty if the component is not judged.
+std::string error_kind(const TableRow& row);
+
+}  // namespace gib

@@ -1,0 +1,17 @@
+#pragma once
+// Finds the word that was probably meant, for messages about a wrong one.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gib {
+
+/// The known word with the smallest edit distance (Levenshtein 1966: insertions, deletions and replacements of one letter),
+/// the first of equals. Empty if even that one differs in more than a third of its letters.
+std::string nearest_word(std::string_view word, const std::vector<std::string>& known);
+
+/// "; did you mean 'render'?", or nothing if no known word is near.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace gib
