@@ -169,10 +169,9 @@ void add_reference(CLI::App& app, Action& action) {
         "name and parameters of the method, without spp (default \"auto\", which combines all unbiased methods)");
     command->add_option("--target", options->target,
                         "relative standard error to reach, such as 0.5% (default 1%, unless --max-seconds is given)");
-    command->add_option(
-        "--max-seconds", options->seconds,
-        "stop after the round of passes during which this charged time is used up, even if the target is not "
-        "reached; one round of 16 batches always completes");
+    command->add_option("--max-seconds", options->seconds,
+                        "stop after the round of passes during which this time is used up, even if the target is not "
+                        "reached; one round of 16 batches always completes");
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     add_threads(command, options->threads);
     add_loading(command, options->loading);

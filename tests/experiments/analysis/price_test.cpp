@@ -213,6 +213,13 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     EXPECT_THAT(warnings[0].text, HasSubstr("`indirect` differs between methods"));
     EXPECT_THAT(warnings[0].text, HasSubstr("b has +3.00 %"));
     EXPECT_THAT(warnings[0].text, HasSubstr("over a"));
+    analysis.rows[1].effects_missing = "refraction";
+    EXPECT_EQ(footing_warnings(analysis).size(), 4u) << "b leaves out light, which is no disagreement";
+    analysis.rows[1].effects_missing = "";
+    analysis.rows[1].components_missing = "caustic;indirect";
+    EXPECT_EQ(footing_warnings(analysis).size(), 4u);
+    analysis.rows[1].components_missing = "caustic";
+    EXPECT_EQ(footing_warnings(analysis).size(), 5u) << "it has all light of this component";
 }
 
 }  // namespace
