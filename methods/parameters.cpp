@@ -148,6 +148,11 @@ Parameter choice_parameter(std::string name, std::vector<std::string> choices, s
     return parameter;
 }
 
+Parameter tuned(Parameter parameter, const TuningSpan& span) {
+    parameter.tuning = span;
+    return parameter;
+}
+
 std::vector<std::string> names_of(const std::vector<Parameter>& parameters) {
     std::vector<std::string> names;
     for (const auto& parameter : parameters)

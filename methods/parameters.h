@@ -15,6 +15,13 @@
 
 namespace gib {
 
+/// The values among which a search for the cheapest settings looks (`gibench tune`), in the parameter's unit. Both ends
+/// lie in the parameter's range.
+struct TuningSpan {
+    double lower, upper;
+    bool is_logarithmic = true;  ///< whether steps are factors, else differences
+};
+
 /// The declaration of one parameter.
 struct Parameter {
     enum class Kind { number, integer, choice, text };
@@ -26,6 +33,8 @@ struct Parameter {
     /// All values of a choice; or the words that a number may be replaced by ("auto").
     std::vector<std::string> choices = {};
     std::string sentence;
+    /// Set if the number trades time for accuracy.
+    std::optional<TuningSpan> tuning = {};
 };
 
 /// The values that a parameter may have, as text.
@@ -79,6 +88,9 @@ Parameter integer_parameter(std::string name, std::string initial, std::string u
 Parameter count_parameter(std::string name, std::string initial, std::string unit, std::string meaning);
 /// Declares a choice, whose default is the first of the choices.
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string meaning);
+
+/// The same declaration with the values that are worth a search.
+Parameter tuned(Parameter parameter, const TuningSpan& span);
 
 /// The names of an enumeration's values as the choices of a parameter.
 template <std::size_t n>

@@ -10,6 +10,7 @@
 #include "experiments/run/run_experiment.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
+#include "experiments/tuning/tune.h"
 
 #include <CLI/CLI.hpp>
 
@@ -251,6 +252,37 @@ void add_report(CLI::App& app, Action& action) {
     perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
 }
 
+void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
+    auto options = std::make_shared<TuneOptions>();
+    options->command_line = command_line;
+    CLI::App* command = app.add_subcommand("tune", "search the settings of methods with the least time to an error");
+    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("--target", options->target, "relative RMSE to reach (default 2%)");
+    command
+        ->add_option("--method", options->methods,
+                     "NAME or label of a method, whose given parameters stay; several may be given (default: every "
+                     "method)")
+        ->take_all()
+        ->allow_extra_args(false);
+    command
+        ->add_option("--vary", options->variations,
+                     "PARAMETER=FROM..TO or PARAMETER=A,B: what to search, besides the parameters that declare a span "
+                     "(see list methods --parameters)")
+        ->take_all()
+        ->allow_extra_args(false);
+    command->add_option("--minutes", options->minutes, "time for reference, search and final runs (default 20)")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--out", options->out, "folder of the results (default: results/tune-SCENE)");
+    command->add_option("-a", options->folders, "DIR: searched for the scene's files after the scene's own folder")
+        ->take_all()
+        ->allow_extra_args(false);
+    const auto resize = [options](const std::string& text) { options->resolution = resolution_in(text); };
+    command->add_option_function<std::string>("--resolution", resize,
+                                              "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
+    add_threads(command, options->threads);
+    perform_with(options, command, action, [](const auto& o) { return tune(o, std::cout); });
+}
+
 /// Adds the internal subcommand that `run` starts for each cell. An empty group hides it from the help.
 void add_measure_cell(CLI::App& app, Action& action) {
     auto request = std::make_shared<std::string>();
@@ -301,6 +333,7 @@ int run_program(int argc, char** argv) {
     add_plan(app, action);
     add_list(app, action);
     add_report(app, action);
+    add_tune(app, action, command_line);
     add_measure_cell(app, action);
     return perform([&] {
         try {

@@ -265,13 +265,14 @@ namespace {
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
     std::vector<Parameter> parameters = {
-        count_parameter("photons", "1000000", "photons", "emitted for the global map"),
+        tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e7}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
         count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
-        integer_parameter(
-            "k", "50", "photons", 2, 1e6,
-            "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all within the radius",
-            {"auto", "all"}),
+        tuned(integer_parameter("k", "50", "photons", 2, 1e6,
+                                "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
+                                "within the radius",
+                                {"auto", "all"}),
+              {10, 1000}),
         number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
         number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),

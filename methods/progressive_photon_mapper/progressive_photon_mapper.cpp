@@ -239,7 +239,9 @@ std::vector<Parameter> progressive_parameters() {
         return integer_parameter(std::move(name), "", "photons", 1, 4e9, std::move(meaning));
     };
     return {
-        photons("photons", "emitted for the global map of a pass; default: one for each pixel, from 1e4 to 2.5e5"),
+        tuned(
+            photons("photons", "emitted for the global map of a pass; default: one for each pixel, from 1e4 to 2.5e5"),
+            {1e4, 1e6}),
         photons("caustic_photons", "emitted for the caustic map of a pass; default: the value of photons"),
         photons("volume_photons", "emitted for the volume map of a pass; default: the value of photons"),
         alpha_parameter(),

@@ -124,7 +124,8 @@ MethodDescription describe_radiosity() {
         .sentence = "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
         .parameters =
             {
-                number_parameter("patch", "0.03", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
+                tuned(number_parameter("patch", "0.03", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
+                      {0.004, 0.2}),
                 choice_parameter(
                     "solver", strings(radiosity_solver_names),
                     "hierarchical: links between groups of patches, solved by conjugate gradients; the others solve "

@@ -1,0 +1,47 @@
+#pragma once
+// The search for the settings with the least time to an error: successive halving (Karnin, Koren and Somekh 2013;
+// Jamieson and Talwalkar 2016), then steps to better neighbours. It sees settings as labels and measures them by a
+// callback, so that it can be tested with known times.
+
+#include "experiments/tuning/search_space.h"
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace gib {
+
+/// What a short run says about the time to the target.
+struct TimeEstimate {
+    double seconds =
+        std::numeric_limits<double>::infinity();  ///< by the measured curve, else by its law; infinite: never
+    /// The target was reached, so that `seconds` is no extrapolation.
+    bool is_measured = false;
+};
+
+struct Trial {
+    MethodLabel label;
+    TimeEstimate time;
+};
+
+/// Measures labels for `budget` seconds each, all with the same seed. `round` counts the calls. The result has the order of
+/// the labels; a label that failed gets an infinite time.
+using MeasureTimes =
+    std::function<std::vector<TimeEstimate>(const std::vector<MethodLabel>& labels, double budget, int round)>;
+
+struct SearchSettings {
+    double seconds = 60;      ///< for all runs together
+    int labels_per_axis = 6;  ///< besides the defaults
+    int most_steps = 4;       ///< of the descent to better neighbours
+};
+
+/// Returns the latest trial of every label that was measured, the best first; trials of longer runs stand before those
+/// that were given up earlier. Each round of halving keeps the better half and doubles the budget, and drops a label
+/// that the laws place `hopeless` times behind the best. No budget is larger than twice the best time measured so far.
+std::vector<Trial> search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
+                          const MeasureTimes& measure);
+
+/// How many times longer than the best a label may seem to take. A law of a short run is often wrong by a factor of two.
+inline constexpr double hopeless = 4;
+
+}  // namespace gib

@@ -1,0 +1,51 @@
+#pragma once
+// The settings among which `gibench tune` searches: the parameters that vary, and labels with values of them.
+
+#include "methods/parameters.h"
+
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// A parameter that varies: a number between two ends, or one of several words.
+struct TuningAxis {
+    std::string name;
+    TuningSpan span = {0, 0};             ///< of a number
+    double least = 0, most = 0;           ///< the parameter's own range, which steps beyond the span may use
+    bool is_whole = false;                ///< whether only whole numbers are valid
+    std::vector<std::string> words = {};  ///< all values, if it is no number
+    std::string initial = "";             ///< the default as text; may be empty
+
+    /// The value at a share from 0 to 1 of the span, as text: numbers with two digits.
+    std::string at(double share) const;
+    /// `value` as text, within the parameter's range.
+    std::string text_of(double value) const;
+};
+
+/// A request such as "photons=1e4..1e7" or "cache=on,off".
+struct Variation {
+    std::string parameter;
+    double lower = 0, upper = 0;
+    std::vector<std::string> words = {};  ///< if they are not empty, the values instead of a range
+};
+/// Throws InputError for a text that is neither.
+Variation parse_variation(const std::string& text);
+
+/// The parameters that vary for a method: those with a declared span that `base` does not set, and those of
+/// `variations` that the method has, whose ranges count instead of the declared ones. Throws InputError for a range that
+/// the parameter does not have, and for a parameter that `base` sets.
+std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<Variation>& variations);
+
+/// The label with this value of a parameter, in place of one that it has, else at its end.
+MethodLabel with_value(MethodLabel label, const std::string& parameter, const std::string& value);
+
+/// `count` labels that cover the axes evenly (Halton 1960: coordinate d of point i is the radical inverse of i in the d-th
+/// prime base), after the method's defaults and without duplicates.
+std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<TuningAxis>& axes, int count);
+
+/// The labels in which one number is half or twice as large, as far as its range allows, and those with another
+/// word. A value that `label` lacks is the default; a parameter without a default number has no neighbours there.
+std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes);
+
+}  // namespace gib
