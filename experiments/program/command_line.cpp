@@ -6,6 +6,7 @@
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
+#include "experiments/program/shipped_scenes.h"
 #include "experiments/run/repeat.h"
 #include "experiments/run/run_experiment.h"
 #include "experiments/system/build_info.h"
@@ -256,7 +257,7 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     auto options = std::make_shared<TuneOptions>();
     options->command_line = command_line;
     CLI::App* command = app.add_subcommand("tune", "search the settings of methods with the least time to an error");
-    command->add_option("SCENE", options->scene, "the scene file (Mitsuba 3 XML)")->required();
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--target", options->target, "relative RMSE to reach (default 2%)");
     command
         ->add_option("--method", options->methods,
@@ -280,7 +281,10 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_option_function<std::string>("--resolution", resize,
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
     add_threads(command, options->threads);
-    perform_with(options, command, action, [](const auto& o) { return tune(o, std::cout); });
+    perform_with(options, command, action, [](TuneOptions o) {
+        o.scene = scene_file(o.scene);
+        return tune(o, std::cout);
+    });
 }
 
 /// Adds the internal subcommand that `run` starts for each cell. An empty group hides it from the help.
