@@ -147,7 +147,8 @@ private:
             PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
             light_.lengths = PhotonLengths(walk.photons);
             std::vector<Photon> places;
-            if (plan.runs(pass_irradiance)) places = take_places(walk.photons);
+            if (plan.runs(pass_irradiance))
+                places = take_places(walk.photons, photons_per_place(settings_.k, walk.photons.size()));
             light_.map = build(std::move(walk));
             if (plan.runs(pass_irradiance)) {
                 const auto timer = stages_.time(pass_irradiance);

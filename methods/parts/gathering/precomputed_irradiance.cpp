@@ -13,8 +13,6 @@ namespace gib {
 
 namespace {
 
-/// One photon in this many gives its place (precomputed_irradiance.h).
-constexpr std::size_t photons_per_place = 8;
 constexpr std::size_t places_per_block = 256;
 
 /// A material that reflects all light diffusely on both sides: the radiance that it reflects is irradiance / pi.
@@ -53,20 +51,27 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, const 
     const Vec3 way = place.p - hit.p;
     if (std::abs(way.dot(normal)) > 4.f * hit.offset) return false;
     const float height = rise * way.norm();
-    return !rays.intersect({.o = offset_origin(hit, normal), .d = way + height * normal, .t_max = 1.f});
+    TracedRay ray{Ray{.o = offset_origin(hit, normal), .d = way + height * normal, .t_max = 1.f}};
+    rays.trace(ray);
+    return !ray.found;
 }
 
 }  // namespace
 
-std::vector<Photon> take_places(std::vector<Photon>& photons) {
-    constexpr float rise = static_cast<float>(photons_per_place) / (photons_per_place - 1);
+std::size_t photons_per_place(std::size_t k, std::size_t photons) {
+    constexpr std::size_t places_per_disc = 12, least = 8, fewest_places = 4096;
+    return k == all_photons ? least : std::max(std::min(k / places_per_disc, photons / fewest_places), least);
+}
+
+std::vector<Photon> take_places(std::vector<Photon>& photons, std::size_t per_place) {
+    const float rise = static_cast<float>(per_place) / static_cast<float>(per_place - 1);
     std::vector<Photon> places;
-    places.reserve(photons.size() / photons_per_place + 1);
+    places.reserve(photons.size() / per_place + 1);
     std::size_t left = 0;
     for (std::size_t i = 0; i < photons.size(); ++i) {
         // A hash chooses, not a count: if all paths store the same number of photons, counting would always take the
         // same vertex of a path.
-        if (mix64(i) % photons_per_place == 0) {
+        if (mix64(i) % per_place == 0) {
             places.push_back(photons[i]);
             continue;
         }
@@ -119,17 +124,32 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
 
 std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
                                                float max_distance) const {
+    // Neighbouring places mostly have the same normal, so that the last answer is kept.
+    std::uint32_t judged_normal = 0xffffffffu;
+    bool agrees = false;
     const auto on_surface = [&](const IrradiancePlace& place, float distance2) {
-        return place.surface_normal().dot(normal) > min_normal_cosine &&
-               sqr((place.p - hit.p).dot(normal)) <= sqr(max_elevation_slope) * distance2;
+        if (!(sqr((place.p - hit.p).dot(normal)) <= sqr(max_elevation_slope) * distance2)) return false;
+        if (place.normal != judged_normal) {
+            judged_normal = place.normal;
+            agrees = place.surface_normal().dot(normal) > min_normal_cosine;
+        }
+        return agrees;
     };
-    const auto nearest = places_.nearest(hit.p, max_distance, on_surface);
+    const auto serves = [&](const IrradiancePlace& place, float distance2) {
+        if (distance2 > sqr(radius_of(place, max_distance))) return false;
+        const bool in_doubt = place.near_obstacle() || distance2 > sqr(seen);
+        return !in_doubt || reaches(rays, hit, normal, place);
+    };
+    auto nearest = places_.nearest(hit.p, max_distance, on_surface);
     if (!nearest) return std::nullopt;
-    const IrradiancePlace place = places_[nearest->index];
-    if (nearest->distance2 > sqr(radius_of(place, max_distance))) return std::nullopt;
-    const bool in_doubt = place.near_obstacle() || nearest->distance2 > sqr(seen);
-    if (in_doubt && !reaches(rays, hit, normal, place)) return std::nullopt;
-    return (unit_ * place.irradiance.color().cast<double>()).cast<float>();
+    // The nearest place is tested by itself, because a search that tests places on its way would trace more rays.
+    if (!serves(places_[nearest->index], nearest->distance2)) {
+        nearest = places_.nearest(hit.p, max_distance, [&](const IrradiancePlace& place, float distance2) {
+            return on_surface(place, distance2) && serves(place, distance2);
+        });
+        if (!nearest) return std::nullopt;
+    }
+    return (unit_ * places_[nearest->index].irradiance.color().cast<double>()).cast<float>();
 }
 
 }  // namespace gib

@@ -3,10 +3,12 @@
 // positions, its `place`, where it otherwise would look up many photons and weight them. Source: Christensen 1999,
 // "Faster Photon Map Global Illumination", journal of graphics tools 4(3).
 //
-// One photon in eight gives a place; the others are counted, with their power times 8 / 7. Parts into which a Poisson
+// One photon in n gives a place; the others are counted, with their power times n / (n - 1). Parts into which a Poisson
 // process is thinned are independent, so the places are independent of the photons that are counted, and the estimate
 // at a place is as unbiased as elsewhere. (If all photons were counted, each place would have a photon for certain,
-// and the region in which it is the nearest would have too few others.)
+// and the region in which it is the nearest would have too few others.) Irradiance is blurred over a disc of k photons,
+// so that twelve places in a disc resolve it, whatever the density of photons: n = k / 12, but at least 8, and so small
+// that there are 4096 places.
 
 #include "methods/parts/density/density_estimate.h"
 
@@ -14,9 +16,11 @@ namespace gib {
 
 class StageProgress;
 
-/// Takes the places out of `photons` and raises the power of the others. Which photons become places depends on
-/// their order only.
-std::vector<Photon> take_places(std::vector<Photon>& photons);
+/// The number n for estimates from k of so many photons.
+std::size_t photons_per_place(std::size_t k, std::size_t photons);
+/// Takes the places, one in `per_place` photons, out of `photons` and raises the power of the others. Which photons
+/// become places depends on their order only.
+std::vector<Photon> take_places(std::vector<Photon>& photons, std::size_t per_place = 8);
 
 /// The data of a place besides its position. 16 bytes.
 struct IrradiancePlacePayload {
@@ -45,9 +49,9 @@ public:
                           const DensityEstimator& estimator, int max_photon_edges, std::uint64_t seed,
                           std::uint64_t& rays, StageProgress* progress);
 
-    /// Irradiance [W/m^2] at the nearest place on the surface of `hit`, on the side of `normal`. Empty if there is
-    /// none within `max_distance` (the estimator's largest radius), if the hit lies outside the disc of the place's
-    /// own estimate, or if the place may lie behind a wall or on another surface. A short ray tests the latter, but
+    /// Irradiance [W/m^2] at the nearest place on the surface of `hit`, on the side of `normal`. Places do not serve
+    /// whose own estimate's disc the hit lies outside of, nor those that may lie behind a wall or on another surface.
+    /// Empty if no place within `max_distance` (the estimator's largest radius) serves. A short ray tests for walls, but
     /// only if the estimate at the place has met an obstacle or if the place is farther away than `seen`, the length
     /// of the ray to `hit`: the nearest place may lie outside a room that is small compared with the scene and has no
     /// places of its own.

@@ -49,6 +49,23 @@ TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     EXPECT_NEAR(power, static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
+// Twelve places in a disc of k photons, but one in eight photons at most, and 4096 places at least.
+TEST(PrecomputedIrradiance, HasTwelvePlacesInADisc) {
+    EXPECT_EQ(photons_per_place(50, 1000000), 8u);
+    EXPECT_EQ(photons_per_place(600, 1000000), 50u);
+    EXPECT_EQ(photons_per_place(1000000, 1000000), 244u);
+    EXPECT_EQ(photons_per_place(2500, 1000), 8u);
+    EXPECT_EQ(photons_per_place(all_photons, 1000000), 8u);
+    auto photons = even_photons(80000, 1);
+    const auto places = take_places(photons, 100);
+    // The bound is 5 standard deviations of a binomial count.
+    EXPECT_NEAR(static_cast<double>(places.size()), 800, 5 * std::sqrt(80000 * 99 / 1e4));
+    double power = 0;
+    for (const Photon& photon : photons)
+        power += static_cast<double>(photon.power().x());
+    EXPECT_NEAR(power, static_cast<double>(photons.size()) / 79200, 2 * 0x1p-16) << "rounded twice";
+}
+
 // At points that are independent of the photons, the mean irradiance over 200 maps is right within 5 standard errors
 // of less than 0.2 %. If the photons that give places were counted too, the irradiance would be too large by about
 // 1 / k at the places, and too small by about 1 / k around them.
@@ -117,6 +134,30 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
     EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
     EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f)) << "the other side";
+}
+
+// A wall stands on the floor at x = 0. Beyond it there is 1000 times the light, and the nearest place lies there; the
+// next one, on the side of the hit, serves instead. The bound is 5 standard deviations of the 400 photons of an estimate.
+TEST(PrecomputedIrradiance, APlaceBehindAWallIsPassedOver) {
+    const auto loaded =
+        test::scene_of(test::scene_xml("<sensor type='perspective'/><shape type='rectangle'/><shape type='rectangle'>"
+                                       "<transform name='to_world'><rotate y='1' angle='90'/></transform></shape>"));
+    auto photons = even_photons(20000, 1);
+    for (Photon& photon : photons)
+        if (photon.p.x() < 0.f) photon.set_power(1000.f * photon.power());
+    const PhotonMap map(std::move(photons), 1);
+    const Vec3 up(0, 0, 1);
+    const std::vector<Photon> places = {{Vec3(-0.01f, 0.3f, 0), Color::Ones(), up, up, 1},
+                                        {Vec3(0.06f, 0.3f, 0), Color::Ones(), up, up, 1}};
+    const DensityEstimator estimator{Kernel::uniform, 400, 1.f, DiscArea::surface};
+    std::uint64_t traced = 0;
+    const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
+    RayQueries rays(*loaded.scene);
+    const auto hit = rays.intersect({Vec3(0.01f, 0.3f, 0.5f), Vec3(0, 0, -1)});
+    ASSERT_TRUE(hit);
+    const auto E = irradiance.at(rays, *hit, up, infinity, 1.f);
+    ASSERT_TRUE(E);
+    EXPECT_NEAR(4 * E->x(), 1.f, 5 * 0.05f);
 }
 
 // The room lies between plates a million times its size. The mean is over points whose discs end before the walls.
