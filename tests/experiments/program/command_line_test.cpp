@@ -206,6 +206,7 @@ TEST_F(CommandLineTest, NamesTheWrongWordAndTheLikelyRightOne) {
     EXPECT_THAT(error("run --seed 3 e.toml"),
                 StartsWith("gibench run: '--seed' is not expected; did you mean '--seeds'?"));
     EXPECT_THAT(error("plan corner-box"), HasSubstr("did you mean 'cornell-box'?"));
+    EXPECT_THAT(error("tune corner-box"), HasSubstr("did you mean 'cornell-box'?"));
     EXPECT_THAT(error("reference tiny.xml --target 1 -o a.exr"), HasSubstr("did you mean \"1%\"?"));
 }
 
