@@ -28,7 +28,7 @@ struct Plan;
 /// The use of shadow photons.
 enum class Shadows {
     guide,  ///< lights are chosen by the light they add near by; a shadow ray tests every choice
-    skip,   ///< lights are chosen by power; no shadow ray is traced where all photons near by agree
+    skip,   ///< lights are chosen as without photons; no shadow ray is traced where all photons near by agree
     both    ///< lights are chosen as by `guide`; shadow rays are left out as by `skip`
 };
 inline constexpr std::array<std::string_view, 3> shadows_names = {"guide", "skip", "both"};
