@@ -206,10 +206,11 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
 }
 
 /// A mean of squares may be larger because of values that are too rare for any replicate to show, which the scatter of
-/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this
-/// size on average, with a confidence of 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a
-/// Pareto tail of index a, the squares beyond the largest one that was seen exceed it a / (a - 1) times on average. The
-/// index is taken as 2, the heaviest tail whose squares have a variance.
+/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not
+/// occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this size on average, with a confidence of
+/// 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a Pareto tail of index a, the squares beyond the
+/// largest one that was seen exceed it a / (a - 1) times on average. The index is taken as 2, the heaviest tail whose
+/// squares have a variance.
 constexpr double unseen_terms = 3.69 * 2;
 
 /// unseen_terms times the largest excess of one pixel of one replicate over the pixel's mean, for two kinds of squares.
