@@ -166,7 +166,7 @@ TEST(Environment, IrradianceOfAConstantOneIsPiL) {
     const auto scene = load(ball + "<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>");
     const Mean E = irradiance(*scene.scene, Vec3(0, 0, 1), Vec3(0.6f, 0, 0.8f), 2, 200'000);
     EXPECT_NEAR(E.value, 3 * pi_d, 4 * E.error);
-    EXPECT_NEAR(scene.scene->environment_pdf_w(Vec3::Zero(), Vec3::UnitX()), 1 / (4 * pi_d), 1e-7);
+    EXPECT_NEAR(scene.scene->environment_pdf_w(Vec3(0, 0, 0), Vec3::UnitX()), 1 / (4 * pi_d), 1e-7);
     EXPECT_EQ(scene.scene->environment_radiance(Vec3::UnitX())[1], 2.f);
     EXPECT_NEAR(scene.scene->emitted_power()[0], 4 * pi_d * 3 * pi_d, 1e-2);
 }
