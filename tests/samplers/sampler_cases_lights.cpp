@@ -113,7 +113,7 @@ SamplerCase outside_of_cylinder_case() {
     SamplerCase test;
     test.name = "light: cylinder";
     test.sample = [=](const RandomNumbers& r) -> std::optional<Sampled> {
-        const auto s = scene->sample_light(p.cast<float>() + origin, r.choice.x(), r.u);
+        const auto s = scene->sample_light(Vec3(p.cast<float>() + origin), r.choice.x(), r.u);
         if (!s) return std::nullopt;
         const Vec3d target = (s->target - origin).cast<double>();
         const double phi = std::atan2(target.y(), target.x()), z = std::clamp(target.z(), 0.0, 1.0);
@@ -248,7 +248,7 @@ SamplerCase emission_map_case() {
     const TemporaryFolder folder;
     const ScenePointer scene = lit_by<MappedEnvironment>(small_shape + sunny_map(folder));
     return emission_direction_case("envmap", scene, [scene](const Vec3& w) {
-        return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
+        return static_cast<double>(scene->environment_pdf_w(Vec3(0, 0, 0), -w));
     });
 }
 
@@ -333,7 +333,7 @@ struct LightCasesOf {
                        {Vec3(0, 0, 1), 1.0, {1 - std::cos(sun_radius), 1.0}}),
             emission_direction_case("sunsky", lit(sun_at_zenith),
                                     [scene = lit(sun_at_zenith)](const Vec3& w) {
-                                        return static_cast<double>(scene->environment_pdf_w(Vec3::Zero(), -w));
+                                        return static_cast<double>(scene->environment_pdf_w(Vec3(0, 0, 0), -w));
                                     },
                                     {1.0, 1 + std::cos(sun_radius)}),
             light_case("envmap of one row", lit(envmap_xml(folder, image_of(4, 1, noise))), beside_shape, {up}),
