@@ -38,9 +38,19 @@ struct Choices {
     }
 };
 
-Eigen::AlignedBox3d box_of(const LightBounds& b) {
-    const Vec3d half = Vec3d::Constant(b.radius);
-    return {b.center - half, b.center + half};
+struct Ball {
+    Vec3d center;
+    double radius;
+};
+
+/// The smallest ball that holds both.
+Ball ball_around(const Ball& a, const Ball& b) {
+    const Vec3d between = b.center - a.center;
+    const double distance = between.norm();
+    if (distance + b.radius <= a.radius) return a;
+    if (distance + a.radius <= b.radius) return b;
+    const double radius = 0.5 * (distance + a.radius + b.radius);
+    return {a.center + between * ((radius - a.radius) / distance), radius * (1 + 1e-12)};
 }
 
 }  // namespace
@@ -99,8 +109,8 @@ LightBounds bounds_of(const Light& light, const std::vector<Shape>& shapes) {
 }
 
 LightBounds united(const LightBounds& a, const LightBounds& b) {
-    const Eigen::AlignedBox3d box = box_of(a).merged(box_of(b));
-    return {box.center(), 0.5 * box.diagonal().norm(), united(a.cone, b.cone), a.intensity + b.intensity};
+    const Ball ball = ball_around({a.center, a.radius}, {b.center, b.radius});
+    return {ball.center, ball.radius, united(a.cone, b.cone), a.intensity + b.intensity};
 }
 
 struct LightTree::Leaf {

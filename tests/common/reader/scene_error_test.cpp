@@ -68,7 +68,7 @@ TEST(SceneErrors, Plugins) {
                    {"<shape/>", "2:1", "needs the attribute 'type'"},
                    {"<shape type=\"sphere\"><bsdf type=\"hair\"/></shape>", "2:28",
                     "the bsdf 'hair' is not supported; supported are: diffuse"},
-                   {ball + "<emitter type=\"sky\"/>", "2:32", "the emitter 'sky' is not supported"},
+                   {ball + "<emitter type=\"moon\"/>", "2:32", "the emitter 'moon' is not supported"},
                    {"<shape type=\"sphere\"><emitter type=\"point\"/></shape>", "2:31", "supported are: area"},
                    {ball + "<emitter type=\"area\"/>", "2:23", "must stand in a shape"},
                    {ball + "<widget type=\"x\"/>", "2:23", "<scene> cannot hold <widget>"},
