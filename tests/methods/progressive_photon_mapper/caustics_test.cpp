@@ -175,7 +175,7 @@ Slopes slopes_by_theory(double alpha) {
 
 /// Expects the slopes of the theory within 99.9 % intervals by the delete-one jackknife over seeds.
 void expect_theory(const LoadedScene& scene, const std::string& label, double truth, double alpha) {
-    const auto runs = runs_of(scene, label, 32);
+    const auto runs = runs_of(scene, label, 48);
     const Slopes all = slopes_of(runs, truth), theory = slopes_by_theory(alpha);
     double bias = 0, variance = 0;
     for (std::size_t left_out = 0; left_out < runs.size(); ++left_out) {
