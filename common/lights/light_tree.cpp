@@ -12,7 +12,8 @@ namespace gib {
 
 namespace {
 
-/// The part of the choices that is even.
+/// The part of the choices that is even. It costs at most 1 / 0.8 = 1.25 times the variance where importance is right, and
+/// bounds the variance by five times that of an even choice where it is not.
 constexpr double even_share = 0.2;
 
 /// An angle in [0, pi] by its cosine and sine.
@@ -50,6 +51,7 @@ Ball ball_around(const Ball& a, const Ball& b) {
     if (distance + b.radius <= a.radius) return a;
     if (distance + a.radius <= b.radius) return b;
     const double radius = 0.5 * (distance + a.radius + b.radius);
+    // The factor is for the rounding of the centre.
     return {a.center + between * ((radius - a.radius) / distance), radius * (1 + 1e-12)};
 }
 

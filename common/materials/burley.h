@@ -4,6 +4,7 @@
 
 #include "common/materials/fresnel.h"
 #include "common/materials/microfacet.h"
+#include "common/materials/scattering.h"
 
 #include <algorithm>
 
@@ -45,6 +46,16 @@ inline float diffuse(float roughness, float flatness, float cos_o, float cos_i, 
     const float s = lerp(1.f, 0.5f * r, w_o) * lerp(1.f, 0.5f * r, w_i);
     const float flat = 1.25f * (s * (1.f / (cos_o + cos_i) - 0.5f) + 0.5f);
     return lerp(plain, flat, flatness);
+}
+
+/// The coefficients, divided by their largest channel where that is above 1: they are estimates of albedos.
+inline ScatteringCoefficients at_most_one(ScatteringCoefficients c) {
+    const float highest = (c.diffuse + c.specular).maxCoeff();
+    if (highest > 1.f) {
+        c.diffuse /= highest;
+        c.specular /= highest;
+    }
+    return c;
 }
 
 }  // namespace gib::burley

@@ -240,12 +240,7 @@ std::optional<BsdfSample> Principled::sample_local(const Vec3& wo, float u_lobe,
 ScatteringCoefficients Principled::coefficients_local(const Vec3& wo) const {
     ScatteringCoefficients c = estimate(wo.z());
     if (wo.z() > 0.f) c.specular += clearcoat * lerp(coat_f0, 1.f, schlick_weight(wo.z())) * std::max(wo.z(), 0.1f);
-    const float highest = (c.diffuse + c.specular).maxCoeff();
-    if (highest > 1.f) {
-        c.diffuse /= highest;
-        c.specular /= highest;
-    }
-    return c;
+    return burley::at_most_one(c);
 }
 
 }  // namespace gib

@@ -158,12 +158,7 @@ ScatteringCoefficients PrincipledThin::coefficients_local(const Vec3& wo) const 
     c.diffuse = s.diffuse + s.diffuse_through;
     (main_kind(false) == LobeKind::diffuse ? c.diffuse : c.specular) += s.main;
     (main_kind(true) == LobeKind::diffuse ? c.diffuse : c.specular) += s.main_through;
-    const float highest = (c.diffuse + c.specular).maxCoeff();
-    if (highest > 1.f) {
-        c.diffuse /= highest;
-        c.specular /= highest;
-    }
-    return c;
+    return burley::at_most_one(c);
 }
 
 }  // namespace gib

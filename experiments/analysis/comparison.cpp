@@ -104,13 +104,9 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 double equal_time(const CellsByMethod& methods) {
     double shortest = std::numeric_limits<double>::infinity(), longest = 0;
     for (const auto& [method, cells] : methods) {
-        double sum = 0;
-        bool converged = true;
-        for (const Cell* cell : cells) {
-            sum += cell->last().seconds;
-            converged = converged && cell->converged;
-        }
-        const double mean = sum / static_cast<double>(cells.size());
+        const bool converged =
+            std::all_of(cells.begin(), cells.end(), [](const Cell* cell) { return cell->converged; });
+        const double mean = mean_seconds(cells);
         longest = std::max(longest, mean);
         if (!converged) shortest = std::min(shortest, mean);
     }

@@ -6,6 +6,13 @@
 
 namespace gib {
 
+double mean_seconds(const std::vector<const Cell*>& cells) {
+    double sum = 0;
+    for (const Cell* cell : cells)
+        sum += cell->last().seconds;
+    return sum / static_cast<double>(cells.size());
+}
+
 std::optional<double> error2_after(const Cell& cell, const std::string& component, double seconds) {
     std::optional<std::pair<double, double>> before;  // seconds, rel_mse
     for (const auto& [checkpoint, errors] : cell.checkpoints) {
@@ -60,11 +67,7 @@ std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, c
 
 std::optional<double> mean_error2_by(const std::vector<const Cell*>& cells, const std::string& component,
                                      double seconds) {
-    double total = 0;
-    for (const Cell* cell : cells)
-        total += cell->last().seconds / static_cast<double>(cells.size());
-    constexpr double rounding = 1e-12;
-    const bool all_done = total <= (1 + rounding) * seconds;
+    const bool all_done = mean_seconds(cells) <= seconds;
     return mean_error2_after(cells, component, all_done ? std::numeric_limits<double>::infinity() : seconds);
 }
 

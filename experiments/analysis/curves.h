@@ -19,6 +19,9 @@ using CellsByMethod = std::map<std::string, std::vector<const Cell*>>;
 /// The cells of a scene that have an image, by method label.
 CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene);
 
+/// The mean of the runs' total times [s].
+double mean_seconds(const std::vector<const Cell*>& cells);
+
 /// The relative squared error of one run after `seconds` of charged time, with the reference's own variance
 /// subtracted. Between two checkpoints it follows a power law of time; after the last one it stays constant. Empty
 /// before the first image.

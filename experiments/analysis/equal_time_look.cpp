@@ -44,14 +44,6 @@ double first_image_of_all(const std::vector<const Cell*>& cells) {
     return seconds;
 }
 
-/// The mean of the runs' total times, as equal_time() has it.
-double mean_seconds(const std::vector<const Cell*>& cells) {
-    double sum = 0;
-    for (const Cell* cell : cells)
-        sum += cell->last().seconds;
-    return sum / static_cast<double>(cells.size());
-}
-
 std::optional<double> flip_of(const Cell& cell, std::uint32_t passes, const Judgement& judgement,
                               const ResultFolder& folder) {
     const std::string name = cell_folder_name(cell.scene, cell.method, cell.seed);

@@ -1,5 +1,5 @@
 #pragma once
-// What each method shows of a scene after the same charged time: which of its stored images, and how good it is.
+// Each method at equal time: which of its stored images it shows of a scene by then, and how good it is.
 
 #include "experiments/analysis/table_row.h"
 #include "experiments/results/judgement.h"

@@ -47,7 +47,7 @@ struct TableRow {
     bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
 };
 
-/// What a method shows of a scene after a charged time that is the same for all methods (equal_time_look.h).
+/// A method's stored image of a scene at a charged time that is the same for all methods (equal_time_look.h).
 struct EqualTimeLook {
     std::string scene, method;
     double seconds = 0;                 ///< that time; that of the first image if the method has none by then
@@ -78,10 +78,10 @@ struct Analysis {
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
     std::vector<TableRow> rows;  ///< in the order of scenes, methods, then `total` and the components
     std::vector<ReferenceQuality> references;
-    std::vector<EqualTimeLook>
-        looks;  ///< of the labels that one_label_a_method() keeps, in the order of scenes, methods
-    /// Of one_label_a_method() alone: the passes after which the labels that differ from (scene, label) in `spp` alone
-    /// stopped.
+    /// The looks of the labels that one_label_a_method() keeps, in the order of scenes, methods.
+    std::vector<EqualTimeLook> looks;
+    /// The passes after which the labels that differ from (scene, label) in `spp` alone stopped; one_label_a_method()
+    /// alone fills it.
     std::map<std::pair<std::string, std::string>, std::vector<std::uint32_t>> stops;
     std::vector<std::string> damage;  ///< messages: what is damaged, and the cell or scene that is left out
     std::size_t missing_cells = 0;    ///< cells of the experiment that are not complete

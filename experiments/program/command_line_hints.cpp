@@ -37,7 +37,7 @@ bool is_parameter(const std::string& name) {
            std::any_of(methods.begin(), methods.end(), [&](const auto& m) { return has(m.parameters); });
 }
 
-/// What to do about a word that a command does not expect.
+/// Advice about a word that a command does not expect.
 std::string advice(const CLI::App& command, const std::string& word) {
     const bool has_method = command.get_option_no_throw("--method") != nullptr;
     const std::string name = word.substr(0, word.find('='));

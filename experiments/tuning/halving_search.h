@@ -11,7 +11,7 @@
 
 namespace gib {
 
-/// What a short run says about the time to the target.
+/// The time to the target as a short run shows it.
 struct TimeEstimate {
     double seconds =
         std::numeric_limits<double>::infinity();  ///< by the measured curve, else by its law; infinite: never

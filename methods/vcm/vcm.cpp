@@ -22,6 +22,8 @@
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
 
+#include <fmt/format.h>
+
 namespace gib {
 
 namespace {
@@ -104,6 +106,7 @@ std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDe
 }  // namespace
 
 MethodDescription describe_vcm() {
+    const std::string most = fmt::format("{} vertices", most_merged);
     return {
         .name = "vcm",
         .sentence = "bidirectional path tracing that also merges nearby vertices: consistent, resolves all light paths",
@@ -111,8 +114,8 @@ MethodDescription describe_vcm() {
                            "techniques", strings(subset_names),
                            "the ways in which paths are made; remainder: the part that merging alone makes"),
                        point_set_parameter(), alpha_parameter(), first_pass_parameter(),
-                       first_radius_parameter("radius", "on surfaces", "1.2 vertices"),
-                       first_radius_parameter("volume_radius", "in media", "1.2 vertices"),
+                       first_radius_parameter("radius", "on surfaces", most),
+                       first_radius_parameter("volume_radius", "in media", most),
                        choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance")},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},

@@ -1,4 +1,4 @@
-// What the program loads before it does anything.
+// Tests of the start: the libraries that the program loads before it does anything.
 #include "common/core/files.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_path.h"

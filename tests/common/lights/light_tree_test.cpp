@@ -94,6 +94,21 @@ TEST(EmissionCone, UnionHoldsBothAndIsNoLargerThanItMustBe) {
     }
 }
 
+// Bounds that grew more than they must, level by level, would make a tree of many lights blind.
+TEST(LightBounds, UnionIsTheSmallestBallThatHoldsBoth) {
+    for (std::uint64_t i = 0; i < 500; ++i) {
+        const Sampler u(PointSet::independent, 13, i, 0);
+        const LightBounds a{random_point(u).cast<double>(), double{2 * u.get_1d(4)}, {}, 1};
+        const LightBounds b{Vec3d(1, 0, 1), double{u.get_1d(5)}, {}, 2};
+        const LightBounds both = united(a, b);
+        const double smallest = 0.5 * ((a.center - b.center).norm() + a.radius + b.radius);
+        EXPECT_NEAR(both.radius, std::max({smallest, a.radius, b.radius}), 1e-9);
+        EXPECT_EQ(both.intensity, 3);
+        for (const LightBounds& part : {a, b})
+            EXPECT_LE((part.center - both.center).norm() + part.radius, both.radius + 1e-9);
+    }
+}
+
 // Far from a light, its importance is its irradiance there.
 TEST(LightBounds, ImportanceFarAwayIsTheIrradiance) {
     struct Case {

@@ -88,7 +88,7 @@ TEST(Times, NotReachedIsNotUnresolved) {
     EXPECT_THAT(text, HasSubstr("| not reached | not reached | not reached | not resolved | not resolved |"));
 }
 
-// What the report does not extrapolate, table.csv does not hold either.
+// table.csv holds no time that the report does not extrapolate to.
 TEST(Times, TheNextHalvingOfTableCsvIsThatOfTheReport) {
     TableRow r = row("path", {0, {}}, 1);
     r.law = PriceLaw{};

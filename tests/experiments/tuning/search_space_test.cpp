@@ -1,4 +1,4 @@
-// What `gibench tune` varies: declared spans, requests of the command line, neighbours.
+// Tests of what `gibench tune` varies: declared spans, requests of the command line, neighbours.
 #include "experiments/tuning/search_space.h"
 
 #include "common/core/error.h"
