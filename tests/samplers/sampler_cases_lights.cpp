@@ -342,18 +342,29 @@ struct LightCasesOf {
     }
 };
 
+/// The probability with which a point light is chosen at p_file, in a scene that has one.
+double choice_of_point_light(const Scene& scene, const Vec3& p_file) {
+    const LitPoint at = p_file + scene.sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
+    for (std::uint32_t i = 0; i < scene.lights().size(); ++i)
+        if (std::holds_alternative<PointLight>(scene.lights()[i]))
+            return static_cast<double>(scene.light_tree().probability(at, i));
+    throw std::logic_error("the scene has no point light");
+}
+
 /// Several lights, so that the choice among them is tested, too.
 Cases mixed_light_cases() {
-    // The powers are 4 pi, pi 4 and 4 pi^2 / 10. A tenth of the choices is uniform over the lights.
-    const double share_of_point = 0.9 / (2 + std::numbers::pi / 10) + 0.1 / 3;
     const std::string two_rectangles =
         area_light("rectangle", translate(-1.5, 0, 0)) + area_light("rectangle", translate(1.5, 0, 0), "", "5");
     const std::string three_lights = area_light("rectangle", "") + area_light("sphere", translate(5, 0, 0), "", "0.1") +
                                      "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>";
     const std::string constant_and_point = small_shape + "<emitter type='constant'/><emitter type='point'/>";
+    const ScenePointer point_and_others = load(three_lights).scene;
+    const Vec3 above = {0, 0, 2};
     return {
-        light_case("two rectangles", load(two_rectangles).scene, {0, 0, 2}, {down}),
-        light_case("point, rectangle and sphere", load(three_lights).scene, {0, 0, 2}, {down, 1 - share_of_point}),
+        light_case("two rectangles", load(two_rectangles).scene, above, {down}),
+        // What is left to the densities is the choices of lights that have one.
+        light_case("point, rectangle and sphere", point_and_others, above,
+                   {down, 1 - choice_of_point_light(*point_and_others, above)}),
         light_case("constant and point", load(constant_and_point).scene, beside_shape, {up, std::nullopt}),
     };
 }
