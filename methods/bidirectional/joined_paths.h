@@ -13,7 +13,7 @@
 namespace gib {
 
 /// Vertices that are merged with one in the mean, if the radius of the first pass is found from its paths.
-inline constexpr double most_merged = 1.2;
+inline constexpr double most_merged = 2.5;
 
 /// How vertices are merged over the passes.
 struct MergingSettings {
