@@ -8,6 +8,7 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStdIO.h>
 #include <ImfStringAttribute.h>
@@ -169,6 +170,19 @@ LayeredImage read_image(const std::string& path) {
     if (image.layers.size() == 1) image.layers[0].first = "";
     image.metadata = stored.metadata;
     return image;
+}
+
+std::optional<std::map<std::string, std::string>> exr_attributes(const std::string& path) {
+    std::map<std::string, std::string> attributes;
+    try {
+        const Imf::InputFile file(path.c_str());
+        for (auto entry = file.header().begin(); entry != file.header().end(); ++entry)
+            if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute()))
+                attributes[entry.name()] = text->value();
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+    return attributes;
 }
 
 std::string bias_layer_of(std::string_view layer) { return std::string(layer) + "_" + std::string(bias_layer_suffix); }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,10 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image);
 /// Reads EXR, PFM, HDR or any other format that OpenImageIO reads, as float. A layer is R,G,B or a single grey
 /// channel; the metadata are the string attributes. Throws InputError if the file is missing or is not an image.
 LayeredImage read_image(const std::string& path);
+
+/// The string attributes of an EXR file, of which only the header is read; empty if there is no such file or if it is
+/// not an EXR file.
+std::optional<std::map<std::string, std::string>> exr_attributes(const std::string& path);
 
 /// The name of the layer that holds the estimated bias of a component's layer.
 std::string bias_layer_of(std::string_view layer);

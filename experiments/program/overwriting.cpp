@@ -4,43 +4,34 @@
 #include "common/images/image_file.h"
 #include "experiments/measuring/reference.h"
 
-#include <filesystem>
-#include <optional>
+#include <map>
 
 namespace gib {
 
 namespace {
 
-/// The image at a path; empty if there is none or if it cannot be read.
-std::optional<LayeredImage> existing_image(const std::string& path) {
-    if (!std::filesystem::exists(path)) return std::nullopt;
-    try {
-        return read_image(path);
-    } catch (const InputError&) {
-        return std::nullopt;
-    }
-}
+using Attributes = std::map<std::string, std::string>;
 
 /// The value of an attribute, "unknown" if the file does not have it.
-std::string attribute(const LayeredImage& image, const std::string& key) {
-    const auto found = image.metadata.find(key);
-    return found == image.metadata.end() ? "unknown" : found->second;
+std::string attribute(const Attributes& attributes, const std::string& key) {
+    const auto found = attributes.find(key);
+    return found == attributes.end() ? "unknown" : found->second;
 }
 
 }  // namespace
 
 void require_no_reference(const std::string& path) {
-    const auto image = existing_image(path);
-    if (image && image->metadata.count("reference_key") > 0)
+    const auto image = exr_attributes(path);
+    if (image && image->count("reference_key") > 0)
         reject({path}, "this is a reference (of '{}' by '{}'), which `render` does not replace; give another -o",
                attribute(*image, "scene"), attribute(*image, "method"));
 }
 
 void require_own_reference(const std::string& path, const LoadedScene& scene, const MethodLabel& method) {
-    const auto image = existing_image(path);
+    const auto image = exr_attributes(path);
     if (!image) return;
     const auto replace = "give another -o, or --replace";
-    if (image->metadata.count("reference_key") == 0)
+    if (image->count("reference_key") == 0)
         reject({path}, "this is an image, but no reference, and would be lost; {}", replace);
     if (attribute(*image, "reference_key") != reference_key(scene.content_hash, method))
         reject({path},

@@ -77,6 +77,20 @@ TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
     std::filesystem::remove(path);
 }
 
+TEST(ImageFile, TheAttributesOfAnExrFileAreReadWithoutItsPixels) {
+    LayeredImage written;
+    written.layers = {{"", gradient(5, 3)}};
+    written.metadata = {{"scene", "cornell-box"}, {"reference_key", "00ff"}};
+    const std::string whole = temporary("attributes.exr"), other = temporary("other.exr");
+    write_exr(whole, written);
+    EXPECT_EQ(exr_attributes(whole), written.metadata);
+    std::filesystem::remove(whole);
+    EXPECT_EQ(exr_attributes(whole), std::nullopt);
+    write_file(other, "no image");
+    EXPECT_EQ(exr_attributes(other), std::nullopt);
+    std::filesystem::remove(other);
+}
+
 TEST(ImageFile, ExrReplacesAFileAndLeavesNothingElseBehind) {
     const std::string folder = temporary("folder");
     std::filesystem::create_directory(folder);
