@@ -265,7 +265,7 @@ namespace {
 
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
-    const TuningSpan all_choices = {0, 1, false};  // of two
+    const TuningSpan two_words = {0, 1, false}, three_words = {0, 2, false};
     std::vector<Parameter> parameters = {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e7}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
@@ -281,7 +281,7 @@ std::vector<Parameter> photon_mapper_parameters() {
         number_parameter("volume_radius", "0.05", diagonals, 0, 1,
                          "largest radius of a look-up in the volume map, but at most the mean free path"),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
-        tuned(disc_area_parameter(), all_choices),
+        tuned(disc_area_parameter(), three_words),
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
@@ -294,7 +294,7 @@ std::vector<Parameter> photon_mapper_parameters() {
             "light that gather rays find: irradiance precomputed at photons, photon density, or path tracing"),
         tuned(choice_parameter("cache", {"off", "on"},
                                "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
-              all_choices),
+              two_words),
     };
     for (Parameter& parameter : cache_parameters())
         parameters.push_back(std::move(parameter));
