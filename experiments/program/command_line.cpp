@@ -280,6 +280,7 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
         ->add_option("--minutes", options->minutes,
                      "time for reference, search and final runs (default 20); no run begins later")
         ->check(CLI::PositiveNumber);
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_option("--out", options->out, "folder of the results (default: results/tune-SCENE)");
     command->add_option("-a", options->folders, "DIR: searched for the scene's files after the scene's own folder")
         ->take_all()

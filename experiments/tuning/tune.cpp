@@ -2,6 +2,7 @@
 #include "experiments/tuning/tune.h"
 
 #include "common/core/reject.h"
+#include "experiments/metrics/epsilon.h"
 #include "experiments/plan/experiment_file.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/tuning/final_plan.h"
@@ -205,6 +206,7 @@ private:
 
 void check_tuning(const TuneOptions& options) {
     static_cast<void>(parse_target(options.target));
+    if (options.epsilon) require_epsilon(*options.epsilon);
     const auto methods = asked_methods(options);
     for (const auto& variation : options.variations)
         require_known(variation, methods);

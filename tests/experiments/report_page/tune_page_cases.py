@@ -18,9 +18,9 @@ def tuned(program):
     """The folder of a small tuning; it exists until the process ends."""
     parent = tempfile.TemporaryDirectory()
     out = os.path.join(parent.name, "tuning")
-    run = subprocess.run([program, "tune", f"{fixture.ROOT}/scenes/cornell-box.xml", "--target", "15%", "--minutes", "0.6",
-                          "--resolution", "32x32", "--method", "photon_mapper", "--method", "path", "--vary",
-                          "photons=1000..50000", "--out", out],
+    run = subprocess.run([program, "tune", f"{fixture.ROOT}/scenes/cornell-box.xml", "--target", "20%", "--minutes", "1.5",
+                          "--resolution", "32x32", "--method", "photon_mapper k=50 area=surface", "--method", "path",
+                          "--vary", "photons=1000..50000", "--out", out],
                          cwd=parent.name, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     return parent, out, run.stdout
@@ -66,7 +66,7 @@ class TunePageTest(unittest.TestCase):
         self.assertEqual(self.driver.find_element(By.CSS_SELECTOR, ".paste code").text, label)
 
     def test_a_chart_shows_every_measured_setting_over_each_parameter(self):
-        method = self.numbers["methods"].index("photon_mapper")
+        method = self.numbers["methods"].index("photon_mapper k=50 area=surface")
         names = [p["name"] for p in self.numbers["tuned"][method]["parameters"]]
         headings = [h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".charts h3")]
         self.assertEqual(headings, names)
@@ -79,7 +79,7 @@ class TunePageTest(unittest.TestCase):
             self.assertEqual(sorted(chart["sets"][number]), expected)
 
     def test_the_envelope_lies_below_all_measured_settings(self):
-        chart = self.chart("k")
+        chart = self.chart("photons")
         envelope, measured = chart["sets"][0], chart["sets"][1]
         self.assertGreater(len(measured), 3)
         for x, y in measured:
@@ -117,6 +117,6 @@ class TunePageTest(unittest.TestCase):
             text = self.driver.find_element(By.TAG_NAME, "body").text
         finally:
             self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
-        for words in ("Cheapest settings: cornell-box to 15%", "One step from the cheapest settings", "halved", "doubled",
+        for words in ("Cheapest settings: cornell-box to 20%", "One step from the cheapest settings", "halved", "doubled",
                       "the defaults"):
             self.assertIn(words, text)

@@ -18,7 +18,8 @@ protected:
     TuneRun() {
         folder_.write("tiny.xml", tiny_scene_xml());
         folder_.write("e.toml",
-                      "scenes = ['tiny.xml']\n[tune]\ntarget = '30%'\nminutes = 0.2\nmethod = 'photon_mapper'\n"
+                      "scenes = ['tiny.xml']\n[tune]\ntarget = '60%'\nminutes = 0.8\n"
+                      "method = 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'\n"
                       "vary = 'k=20..100'\n");
     }
     ProgramResult run(const std::string& arguments) { return run_gibench(arguments, folder_ / ""); }
@@ -29,12 +30,13 @@ TEST_F(TuneRun, AnExperimentWithTuneDoesWhatTheCommandDoes) {
     const ProgramResult run_result = run("run e.toml --out r");
     ASSERT_EQ(run_result.code, 0) << run_result.err;
     EXPECT_THAT(run_result.out, StartsWith("tiny:\nphoton_mapper"));
-    EXPECT_THAT(run_result.out, HasSubstr("seconds to 30%: "));
+    EXPECT_THAT(run_result.out, HasSubstr("seconds to 60%: "));
     for (const char* file : {"tune.html", "tune.json", "clock.json", "final/table.csv", "final/report.html"})
         EXPECT_TRUE(std::filesystem::exists(folder_ / ("r/tiny/" + std::string(file)))) << file;
     // The command finds everything stored, which takes no time, and so finds the same.
     const ProgramResult command =
-        run("tune tiny.xml --target 30% --minutes 0.2 --method photon_mapper --vary k=20..100 --out r/tiny");
+        run("tune tiny.xml --target 60% --minutes 0.8 --vary k=20..100 --out r/tiny "
+            "--method 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'");
     ASSERT_EQ(command.code, 0) << command.err;
     EXPECT_EQ("tiny:\n" + command.out, run_result.out);
     EXPECT_THAT(command.err, HasSubstr("cells complete already, not done again"));
