@@ -130,8 +130,9 @@ double parse_target(const std::string& text, const SourceLocation& where) {
 Experiment parse_experiment(const std::string& text, const std::string& path) {
     const TomlReader reader(text, path);
     const auto& root = reader.root();
-    reader.check_keys(root, "an experiment",
-                      {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "reference", "method"});
+    reader.check_keys(
+        root, "an experiment",
+        {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "reference", "method", "tune"});
     Experiment experiment;
     experiment.path = path;
     experiment.text = text;
@@ -148,6 +149,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
         experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
         require_epsilon(*experiment.epsilon, reader.at(*epsilon));
     }
+    if (root.get("tune")) return experiment;  // tune_file.h reads the rest
     if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");

@@ -1,6 +1,7 @@
 #pragma once
 // The options that the command line of `gibench run` gives.
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,8 @@ struct RunOptions {
     std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest
     const RepeatPlan* repeat = nullptr;      ///< if set, what to run instead of an experiment file
+    /// Is asked before each cell whether there is time for it; empty: always.
+    std::function<bool()> may_start = {};
 };
 
 }  // namespace gib

@@ -8,10 +8,10 @@
 #include "experiments/program/compare.h"
 #include "experiments/program/shipped_scenes.h"
 #include "experiments/run/repeat.h"
-#include "experiments/run/run_experiment.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/tuning/tune.h"
+#include "experiments/tuning/tune_experiment.h"
 
 #include <CLI/CLI.hpp>
 
@@ -45,7 +45,11 @@ constexpr const char* experiment_help =
     "                   seconds = 120           time after which a reference is taken as it is\n"
     "  [[method]] *     name = \"path\"           `gibench list methods` says which there are\n"
     "                   spp = [16, 64]          any of its parameters; a list makes a sweep, several make a grid\n"
-    "                                           (`gibench list methods --parameters` has them)\n";
+    "                                           (`gibench list methods --parameters` has them)\n"
+    "  [tune]           target = \"2%\"           instead of the methods, seeds, budget and reference: searches the\n"
+    "                   method = [\"path\"]       cheapest settings on each scene, as `gibench tune` does with\n"
+    "                   vary = [\"k=20..200\"]    the options of these names\n"
+    "                   minutes = 10            for each scene\n";
 
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
@@ -130,7 +134,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
-            if (!*repeat) return run_experiment(*options, std::cout);
+            if (!*repeat) return run_or_tune(*options, std::cout);
             return repeat_run(*repeated, *options, std::cout);
         };
     });
@@ -255,6 +259,7 @@ void add_report(CLI::App& app, Action& action) {
 
 void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     auto options = std::make_shared<TuneOptions>();
+    auto variations = std::make_shared<std::vector<std::string>>();
     options->command_line = command_line;
     CLI::App* command = app.add_subcommand("tune", "search the settings of methods with the least time to an error");
     command->add_option("SCENE", options->scene, scene_help)->required();
@@ -266,13 +271,16 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
         ->take_all()
         ->allow_extra_args(false);
     command
-        ->add_option("--vary", options->variations,
+        ->add_option("--vary", *variations,
                      "PARAMETER=FROM..TO or PARAMETER=A,B: what to search, besides the parameters that declare a span "
                      "(see list methods --parameters)")
         ->take_all()
         ->allow_extra_args(false);
-    command->add_option("--minutes", options->minutes, "time for reference, search and final runs (default 20)")
+    command
+        ->add_option("--minutes", options->minutes,
+                     "time for reference, search and final runs (default 20); no run begins later")
         ->check(CLI::PositiveNumber);
+    command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_option("--out", options->out, "folder of the results (default: results/tune-SCENE)");
     command->add_option("-a", options->folders, "DIR: searched for the scene's files after the scene's own folder")
         ->take_all()
@@ -281,7 +289,9 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_option_function<std::string>("--resolution", resize,
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
     add_threads(command, options->threads);
-    perform_with(options, command, action, [](TuneOptions o) {
+    perform_with(options, command, action, [variations](TuneOptions o) {
+        for (const auto& text : *variations)
+            o.variations.push_back(parse_variation(text));
         o.scene = scene_file(o.scene);
         return tune(o, std::cout);
     });

@@ -25,7 +25,8 @@ std::string parameter_lines(const std::vector<Parameter>& parameters) {
         std::string facts = range_of(p);
         if (!p.unit.empty()) facts = p.unit + "; " + facts;
         if (!p.default_value.empty()) facts += "; default " + p.default_value;
-        if (p.tuning) facts += fmt::format("; tune searches {:g} to {:g}", p.tuning->lower, p.tuning->upper);
+        if (p.tuning && p.kind == Parameter::Kind::choice) facts += "; tune searches these words";
+        else if (p.tuning) facts += fmt::format("; tune searches {:g} to {:g}", p.tuning->lower, p.tuning->upper);
         text += fmt::format("  {:<16} {} ({})\n", p.name, p.sentence, facts);
     }
     return text;

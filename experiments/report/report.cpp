@@ -11,22 +11,26 @@
 #include "experiments/results/color_maps.h"
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
+#include "experiments/text/template_text.h"
 
 #include <fmt/format.h>
-#include <kainjow/mustache.hpp>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <functional>
 #include <set>
-#include <stdexcept>
 
 namespace gib {
 
 using nlohmann::json;
 
 namespace {
+
+/// The scripts of the page, in the order in which they have to run.
+constexpr const char* page_scripts[] = {"chart.js",   "core.js",     "blobs.js",  "charts.js",   "pixels.js",
+                                        "sources.js", "controls.js", "viewer.js", "gestures.js", "pyramid.js",
+                                        "panel.js",   "strip.js",    "page.js"};
 
 using kainjow::mustache::data;
 using kainjow::mustache::list;
@@ -202,16 +206,6 @@ data page_data(const Analysis& analysis) {
         {"section", std::string(report_section())}};
 }
 
-/// The template with the data in place; `escape` writes every text.
-std::string filled(std::string_view page, const data& values, std::string (*escape)(std::string_view)) {
-    kainjow::mustache::mustache text{std::string(page)};
-    text.set_custom_escape([escape](const std::string& part) { return escape(part); });
-    std::string result;
-    text.render(values, [&](const std::string& part) { result += part; });
-    if (!text.is_valid()) throw std::logic_error("not a template: " + text.error_message());
-    return result;
-}
-
 json scale_json(ColorScale colors) {
     json steps = json::array();
     for (const Color& c : colors)
@@ -240,8 +234,8 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;
     list scripts;
-    for (const auto& script : report_scripts())
-        scripts.push_back(script_safe_code(script));
+    for (const char* name : page_scripts)
+        scripts.push_back(script_safe_code(page_script(name)));
     page["scripts"] = scripts;
     return filled(report_page(), page, sentence_html);
 }

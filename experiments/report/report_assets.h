@@ -3,7 +3,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace gib {
 
@@ -13,7 +12,9 @@ std::string_view report_section();
 std::string_view table_page();
 /// The CSS of the page.
 std::string_view report_style();
-/// The JavaScript of the page, in the order in which it has to run; the first is Chart.js with its licence.
-std::vector<std::string_view> report_scripts();
+/// The template of a tuning's page; tuning_page.cpp makes its data.
+std::string_view tuning_page();
+/// A script of report_page/ by its name; "chart.js" is Chart.js with its licence.
+std::string_view page_script(std::string_view name);
 
 }  // namespace gib

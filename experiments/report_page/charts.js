@@ -196,5 +196,5 @@ report.charts = (() => {
     return {draw: () => panels.forEach((panel) => panel.draw()), panels};
   }
 
-  return {metrics, sceneCharts};
+  return {metrics, sceneCharts, axis, line, Panel};
 })();

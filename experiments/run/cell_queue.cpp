@@ -330,6 +330,10 @@ void ExperimentRun::run_cells() {
     std::optional<Reference> reference;
     CostModel costs;
     for (std::size_t i = 0; i < to_do.size(); ++i) {
+        if (options_.may_start && !options_.may_start()) {
+            progress_.message(fmt::format("no time is left for {} cells", to_do.size() - i));
+            break;
+        }
         const PlannedCell& cell = *to_do[i];
         double left_after = 0;
         bool known = true;

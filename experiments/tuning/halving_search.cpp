@@ -14,38 +14,58 @@ constexpr double least_gain = 0.95;
 
 class Search {
 public:
-    Search(const MeasureTimes& measure, double seconds) : measure_(measure), seconds_(seconds) {}
+    Search(const MeasureTimes& measure, const SearchSettings& settings) : measure_(measure), settings_(settings) {}
 
+    /// Measures labels and returns the trials, the best first, without those for which no time was left.
     std::vector<Trial> trials(const std::vector<MethodLabel>& labels, double budget) {
-        const double limited = std::min(budget, 2 * best_measured_);
+        const double limited = limited_budget(budget);
         const auto times = measure_(labels, limited, round_++);
         std::vector<Trial> result;
         for (std::size_t i = 0; i < labels.size(); ++i) {
-            result.push_back({labels[i], times[i]});
-            if (times[i].is_measured) best_measured_ = std::min(best_measured_, times[i].seconds);
+            if (!times[i]) {
+                is_out_of_time_ = true;
+                continue;
+            }
+            result.push_back({labels[i], *times[i]});
+            if (times[i]->is_measured) best_measured_ = std::min(best_measured_, times[i]->seconds);
             forget(labels[i]);
         }
         std::stable_sort(result.begin(), result.end(),
                          [](const Trial& a, const Trial& b) { return a.time.seconds < b.time.seconds; });
         done_.insert(done_.begin(), result.begin(), result.end());
-        spent_ += limited * static_cast<double>(labels.size());
+        budgets_ += limited * static_cast<double>(result.size());
+        runs_ += result.size();
         return result;
     }
-    bool has_time_for(double budget) const { return spent_ + budget <= seconds_; }
+    /// Whether so many runs end within this share of the search's time, each with the time besides its budget that runs
+    /// have taken so far. If they do not, the search is cut, but shorter rounds may follow.
+    bool has_time_for(std::size_t runs, double budget, double share) {
+        const double elapsed = settings_.elapsed ? settings_.elapsed() : budgets_;
+        const double besides = runs_ > 0 ? std::max(0.0, elapsed - budgets_) / static_cast<double>(runs_) : 0;
+        const double needed = static_cast<double>(runs) * (limited_budget(budget) + besides);
+        const bool has_time = !is_out_of_time_ && elapsed + needed <= share * settings_.seconds;
+        is_cut_ = is_cut_ || !has_time;
+        return has_time;
+    }
     bool is_known(const MethodLabel& label) const {
         return std::any_of(done_.begin(), done_.end(), [&](const Trial& t) { return t.label.text() == label.text(); });
     }
     const std::vector<Trial>& done() const { return done_; }
+    bool is_cut() const { return is_cut_ || is_out_of_time_; }
 
 private:
+    double limited_budget(double budget) const { return std::min(budget, 2 * best_measured_); }
     void forget(const MethodLabel& label) {
         std::erase_if(done_, [&](const Trial& t) { return t.label.text() == label.text(); });
     }
 
     const MeasureTimes& measure_;
-    double seconds_, spent_ = 0;
+    const SearchSettings& settings_;
+    double budgets_ = 0;
+    std::size_t runs_ = 0;
     double best_measured_ = std::numeric_limits<double>::infinity();
     int round_ = 0;
+    bool is_cut_ = false, is_out_of_time_ = false;
     std::vector<Trial> done_;
 };
 
@@ -58,40 +78,60 @@ std::vector<MethodLabel> better_half(const std::vector<Trial>& trials) {
     return labels;
 }
 
-}  // namespace
-
-std::vector<Trial> search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
-                          const MeasureTimes& measure) {
-    if (axes.empty()) return {{base, {}}};
-    std::vector<MethodLabel> alive = candidates(base, axes, settings.labels_per_axis * static_cast<int>(axes.size()));
-    const double rounds = std::ceil(std::log2(static_cast<double>(alive.size()))) + 1;
-    double budget = halving_share * settings.seconds / (rounds * static_cast<double>(alive.size()));
-    Search state(measure, settings.seconds);
-    Trial best;
+/// The best label of successive halving.
+MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, double& budget) {
+    MethodLabel best = alive.front();
     while (true) {
         const auto trials = state.trials(alive, budget);
-        best = trials.front();
+        if (trials.empty()) return best;
+        best = trials.front().label;
         alive = better_half(trials);
-        if (alive.size() < 2) break;
+        if (alive.size() < 2 || !state.has_time_for(alive.size(), 2 * budget, halving_share)) return best;
         budget *= 2;
     }
+}
+
+/// The better one of the best label and its neighbours, after one step; empty if no step gains.
+std::optional<MethodLabel> step_from(Search& state, const MethodLabel& best, const std::vector<TuningAxis>& axes,
+                                     double budget) {
+    // The best label runs again beside its neighbours: all of them have the same seed and the same budget.
+    std::vector<MethodLabel> around = {best};
+    for (const auto& label : neighbours(best, axes))
+        if (!state.is_known(label)) around.push_back(label);
+    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return std::nullopt;
+    const auto trials = state.trials(around, budget);
+    const auto again =
+        std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
+    if (again == trials.end() || !(trials.front().time.seconds < least_gain * again->time.seconds)) return std::nullopt;
+    std::vector<MethodLabel> better;
+    for (auto trial = trials.begin(); trial->time.seconds < least_gain * again->time.seconds; ++trial)
+        better.push_back(trial->label);
+    const MethodLabel all = with_all_changes(best, better, axes);
+    if (state.is_known(all) || !state.has_time_for(2, budget, 1)) return better.front();
+    const auto both = state.trials({better.front(), all}, budget);
+    return both.empty() ? better.front() : both.front().label;
+}
+
+}  // namespace
+
+SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
+                     const MeasureTimes& measure) {
+    if (axes.empty()) return {{{base, {}}}};
+    const auto labels = candidates(base, axes, settings.labels_per_axis * static_cast<int>(axes.size()));
+    const double rounds = std::ceil(std::log2(static_cast<double>(labels.size()))) + 1;
+    double budget = halving_share * settings.seconds / (rounds * static_cast<double>(labels.size()));
+    Search state(measure, settings);
+    MethodLabel best = best_by_halving(state, labels, budget);
     for (int step = 0; step < settings.most_steps; ++step) {
-        std::vector<MethodLabel> around = {best.label};
-        for (const auto& label : neighbours(best.label, axes))
-            if (!state.is_known(label)) around.push_back(label);
-        if (around.size() < 2 || !state.has_time_for(budget * static_cast<double>(around.size()))) break;
-        // The best label runs again beside its neighbours: all of them have the same seed and the same budget.
-        const auto trials = state.trials(around, budget);
-        const auto again = std::find_if(trials.begin(), trials.end(),
-                                        [&](const Trial& t) { return t.label.text() == best.label.text(); });
-        const bool is_better = trials.front().time.seconds < least_gain * again->time.seconds;
-        best = is_better ? trials.front() : *again;
-        if (!is_better) break;
+        const auto next = step_from(state, best, axes, budget);
+        if (!next) break;
+        best = *next;
     }
-    std::vector<Trial> sorted = state.done();
-    std::stable_partition(sorted.begin(), sorted.end(),
-                          [&](const Trial& t) { return t.label.text() == best.label.text(); });
-    return sorted;
+    SearchOutcome outcome{state.done(), state.is_cut()};
+    if (outcome.trials.empty()) outcome.trials.push_back({base, {}});
+    std::stable_partition(outcome.trials.begin(), outcome.trials.end(),
+                          [&](const Trial& t) { return t.label.text() == best.text(); });
+    return outcome;
 }
 
 }  // namespace gib

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace gib {
@@ -25,21 +26,32 @@ struct Trial {
 };
 
 /// Measures labels for `budget` seconds each, all with the same seed. `round` counts the calls. The result has the order of
-/// the labels; a label that failed gets an infinite time.
-using MeasureTimes =
-    std::function<std::vector<TimeEstimate>(const std::vector<MethodLabel>& labels, double budget, int round)>;
+/// the labels; a label that failed gets an infinite time, and one for which no time was left gets none.
+using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<MethodLabel>& labels,
+                                                                            double budget, int round)>;
 
 struct SearchSettings {
     double seconds = 60;      ///< for all runs together
     int labels_per_axis = 6;  ///< besides the defaults
-    int most_steps = 4;       ///< of the descent to better neighbours
+    int most_steps = 8;       ///< of the descent to better neighbours
+    /// The seconds that the search has taken so far, with all that a run takes besides its budget; empty: the sum of the
+    /// budgets.
+    std::function<double()> elapsed = {};
 };
 
-/// Returns the latest trial of every label that was measured, the best first; trials of longer runs stand before those
-/// that were given up earlier. Each round of halving keeps the better half and doubles the budget, and drops a label
-/// that the laws place `hopeless` times behind the best. No budget is larger than twice the best time measured so far.
-std::vector<Trial> search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
-                          const MeasureTimes& measure);
+struct SearchOutcome {
+    /// The latest trial of every label that was measured, the best first; trials of longer runs stand before those that
+    /// were given up earlier. It has at least one.
+    std::vector<Trial> trials;
+    bool is_cut = false;  ///< whether time ran out before the rounds were done
+};
+
+/// Each round of halving keeps the better half and doubles the budget, and drops a label that the laws place `hopeless`
+/// times behind the best. No budget is larger than twice the best time measured so far, and no round begins that
+/// would take longer than what is left. The descent then goes to the best neighbour, and tries all changes together that
+/// gained one by one.
+SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
+                     const MeasureTimes& measure);
 
 /// How many times longer than the best a label may seem to take. A law of a short run is often wrong by a factor of two.
 inline constexpr double hopeless = 4;

@@ -2,27 +2,23 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "common/sampling/sampler.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace gib {
 
 namespace {
 
-constexpr std::array primes = {2, 3, 5, 7, 11, 13};
-
-/// The digits of i in this base, mirrored at the point.
-double radical_inverse(int i, int base) {
-    double value = 0, digit = 1;
-    for (; i > 0; i /= base)
-        value += (digit /= base) * (i % base);
-    return value;
-}
+/// The search is of no use among more parameters than a few.
+constexpr std::size_t most_axes = 12;
+static_assert(most_axes <= sobol_dimensions);
+/// The share of the cover that has a default which lies apart from its span.
+constexpr double share_of_default = 0.25;
 
 const std::string* value_in(const MethodLabel& label, const std::string& parameter) {
     for (const auto& [name, value] : label.values)
@@ -30,25 +26,106 @@ const std::string* value_in(const MethodLabel& label, const std::string& paramet
     return nullptr;
 }
 
-TuningAxis axis_of(const Parameter& parameter, const Variation* variation) {
+bool is_number(const Parameter& parameter) {
+    return parameter.kind == Parameter::Kind::number || parameter.kind == Parameter::Kind::integer;
+}
+
+/// How a message names the source of a variation.
+const char* source_of(const Variation& variation) { return variation.where.file.empty() ? "--vary" : "vary"; }
+
+TuningAxis declared_axis(const Parameter& parameter) {
     TuningAxis axis{.name = parameter.name,
                     .least = parameter.lower,
                     .most = parameter.upper,
                     .is_whole = parameter.kind == Parameter::Kind::integer,
                     .initial = parameter.default_value};
-    if (parameter.tuning) axis.span = *parameter.tuning;
+    if (!parameter.tuning) return axis;
+    axis.span = *parameter.tuning;
+    if (!is_number(parameter)) {
+        const auto begin = parameter.choices.begin();
+        axis.words.assign(begin + static_cast<int>(axis.span.lower), begin + static_cast<int>(axis.span.upper) + 1);
+        return axis;
+    }
+    const auto initial = number_from<double>(axis.initial);
+    axis.has_default_apart = initial && (*initial < axis.span.lower || *initial > axis.span.upper);
+    return axis;
+}
+
+TuningAxis axis_of(const Parameter& parameter, const Variation* variation) {
+    TuningAxis axis = declared_axis(parameter);
     if (!variation) return axis;
+    axis.has_default_apart = false;
     axis.words = variation->words;
     if (!axis.words.empty()) return axis;
-    if (parameter.kind != Parameter::Kind::number && parameter.kind != Parameter::Kind::integer)
-        reject({}, "--vary: '{}' has no range; list its values, as in {}=A,B", parameter.name, parameter.name);
+    if (!is_number(parameter))
+        reject(variation->where, "{}: '{}' has no range; list its values, as in {}=A,B", source_of(*variation),
+               parameter.name, parameter.name);
     if (variation->lower < parameter.lower || variation->upper > parameter.upper)
-        reject({}, "--vary: '{}' has to lie in {}", parameter.name, range_of(parameter));
+        reject(variation->where, "{}: '{}' has to lie in {}", source_of(*variation), parameter.name,
+               range_of(parameter));
     axis.span.lower = variation->lower;
     axis.span.upper = variation->upper;
     // A factor cannot lead to 0.
     axis.span.is_logarithmic = axis.span.is_logarithmic && variation->lower > 0;
     return axis;
+}
+
+/// Whether the method takes these values together.
+bool is_accepted(const MethodLabel& label) {
+    try {
+        ConfiguredMethod(label).create(MethodDefaults{});
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+/// The label with this value of an axis, unless that is the default or the method refuses it.
+MethodLabel with_accepted(const MethodLabel& label, const TuningAxis& axis, const std::string& value) {
+    if (value.empty() || value == axis.initial) return label;
+    MethodLabel changed = with_value(label, axis.name, value);
+    return is_accepted(changed) ? changed : label;
+}
+
+/// The label without the values of the axes.
+MethodLabel without_axes(MethodLabel label, const std::vector<TuningAxis>& axes) {
+    std::erase_if(label.values, [&](const auto& value) {
+        return std::any_of(axes.begin(), axes.end(), [&](const TuningAxis& a) { return a.name == value.first; });
+    });
+    return label;
+}
+
+/// The values of all axes of a label, empty where it has none.
+std::vector<std::string> values_of(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
+    std::vector<std::string> values;
+    for (const TuningAxis& axis : axes) {
+        const std::string* value = value_in(label, axis.name);
+        values.push_back(value ? *value : "");
+    }
+    return values;
+}
+
+MethodLabel with_values(MethodLabel label, const std::vector<TuningAxis>& axes,
+                        const std::vector<std::string>& values) {
+    for (std::size_t d = 0; d < axes.size(); ++d)
+        label = with_accepted(label, axes[d], values[d]);
+    return label;
+}
+
+/// The values one step away from `value`.
+std::vector<std::string> steps_from(const TuningAxis& axis, const std::string& value) {
+    std::vector<std::string> steps;
+    for (const auto& word : axis.words)
+        if (word != value) steps.push_back(word);
+    const auto number = number_from<double>(value);
+    if (!axis.words.empty() || !number) return steps;
+    if (axis.has_default_apart && value == axis.initial) return {axis.text_of(axis.span.lower)};
+    for (const double factor : {0.5, 2.0})
+        if (const std::string stepped = axis.text_of(*number * factor); stepped != axis.text_of(*number))
+            steps.push_back(stepped);
+    // From the lower end of the span, a step down leads to the default that lies below it.
+    if (axis.has_default_apart && *number / 2 < axis.span.lower) steps.front() = axis.initial;
+    return steps;
 }
 
 }  // namespace
@@ -61,19 +138,24 @@ std::string TuningAxis::text_of(double value) const {
 }
 
 std::string TuningAxis::at(double share) const {
+    if (has_default_apart) {
+        if (share < share_of_default) return initial;
+        share = (share - share_of_default) / (1 - share_of_default);
+    }
     if (!words.empty())
         return words[std::min(words.size() - 1, static_cast<std::size_t>(share * static_cast<double>(words.size())))];
     if (!span.is_logarithmic) return text_of(span.lower + share * (span.upper - span.lower));
     return text_of(span.lower * std::pow(span.upper / span.lower, share));
 }
 
-Variation parse_variation(const std::string& text) {
+Variation parse_variation(const std::string& text, const SourceLocation& where) {
     const auto wrong = [&] {
-        reject({}, "--vary needs a range such as photons=1e4..1e7 or a list such as cache=on,off, not '{}'", text);
+        reject(where, "{} needs a range such as photons=1e4..1e7 or a list such as cache=on,off, not '{}'",
+               where.file.empty() ? "--vary" : "'vary'", text);
     };
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) wrong();
-    Variation variation{.parameter = text.substr(0, equals)};
+    Variation variation{.parameter = text.substr(0, equals), .where = where};
     const std::string values = text.substr(equals + 1);
     if (const std::size_t dots = values.find(".."); dots != std::string::npos) {
         const auto lower = number_from<double>(values.substr(0, dots));
@@ -100,13 +182,15 @@ std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<V
         const Variation* variation = asked == variations.end() ? nullptr : &*asked;
         if (!variation && !parameter.tuning) continue;
         if (value_in(base, parameter.name)) {
-            if (variation) reject({}, "--vary: '{}' is set by the method '{}'", parameter.name, base.text());
+            if (variation)
+                reject(variation->where, "{}: '{}' is set by the method '{}'", source_of(*variation), parameter.name,
+                       base.text());
             continue;
         }
         axes.push_back(axis_of(parameter, variation));
     }
-    if (axes.size() > primes.size())
-        reject({}, "at most {} parameters can vary, and '{}' has {}", primes.size(), base.text(), axes.size());
+    if (axes.size() > most_axes)
+        reject({}, "at most {} parameters can vary, and '{}' has {}", most_axes, base.text(), axes.size());
     return axes;
 }
 
@@ -121,11 +205,14 @@ MethodLabel with_value(MethodLabel label, const std::string& parameter, const st
 }
 
 std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<TuningAxis>& axes, int count) {
+    constexpr std::uint64_t seed = 1;
     std::vector<MethodLabel> labels = {base};
-    for (int i = 1; !axes.empty() && i <= count; ++i) {
-        MethodLabel label = base;
+    for (int i = 0; !axes.empty() && i < count; ++i) {
+        const Sampler point(PointSet::sobol, seed, 0, static_cast<std::uint32_t>(i));
+        std::vector<std::string> values;
         for (std::size_t d = 0; d < axes.size(); ++d)
-            label = with_value(label, axes[d].name, axes[d].at(radical_inverse(i, primes[d])));
+            values.push_back(axes[d].at(point.get_1d(static_cast<std::uint32_t>(d))));
+        const MethodLabel label = with_values(base, axes, values);
         const auto same = [&](const MethodLabel& other) { return other.text() == label.text(); };
         if (std::none_of(labels.begin(), labels.end(), same)) labels.push_back(label);
     }
@@ -133,19 +220,36 @@ std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<T
 }
 
 std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
+    const MethodLabel base = without_axes(label, axes);
+    const auto own = values_of(label, axes);
     std::vector<MethodLabel> labels;
-    for (const TuningAxis& axis : axes) {
-        const std::string* own = value_in(label, axis.name);
-        const std::string& value = own ? *own : axis.initial;
-        for (const auto& word : axis.words)
-            if (word != value) labels.push_back(with_value(label, axis.name, word));
-        const auto number = number_from<double>(value);
-        if (!axis.words.empty() || !number) continue;
-        for (const double factor : {0.5, 2.0})
-            if (const std::string stepped = axis.text_of(*number * factor); stepped != axis.text_of(*number))
-                labels.push_back(with_value(label, axis.name, stepped));
-    }
+    for (std::size_t d = 0; d < axes.size(); ++d)
+        for (const auto& step : steps_from(axes[d], own[d].empty() ? axes[d].initial : own[d])) {
+            auto values = own;
+            values[d] = step;
+            MethodLabel changed = with_values(base, axes, values);
+            if (changed.text() != label.text()) labels.push_back(std::move(changed));
+        }
     return labels;
+}
+
+MethodLabel with_all_changes(const MethodLabel& label, const std::vector<MethodLabel>& better,
+                             const std::vector<TuningAxis>& axes) {
+    const auto own = values_of(label, axes);
+    auto values = own;
+    for (const MethodLabel& other : better) {
+        const auto theirs = values_of(other, axes);
+        for (std::size_t d = 0; d < axes.size(); ++d)
+            if (values[d] == own[d]) values[d] = theirs[d];
+    }
+    return with_values(without_axes(label, axes), axes, values);
+}
+
+std::string effective_value(const MethodLabel& label, const TuningAxis& axis) {
+    if (const std::string* own = value_in(label, axis.name)) return *own;
+    // A parameter whose default is set where it has no effect is refused.
+    if (axis.initial.empty() || !is_accepted(with_value(label, axis.name, axis.initial))) return "";
+    return axis.initial;
 }
 
 }  // namespace gib

@@ -265,33 +265,36 @@ namespace {
 
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
+    const TuningSpan two_words = {0, 1, false}, three_words = {0, 2, false};
     std::vector<Parameter> parameters = {
-        tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e7}),
+        tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
         count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
         tuned(integer_parameter("k", "50", "photons", 2, 1e6,
                                 "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
                                 "within the radius",
                                 {"auto", "all"}),
-              {10, 1000}),
+              {20, 500}),
         number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
         number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),
         number_parameter("volume_radius", "0.05", diagonals, 0, 1,
                          "largest radius of a look-up in the volume map, but at most the mean free path"),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
-        disc_area_parameter(),
+        tuned(disc_area_parameter(), three_words),
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
-        integer_parameter("gather", "0", "rays", 0, 1e6,
-                          "final gather rays for each diffuse surface that the eye sees, or for each record of the "
-                          "cache; 0: indirect light comes from the global map"),
+        tuned(integer_parameter("gather", "0", "rays", 0, 1e6,
+                                "final gather rays for each diffuse surface that the eye sees, or for each record of "
+                                "the cache; 0: indirect light comes from the global map"),
+              {16, 512}),
         choice_parameter(
             "source", strings(gather_source_names),
             "light that gather rays find: irradiance precomputed at photons, photon density, or path tracing"),
-        choice_parameter("cache", {"off", "on"},
-                         "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
+        tuned(choice_parameter("cache", {"off", "on"},
+                               "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
+              two_words),
     };
     for (Parameter& parameter : cache_parameters())
         parameters.push_back(std::move(parameter));

@@ -1,6 +1,7 @@
 // The fuzz target of experiment files. Their scenes must exist but are not read.
 
 #include "experiments/plan/experiment_file.h"
+#include "experiments/plan/tune_file.h"
 #include "methods/method.h"
 #include "tests/fuzz/harness.h"
 
@@ -38,7 +39,12 @@ void run_input(std::string_view input) {
         return true;
     }();
     require(written, "there are scenes");
-    unless_refused([&] { check_experiment(parse_experiment(std::string(input), folder / "input.toml")); });
+    unless_refused([&] {
+        const std::string path = folder / "input.toml";
+        if (const auto tuning = parse_tune_file(std::string(input), path))
+            require(!tuning->head.scenes.empty() && tuning->minutes > 0, "there is a scene and time for it");
+        else check_experiment(parse_experiment(std::string(input), path));
+    });
 }
 
 }  // namespace gib::fuzz

@@ -471,7 +471,7 @@ class Scratch:
         if block.language == "toml":
             if not re.search(r"^scenes\s*=|^\[\[case\]\]", text, re.MULTILINE):
                 text = f'scenes = ["{self.path("scenes/cornell-box.xml")}"]\n' + text
-            if not re.search(r"^\[\[method\]\]", text, re.MULTILINE):
+            if not re.search(r"^\[\[method\]\]|^\[tune\]", text, re.MULTILINE):
                 text += '\n[[method]]\nname = "path"\n'
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), "w", encoding="utf-8") as file:

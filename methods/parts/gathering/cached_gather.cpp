@@ -30,8 +30,9 @@ Ray middle_ray(const Sensor& sensor, int dx) {
 
 std::vector<Parameter> cache_parameters() {
     return {
-        number_parameter("accuracy", "0.15", "", 0.001, 1,
-                         "irradiance cache: the largest estimated relative error with which a record is used"),
+        tuned(number_parameter("accuracy", "0.15", "", 0.001, 1,
+                               "irradiance cache: the largest estimated relative error with which a record is used"),
+              {0.05, 0.6}),
         choice_parameter("spacing", strings(spacing_unit_names), "the unit of min_spacing and max_spacing"),
         number_parameter("min_spacing", "", "", 0, 1e6,
                          "least distance between records; default: 1.5 pixels or 0.002 diagonals"),

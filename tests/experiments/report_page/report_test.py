@@ -1,4 +1,4 @@
-"""Clicks through report.html in headless Chromium: report_test.py GIBENCH [options of unittest].
+"""Clicks through report.html and tune.html in headless Chromium: report_test.py GIBENCH [options of unittest].
 
 Screenshots go to the folder that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
 """
@@ -19,6 +19,7 @@ from report_browser import ReportCase  # noqa: E402  needs selenium
 from report_page_cases import ChartTest, PageTest  # noqa: E402, F401  found by unittest
 from report_strip_cases import StripTest  # noqa: E402, F401
 from report_viewer_cases import ViewerTest  # noqa: E402, F401
+from tune_page_cases import TunePageTest  # noqa: E402, F401
 
 if __name__ == "__main__":
     ReportCase.program = os.path.abspath(sys.argv[1])

@@ -24,30 +24,42 @@ double time_of(const MethodLabel& label) {
     return 2 * std::exp(0.1 * photons * photons + 0.2 * k * k + 0.05 * photons * k);
 }
 
+MethodLabel base() { return {"photon_mapper", {}}; }
+/// Only photons and k vary.
+std::vector<TuningAxis> axes() {
+    auto all = tuning_axes(base(), {});
+    std::erase_if(all, [](const TuningAxis& axis) { return axis.name != "photons" && axis.name != "k"; });
+    return all;
+}
+
 struct KnownTimes {
     double spent = 0;
+    double besides = 0;  ///< seconds of each run besides its budget
+    double end = 1e30;   ///< after which no run begins
     std::map<int, std::vector<std::string>> rounds = {};
     std::map<int, double> budgets = {};
 
-    std::vector<Trial> search_photon_mapper(double seconds) {
-        const MethodLabel base{"photon_mapper", {}};
-        return search(base, tuning_axes(base, {}), {.seconds = seconds},
-                      [this](const auto& labels, double budget, int round) {
-                          std::vector<TimeEstimate> times;
-                          for (const auto& label : labels) {
-                              rounds[round].push_back(label.text());
-                              times.push_back({time_of(label), time_of(label) <= budget});
-                          }
-                          spent += budget * static_cast<double>(labels.size());
-                          budgets[round] = budget;
-                          return times;
-                      });
+    SearchOutcome search_photon_mapper(double seconds) {
+        SearchSettings settings{.seconds = seconds};
+        settings.elapsed = [this] { return spent; };
+        return search(base(), axes(), settings, [this](const auto& labels, double budget, int round) {
+            std::vector<std::optional<TimeEstimate>> times;
+            budgets[round] = budget;
+            for (const auto& label : labels) {
+                times.emplace_back();
+                if (spent >= end) continue;
+                rounds[round].push_back(label.text());
+                times.back() = TimeEstimate{time_of(label), time_of(label) <= budget};
+                spent += budget + besides;
+            }
+            return times;
+        });
     }
 };
 
 TEST(HalvingSearch, FindsSettingsNearTheBest) {
     KnownTimes known;
-    const auto trials = known.search_photon_mapper(600);
+    const auto trials = known.search_photon_mapper(600).trials;
     EXPECT_LE(time_of(trials.front().label), 1.1 * 2) << trials.front().label.text();
     for (const auto& trial : trials)
         EXPECT_GE(time_of(trial.label), 2) << "no setting is better than the optimum";
@@ -58,7 +70,7 @@ TEST(HalvingSearch, HalvesTheSettingsAndDoublesTheBudget) {
     known.search_photon_mapper(60);
     ASSERT_GE(known.rounds.size(), 3u);
     EXPECT_EQ(known.rounds[0].size(), 13u) << "the defaults and six settings for each of two parameters";
-    EXPECT_EQ(known.rounds[0].front(), "photon_mapper") << "the defaults are among them";
+    EXPECT_EQ(known.rounds[0].front(), base().text()) << "the defaults are among them";
     EXPECT_LE(known.rounds[1].size(), 7u);
     EXPECT_NEAR(known.budgets[1], 2 * known.budgets[0], 1e-9);
 }
@@ -75,15 +87,39 @@ TEST(HalvingSearch, RunsNoLongerThanTwiceTheBestTime) {
     KnownTimes known;
     known.search_photon_mapper(6000);
     for (std::size_t round = 1; round < known.budgets.size(); ++round)
-        EXPECT_LE(known.budgets[static_cast<int>(round)], 2 * time_of({"photon_mapper", {}}));
+        EXPECT_LE(known.budgets[static_cast<int>(round)], 2 * time_of(base()));
+}
+
+TEST(HalvingSearch, CountsWhatRunsTakeBesidesTheirBudgets) {
+    KnownTimes known{.besides = 3};
+    const SearchOutcome outcome = known.search_photon_mapper(120);
+    EXPECT_TRUE(outcome.is_cut) << "13 runs take 39 s besides their budgets, the rounds of 7, 4 and 2 as much again";
+    EXPECT_LE(known.spent, 120);
+    KnownTimes free;
+    free.search_photon_mapper(120);
+    EXPECT_LT(known.rounds.size(), free.rounds.size());
+}
+
+TEST(HalvingSearch, EndsWhereNoTimeIsLeft) {
+    KnownTimes known{.end = 5};
+    const SearchOutcome outcome = known.search_photon_mapper(60);
+    EXPECT_TRUE(outcome.is_cut);
+    EXPECT_EQ(known.rounds.size(), 1u);
+    EXPECT_EQ(outcome.trials.size(), known.rounds[0].size()) << "only what was measured";
+    for (std::size_t i = 1; i < outcome.trials.size(); ++i)
+        EXPECT_LE(time_of(outcome.trials.front().label), time_of(outcome.trials[i].label));
+    KnownTimes none{.end = 0};
+    const SearchOutcome nothing = none.search_photon_mapper(60);
+    ASSERT_EQ(nothing.trials.size(), 1u);
+    EXPECT_EQ(nothing.trials.front().label.text(), base().text());
+    EXPECT_FALSE(KnownTimes().search_photon_mapper(6000).is_cut);
 }
 
 TEST(HalvingSearch, DropsWhatCannotWin) {
-    const MethodLabel base{"photon_mapper", {}};
     std::size_t second = 0;
-    search(base, tuning_axes(base, {}), {.seconds = 60}, [&](const auto& labels, double, int round) {
-        std::vector<TimeEstimate> times(labels.size(), TimeEstimate{100, false});
-        times.front().seconds = 1;
+    search(base(), axes(), {.seconds = 60}, [&](const auto& labels, double, int round) {
+        std::vector<std::optional<TimeEstimate>> times(labels.size(), TimeEstimate{100, false});
+        times.front()->seconds = 1;
         if (round == 1) second = labels.size();
         return times;
     });
@@ -91,13 +127,14 @@ TEST(HalvingSearch, DropsWhatCannotWin) {
 }
 
 TEST(HalvingSearch, HasNothingToDoWithoutParameters) {
-    const MethodLabel base{"path", {}};
-    const auto trials = search(base, tuning_axes(base, {}), {}, [](const auto&, double, int) {
+    const MethodLabel path{"path", {}};
+    const auto outcome = search(path, tuning_axes(path, {}), {}, [](const auto&, double, int) {
         ADD_FAILURE() << "nothing varies";
-        return std::vector<TimeEstimate>();
+        return std::vector<std::optional<TimeEstimate>>();
     });
-    ASSERT_EQ(trials.size(), 1u);
-    EXPECT_EQ(trials.front().label.text(), "path");
+    ASSERT_EQ(outcome.trials.size(), 1u);
+    EXPECT_EQ(outcome.trials.front().label.text(), "path");
+    EXPECT_FALSE(outcome.is_cut);
 }
 
 }  // namespace

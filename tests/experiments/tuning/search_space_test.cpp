@@ -6,6 +6,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <set>
+
 namespace gib {
 namespace {
 
@@ -18,15 +21,32 @@ std::vector<std::string> texts(const std::vector<MethodLabel>& labels) {
     return result;
 }
 
+const TuningAxis& axis_named(const std::vector<TuningAxis>& axes, const std::string& name) {
+    return *std::find_if(axes.begin(), axes.end(), [&](const TuningAxis& a) { return a.name == name; });
+}
+
 TEST(SearchSpace, IsWhatTheParametersDeclare) {
     const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
-    ASSERT_EQ(axes.size(), 2u);
-    EXPECT_EQ(axes[0].name, "photons");
+    std::vector<std::string> names;
+    for (const auto& axis : axes)
+        names.push_back(axis.name);
+    EXPECT_THAT(names, ElementsAre("photons", "k", "area", "gather", "cache", "accuracy"));
     EXPECT_EQ(axes[0].at(0), "10000");
-    EXPECT_EQ(axes[0].at(0.5), "320000") << "the geometric mean, with two digits";
-    EXPECT_EQ(axes[0].at(1), "10000000");
+    EXPECT_EQ(axes[0].at(0.25), "32000") << "the logarithm grows evenly; two digits";
+    EXPECT_EQ(axes[0].at(1), "1000000");
+    EXPECT_THAT(axis_named(axes, "cache").words, ElementsAre("off", "on"));
     EXPECT_TRUE(tuning_axes(MethodLabel::parse("path"), {}).empty());
-    EXPECT_EQ(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {}).size(), 1u) << "a given parameter stays";
+    EXPECT_EQ(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {}).size(), 5u) << "a given parameter stays";
+}
+
+TEST(SearchSpace, ADefaultApartFromItsSpanHasAQuarter) {
+    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
+    const TuningAxis& gather = axis_named(axes, "gather");
+    EXPECT_EQ(gather.at(0.2), "0");
+    EXPECT_EQ(gather.at(0.25), "16");
+    EXPECT_EQ(gather.at(1), "510");
+    const auto asked = tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("gather=16..64")});
+    EXPECT_EQ(axis_named(asked, "gather").at(0.2), "21") << "a range that was asked for is all there is";
 }
 
 TEST(SearchSpace, SpansLieInTheRangesOfTheirParameters) {
@@ -35,17 +55,19 @@ TEST(SearchSpace, SpansLieInTheRangesOfTheirParameters) {
             if (!p.tuning) continue;
             EXPECT_LT(p.tuning->lower, p.tuning->upper) << method.name << " " << p.name;
             EXPECT_GE(p.tuning->lower, p.lower) << method.name << " " << p.name;
-            EXPECT_LE(p.tuning->upper, p.upper) << method.name << " " << p.name;
+            const double most = p.choices.empty() || p.kind != Parameter::Kind::choice
+                                    ? p.upper
+                                    : static_cast<double>(p.choices.size() - 1);
+            EXPECT_LE(p.tuning->upper, most) << method.name << " " << p.name;
         }
 }
 
 TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
-    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper k=80"),
+    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper k=80 gather=9"),
                                   {parse_variation("photons=1e3..1e5"), parse_variation("cache=on,off")});
-    ASSERT_EQ(axes.size(), 2u);
-    EXPECT_EQ(axes[0].at(0.5), "10000");
-    EXPECT_EQ(axes[1].at(0.4), "on");
-    EXPECT_EQ(axes[1].at(0.6), "off");
+    EXPECT_EQ(axis_named(axes, "photons").at(0.5), "10000");
+    EXPECT_EQ(axis_named(axes, "cache").at(0.4), "on");
+    EXPECT_EQ(axis_named(axes, "cache").at(0.6), "off");
     for (const char* wrong : {"photons", "photons=", "=1..2", "photons=2..1", "photons=a..b", "cache=on,,off"})
         EXPECT_THROW(parse_variation(wrong), InputError) << wrong;
     EXPECT_THROW(tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("k=0..9")}), InputError);
@@ -54,22 +76,63 @@ TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
 }
 
 TEST(SearchSpace, NeighboursAreHalfAndDouble) {
-    const auto label = MethodLabel::parse("photon_mapper photons=2e5");
+    const auto base = MethodLabel::parse("photon_mapper area=plain gather=64");
+    const auto axes = tuning_axes(base, {});
     EXPECT_THAT(
-        texts(neighbours(label, tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("cache=on,off")}))),
-        ElementsAre("photon_mapper photons=100000", "photon_mapper photons=400000", "photon_mapper photons=2e5 k=25",
-                    "photon_mapper photons=2e5 k=100", "photon_mapper photons=2e5 cache=on"));
+        texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5"), axes)),
+        ElementsAre(base.text() + " photons=100000", base.text() + " photons=400000", base.text() + " photons=2e5 k=25",
+                    base.text() + " photons=2e5 k=100", base.text() + " photons=2e5 cache=on"))
+        << "without the cache, its accuracy has no effect";
+    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5 cache=on accuracy=0.3"), axes)),
+                ElementsAre(base.text() + " photons=100000 cache=on accuracy=0.3",
+                            base.text() + " photons=400000 cache=on accuracy=0.3",
+                            base.text() + " photons=2e5 k=25 cache=on accuracy=0.3",
+                            base.text() + " photons=2e5 k=100 cache=on accuracy=0.3", base.text() + " photons=2e5",
+                            base.text() + " photons=2e5 cache=on", base.text() + " photons=2e5 cache=on accuracy=0.6"));
     // The range of k begins at 2.
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse("photon_mapper photons=10 k=2"),
-                                 tuning_axes(MethodLabel::parse("photon_mapper photons=10"), {}))),
-                ElementsAre("photon_mapper photons=10 k=4"));
+    const auto few = MethodLabel::parse("photon_mapper photons=10 area=plain gather=64 cache=off");
+    EXPECT_THAT(texts(neighbours(MethodLabel::parse(few.text() + " k=2"), tuning_axes(few, {}))),
+                ElementsAre(few.text() + " k=4"));
+}
+
+TEST(SearchSpace, StepsLeadToADefaultApartAndBack) {
+    const auto base = MethodLabel::parse("photon_mapper photons=10 k=9 area=plain cache=off");
+    const auto axes = tuning_axes(base, {});
+    EXPECT_THAT(texts(neighbours(base, axes)), ElementsAre(base.text() + " gather=16"));
+    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " gather=16"), axes)),
+                ElementsAre(base.text(), base.text() + " gather=32"));
+}
+
+TEST(SearchSpace, TakesAllChangesThatGainTogether) {
+    const auto base = MethodLabel::parse("photon_mapper area=plain gather=64");
+    const auto label = MethodLabel::parse(base.text() + " photons=2e5 cache=on");
+    EXPECT_EQ(with_all_changes(label,
+                               {MethodLabel::parse(base.text() + " photons=2e5 k=100 cache=on"),
+                                MethodLabel::parse(base.text() + " photons=100000 cache=on"),
+                                MethodLabel::parse(base.text() + " photons=400000 cache=on")},
+                               tuning_axes(base, {}))
+                  .text(),
+              base.text() + " photons=100000 k=100 cache=on");
 }
 
 TEST(SearchSpace, CandidatesAreTheDefaultsAndAnEvenCover) {
-    const auto base = MethodLabel::parse("photon_mapper k=80");
-    EXPECT_THAT(texts(candidates(base, tuning_axes(base, {}), 3)),
-                ElementsAre("photon_mapper k=80", "photon_mapper k=80 photons=320000",
-                            "photon_mapper k=80 photons=56000", "photon_mapper k=80 photons=1800000"));
+    const auto base = MethodLabel::parse("photon_mapper k=80 area=plain");
+    const auto axes = tuning_axes(base, {});
+    const auto labels = candidates(base, axes, 64);
+    EXPECT_EQ(labels.front().text(), base.text());
+    int few = 0, gathered = 0, cached = 0;
+    for (std::size_t i = 1; i < labels.size(); ++i) {
+        EXPECT_NO_THROW(ConfiguredMethod(labels[i]).create(MethodDefaults{})) << labels[i].text();
+        few += std::stod(effective_value(labels[i], axis_named(axes, "photons"))) < 1e5;
+        gathered += effective_value(labels[i], axis_named(axes, "gather")) != "0";
+        cached += effective_value(labels[i], axis_named(axes, "cache")) == "on";
+    }
+    EXPECT_NEAR(few, 32, 2) << "half of the labels have less than the mean in the logarithm";
+    EXPECT_NEAR(gathered, 48, 2);
+    EXPECT_NEAR(cached, 24, 6) << "half of those that gather";
+    std::set<std::string> unique;
+    for (const auto& text : texts(labels))
+        EXPECT_TRUE(unique.insert(text).second) << text;
 }
 
 }  // namespace

@@ -1,0 +1,31 @@
+#include "experiments/tuning/final_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+constexpr double enough = 3, needed = 1.5;  // times the shortest time
+constexpr int fewest_seeds = 3;             // that of the search and two fresh ones, which have an interval
+constexpr double shortest_budget = 0.01;    // [s]; one pass always completes
+
+}  // namespace
+
+FinalPlan plan_finals(const FinalNeeds& needs) {
+    const auto share = [&](std::size_t labels, int seeds) {
+        return needs.left / (static_cast<double>(seeds) * static_cast<double>(labels)) - needs.besides;
+    };
+    if (!std::isfinite(needs.shortest)) {
+        const double longest = std::max(share(needs.least, needs.seeds), shortest_budget);
+        return {needs.least, longest};
+    }
+    std::size_t labels = needs.labels;
+    while (labels > needs.least && share(labels, needs.seeds) < needed * needs.shortest)
+        --labels;
+    const double fair = std::clamp(share(labels, needs.seeds), needed * needs.shortest, enough * needs.shortest);
+    return {labels, std::max(std::min(fair, share(labels, fewest_seeds)), shortest_budget)};
+}
+
+}  // namespace gib

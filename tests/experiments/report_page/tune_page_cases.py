@@ -1,0 +1,135 @@
+"""The page of a tuning: its words, its charts and its layout."""
+import functools
+import json
+import os
+import re
+import subprocess
+import tempfile
+import unittest
+
+from selenium.webdriver.common.by import By
+
+import report_fixture as fixture
+from report_browser import LAPTOP, PHONE, ReportCase, browser
+
+
+METHOD = "photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5"  # only k varies
+# Settings as (photons, gather, cache, seconds, measured); times that a run finds would depend on the machine.
+SETTINGS = [(1e3, 0, "", 9.0, True), (1e4, 16, "off", 4.0, True), (2e4, 32, "on", 1.5, True), (5e4, 64, "on", 1.0, True),
+            (1e5, 64, "on", 2.5, True), (2e5, 0, "", 1.2, True), (1e6, 512, "off", 7.0, True), (3e4, 16, "on", 0.5, False),
+            (4e5, 256, "off", 11.0, False), (1e4, 512, "on", None, False)]
+
+
+def known_numbers(label):
+    settings = [{"label": f"{label} {i}", "values": [str(int(photons)), str(gather), cache], "seconds": seconds,
+                 "measured": measured} for i, (photons, gather, cache, seconds, measured) in enumerate(SETTINGS)]
+    parameters = [{"name": name, "unit": unit, "sentence": "", "words": words} for name, unit, words in
+                  (("photons", "photons", None), ("gather", "rays", None), ("cache", "", ["off", "on"]))]
+    best = dict(settings[3], method=0, paste=label, seconds_lo=0.9, seconds_hi=1.1)
+    return {"target": "20%", "methods": [label], "best": best, "tuned": [{"parameters": parameters, "settings": settings}]}
+
+
+@functools.cache
+def tuned(program):
+    """The folder of a small tuning; it exists until the process ends."""
+    parent = tempfile.TemporaryDirectory()
+    out = os.path.join(parent.name, "tuning")
+    run = subprocess.run([program, "tune", f"{fixture.ROOT}/scenes/cornell-box.xml", "--target", "90%", "--minutes", "0.8",
+                          "--resolution", "16x16", "--method", METHOD, "--out", out],
+                         cwd=parent.name, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    with open(os.path.join(out, "tune.html"), encoding="utf-8") as file:
+        page = file.read()
+    numbers = json.dumps(known_numbers(METHOD)).replace("\\", "\\\\")
+    known = re.sub(r'(id="report-data">).*?(</script>)', rf"\1{numbers}\2", page, count=1, flags=re.DOTALL)
+    with open(os.path.join(out, "known.html"), "w", encoding="utf-8") as file:
+        file.write(known)
+    return parent, out, run.stdout
+
+
+class TunePageTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        _, cls.results, cls.printed = tuned(ReportCase.program)
+        with open(os.path.join(cls.results, "tune.json"), encoding="utf-8") as file:
+            cls.numbers = json.load(file)
+        cls.driver = browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.driver.quit()
+
+    def setUp(self):
+        self.open(LAPTOP)
+
+    def tearDown(self):
+        self.assertEqual([entry for entry in self.driver.get_log("browser") if entry["level"] != "INFO"], [])
+
+    def open(self, size, scheme="light", page="known.html"):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        self.driver.get("file://" + os.path.join(self.results, page))
+
+    def chart(self, heading):
+        return self.driver.execute_script("""
+            const box = [...document.querySelectorAll(".charts > div")]
+              .find((b) => b.querySelector("h3").textContent === arguments[0]);
+            const chart = Chart.getChart(box.querySelector("canvas"));
+            return chart && {x: chart.options.scales.x.type, y: chart.options.scales.y.type,
+              ticks: chart.scales.x.ticks.map((t) => t.label),
+              sets: chart.data.datasets.map((d) => d.data.map((p) => [p.x, p.y]))}""", heading)
+
+    def test_the_label_to_paste_stands_first(self):
+        self.open(LAPTOP, page="tune.html")
+        label = self.printed.splitlines()[0]
+        self.assertEqual(self.numbers["best"]["paste"], label)
+        self.assertEqual(self.driver.find_element(By.CSS_SELECTOR, ".paste code").text, label)
+        self.assertEqual([h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".charts h3")], ["k"])
+        self.assertTrue(any(self.chart("k")["sets"]), "the settings of the search are there")
+
+    def test_a_chart_shows_every_setting_that_reaches_the_target_over_each_parameter(self):
+        headings = [h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".charts h3")]
+        self.assertEqual(headings, ["photons", "gather", "cache"])
+        chart = self.chart("photons")
+        self.assertEqual((chart["x"], chart["y"]), ("logarithmic", "logarithmic"))
+        for number, measured in ((1, True), (2, False)):
+            expected = [[s[0], s[3]] for s in SETTINGS if s[4] == measured and s[3]]
+            self.assertEqual(chart["sets"][number], expected)
+        self.assertEqual(chart["sets"][3], [[5e4, 1.0]], "the best one has a ring")
+
+    def test_the_envelope_is_the_lower_convex_hull_of_what_was_measured(self):
+        self.assertEqual(self.chart("photons")["sets"][0], [[1e3, 9.0], [2e4, 1.5], [5e4, 1.0], [2e5, 1.2], [1e6, 7.0]])
+
+    def test_words_and_zero_have_their_places(self):
+        self.assertEqual(self.chart("cache")["ticks"], ["off", "on"])
+        self.assertEqual(sorted(p[0] for p in self.chart("cache")["sets"][1]), [0, 0, 1, 1, 1])
+        self.assertEqual(self.chart("gather")["ticks"][0], "0")
+        self.assertEqual(min(p[0] for p in self.chart("gather")["sets"][1]), 8, "half the least number of rays")
+
+    def test_every_size_and_scheme(self):
+        grounds = set()
+        for name, size in (("laptop", LAPTOP), ("phone", PHONE)):
+            for scheme in ("light", "dark"):
+                self.open(size, scheme)
+                for place in ("header", ".tuned", "main > :last-child"):
+                    self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
+                                               self.driver.find_element(By.CSS_SELECTOR, place))
+                    if ReportCase.screenshots:
+                        short = place.strip(".").split(" ")[0]
+                        self.driver.save_screenshot(os.path.join(ReportCase.screenshots, f"tune-{name}-{scheme}-{short}.png"))
+                grounds.add(self.driver.execute_script("return getComputedStyle(document.body).backgroundColor"))
+                wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
+                self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+        self.assertEqual(len(grounds), 2)
+
+    def test_without_scripts_the_numbers_can_be_read(self):
+        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+        try:
+            self.open(LAPTOP, page="tune.html")
+            text = self.driver.find_element(By.TAG_NAME, "body").text
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        for words in ("Cheapest settings: cornell-box to 90%", "to paste", "seconds, 95 % interval"):
+            self.assertIn(words, text)
