@@ -24,6 +24,7 @@ struct Replicates {
     std::vector<const Cell*> cells;
     std::vector<std::string> folders;  ///< names of the cells' folders
     std::vector<ComponentImages> images;
+    std::vector<Image> totals;  ///< as they are judged
 };
 
 /// The curve of error against time of each replicate, with the reference's own variance subtracted; an error is 0 if
@@ -47,6 +48,7 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
     row.scene = first.scene;
     row.method = first.method;
     row.component = component;
+    row.is_external = index.is_external(row.method);
     row.seeds = static_cast<int>(replicates.cells.size());
     for (const Cell* cell : replicates.cells) {
         row.seconds += cell->last().seconds / row.seeds;
@@ -65,6 +67,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
                     const ReferenceQuality& quality) {
     TableRow row = plain_row(replicates, index, component);
     const double noise_floor = row.noise_floor = quality.noise_floors.at(component);
+    row.floor_known = quality.error_known;
     row.epsilon = quality.epsilon;
     row.statistics = replicate_statistics(images, reference, r_total, row.epsilon);
     row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
@@ -95,9 +98,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
                               const ReferenceQuality& quality, const ResultFolder& folder) {
     std::vector<TableRow> rows;
     const Image& r_total = judgement.total().mean;
-    std::vector<Image> totals;
-    for (const auto& image : replicates.images)
-        totals.push_back(judgement.total_of(image));
+    const std::vector<Image>& totals = replicates.totals;
     if (judgement.is_empty()) {
         rows.push_back(plain_row(replicates, index, total_name));
     } else {
@@ -124,6 +125,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     ReferenceQuality quality{.scene = scene.name,
                              .method = scene.reference_method,
                              .relative_error = relative_standard_error(judged, epsilon),
+                             .error_known = judged.standard_error || !judged.groups.empty(),
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
@@ -193,7 +195,9 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
             if (cell.method != method) continue;
             replicates.cells.push_back(&cell);
             replicates.folders.push_back(names[i]);
-            replicates.images.push_back(components_in(read_image(folder.cell_image(names[i]))));
+            const LayeredImage file = read_image(folder.cell_image(names[i]));
+            replicates.images.push_back(components_in(file));
+            replicates.totals.push_back(judgement.total_of(file));
         }
         if (replicates.cells.empty()) continue;
         light.add(replicates.images, components_missing(analysis.index, scene.name, method));

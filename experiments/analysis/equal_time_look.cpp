@@ -49,7 +49,7 @@ std::optional<double> flip_of(const Cell& cell, std::uint32_t passes, const Judg
     const std::string name = cell_folder_name(cell.scene, cell.method, cell.seed);
     const Image& r = judgement.total().mean;
     if (passes == cell.last().passes)
-        return cell_flip(folder, name, judgement.total_of(components_in(read_image(folder.cell_image(name)))), r);
+        return cell_flip(folder, name, judgement.total_of(read_image(folder.cell_image(name))), r);
     const auto frame = read_frame(folder, name, passes);
     const Image small = reduced(r, reduction_for(r.width, r.height, frame_size));
     if (!frame || !frame->same_size(small) || frame->non_finite_values() + small.non_finite_values() > 0) return {};

@@ -28,7 +28,9 @@ struct LabelRuns {
 std::map<SceneAndLabel, std::vector<LabelRuns>> runs_by_method(const Analysis& analysis) {
     std::map<SceneAndLabel, std::vector<LabelRuns>> methods;
     for (const Cell& cell : analysis.cells) {
-        auto& labels = methods[{cell.scene, label_without_spp(cell.method)}];
+        // A command starts anew for each number of samples, so that its labels are runs of their own.
+        const bool is_external = analysis.index.is_external(cell.method);
+        auto& labels = methods[{cell.scene, is_external ? cell.method : label_without_spp(cell.method)}];
         auto found = std::find_if(labels.begin(), labels.end(), [&](const auto& l) { return l.label == cell.method; });
         if (found == labels.end()) found = labels.insert(labels.end(), {.label = cell.method});
         ++found->seeds;

@@ -45,6 +45,8 @@ struct TableRow {
     /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
     std::string components_missing = {};
     bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
+    bool is_external = false;  ///< rendered by the command of another renderer
+    bool floor_known = true;   ///< false: the reference has no standard error, and noise_floor is 0
 };
 
 /// A method's stored image of a scene at a charged time that is the same for all methods (equal_time_look.h).
@@ -62,6 +64,7 @@ struct EqualTimeLook {
 struct ReferenceQuality {
     std::string scene, method;
     double relative_error = 0;  ///< standard error of the judged total, relative
+    bool error_known = true;    ///< false: the reference is an image without a standard error
     std::optional<double> target;
     std::uint64_t samples = 0;  ///< samples a pixel; 0: unknown
     std::vector<std::string> notes;

@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/plan/experiment_methods.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/plan/run_options.h"
@@ -85,10 +86,33 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
         experiment.scenes[i].goal.target = read_target(reader, (*list)[i]);
 }
 
+/// Reads the images that are the references: one for the only scene, or a list with one for each scene.
+void read_reference_images(const TomlReader& reader, const toml::table& table, Experiment& experiment) {
+    namespace fs = std::filesystem;
+    reader.check_keys(table, "[reference] with an image", {"image"});
+    const toml::node& node = *table.get("image");
+    const auto* list = node.as_array();
+    if (const std::size_t count = list ? list->size() : 1; count != experiment.scenes.size())
+        reject(reader.at(node), "'image' gives {} references for {} scenes", count, experiment.scenes.size());
+    for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
+        const toml::node& value = list ? (*list)[i] : node;
+        const fs::path written = reader.string(value, "image");
+        const fs::path path = written.is_absolute() ? written : fs::path(experiment.path).parent_path() / written;
+        if (std::error_code error; !fs::is_regular_file(path, error))
+            reject(reader.at(value), "there is no image '{}'", path.lexically_normal().string());
+        experiment.scenes[i].reference_image = path.lexically_normal().string();
+    }
+}
+
 void read_reference(const TomlReader& reader, const toml::node* node, Experiment& experiment) {
     MethodLabel label{std::string(auto_reference), {}};
     const toml::table empty;
     const auto& table = node ? reader.table(*node, "reference") : empty;
+    if (table.get("image")) {
+        read_reference_images(reader, table, experiment);
+        experiment.reference_method = label;
+        return;
+    }
     SourceLocation where = node ? reader.at(*node) : SourceLocation{experiment.path};
     if (const auto* method = table.get("method")) {
         where = reader.at(*method);
@@ -154,7 +178,12 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
-    experiment.methods = read_methods(reader, *methods);
+    auto [labels, externals] = read_methods(reader, *methods);
+    experiment.methods = std::move(labels);
+    experiment.externals = std::move(externals);
+    for (const auto& [text_of_label, external] : experiment.externals)
+        if (external.takes("seconds") && !experiment.budget.seconds)
+            reject(external.where, "a command with {{seconds}} needs a budget in seconds");
     return experiment;
 }
 

@@ -3,9 +3,11 @@
 // references they are compared.
 
 #include "common/core/error.h"
+#include "experiments/plan/external_method.h"
 #include "methods/parameters.h"
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,6 +36,8 @@ struct ExperimentScene {
     std::string name;     ///< the file's name without folder and extension
     SourceLocation where;
     ReferenceGoal goal;
+    /// The path of an image that is the reference, as the program opens it; empty: gibench makes the reference.
+    std::string reference_image = {};
 };
 
 struct Experiment {
@@ -49,7 +53,14 @@ struct Experiment {
     std::optional<double> epsilon;
     Budget budget;
     MethodLabel reference_method;
-    std::vector<MethodLabel> methods;  ///< sweeps expanded, in the order of the file
+    std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
+    std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
+
+    /// The command of a label; null for a method of gibench.
+    const ExternalMethod* external(const MethodLabel& label) const {
+        const auto found = externals.find(label.text());
+        return found == externals.end() ? nullptr : &found->second;
+    }
 };
 
 /// Reads an experiment file. Throws InputError (`file:line:column: message`) for unknown keys, wrong types, unknown

@@ -3,12 +3,11 @@
 #include "common/core/reject.h"
 
 #include <algorithm>
-#include <set>
 
 namespace gib {
 
-MethodSweep::MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start)
-    : reader_(reader), parameters_(all_parameters(method)), labels_{std::move(start)} {}
+MethodSweep::MethodSweep(const TomlReader& reader, std::vector<Parameter> parameters, MethodLabel start)
+    : reader_(reader), parameters_(std::move(parameters)), labels_{std::move(start)} {}
 
 void MethodSweep::add(const TomlReader::Entry& entry) {
     std::vector<std::string> values;
@@ -53,30 +52,11 @@ std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::nod
     ParameterValues(parameters_, MethodLabel{labels_.front().name, {{entry.key, text}}},
                     known ? reader_.at(value) : entry.key_at);
     const bool is_word =
-        known && std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end();
+        known && (declared->kind == Parameter::Kind::text ||
+                  std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end());
     if (value.is_string() && !is_word)
         reject(reader_.at(value), "parameter '{}' needs a number without quotes", entry.key);
     return text;
-}
-
-std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node) {
-    std::vector<MethodLabel> methods;
-    std::set<std::string> texts;
-    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
-        const auto& table = reader.table(item, "method");
-        const SourceLocation where = reader.at(item);
-        const auto* name = table.get("name");
-        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
-        const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
-        MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
-        for (const auto& entry : reader.entries(table))
-            if (entry.key != "name") sweep.add(entry);
-        for (auto& label : sweep.labels(where)) {
-            if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
-            methods.push_back(std::move(label));
-        }
-    }
-    return methods;
 }
 
 }  // namespace gib

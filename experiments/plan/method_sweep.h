@@ -1,6 +1,5 @@
 #pragma once
-// Makes method labels from the [[method]] tables of an experiment
-// file, in which a parameter may have a list of values.
+// Makes method labels from a [[method]] table of an experiment file, in which a parameter may have a list of values.
 
 #include "experiments/plan/toml_reader.h"
 #include "methods/method.h"
@@ -19,13 +18,18 @@ inline constexpr std::size_t most_combinations = 10000;
 class MethodSweep {
 public:
     /// `start` is a label of the method, to which parameters are added.
-    MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start);
+    MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start)
+        : MethodSweep(reader, all_parameters(method), std::move(start)) {}
+    /// The same for a name that is no method of gibench, with these parameters.
+    MethodSweep(const TomlReader& reader, std::vector<Parameter> parameters, MethodLabel start);
 
     /// Adds a parameter with its value or its list of values.
     /// Throws InputError at the place of the key or of the value.
     void add(const TomlReader::Entry& entry);
     /// All labels, each after the method's own check, which sees its values together. Throws InputError at `where`.
     std::vector<MethodLabel> labels(const SourceLocation& where) const;
+    /// All labels as they are, without that check.
+    const std::vector<MethodLabel>& combinations() const { return labels_; }
 
 private:
     std::string checked(const TomlReader::Entry& entry, const toml::node& value) const;
@@ -34,9 +38,5 @@ private:
     std::vector<Parameter> parameters_;
     std::vector<MethodLabel> labels_;
 };
-
-/// All labels of an experiment's [[method]] tables, in the order of the file. Throws InputError for a method that is
-/// unknown, estimates no radiance or is listed twice.
-std::vector<MethodLabel> read_methods(const TomlReader& reader, const toml::node& node);
 
 }  // namespace gib

@@ -2,6 +2,7 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "experiments/external/command_process.h"
 #include "experiments/measuring/cell_process.h"
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
@@ -43,9 +44,17 @@ constexpr const char* experiment_help =
     "  [reference]      method = \"auto\"         name or label of the method of the references\n"
     "                   target = \"1%\"          relative standard error, or a list of one for each scene\n"
     "                   seconds = 120           time after which a reference is taken as it is\n"
+    "                   image = \"ref.exr\"       instead: a reference made elsewhere, or a list of one for each "
+    "scene\n"
     "  [[method]] *     name = \"path\"           `gibench list methods` says which there are\n"
     "                   spp = [16, 64]          any of its parameters; a list makes a sweep, several make a grid\n"
     "                                           (`gibench list methods --parameters` has them)\n"
+    "                   command = \"...\"         instead: runs another renderer, whose rows have the name; it has\n"
+    "                                           {scene}, {out}, {spp}, {seconds}, {seed}, {threads}, {width},\n"
+    "                                           {height} and {KEY} for any other key of its [[method]]\n"
+    "                   scene_format = \"povray\"  the form of {scene} (default \"mitsuba\": the file as it is)\n"
+    "                   image_format = \"hdr\"     ending of {out}: exr (default), pfm or hdr\n"
+    "                   timeout = 600           seconds after which the command is ended (default 3600)\n"
     "  [tune]           target = \"2%\"           instead of the methods, seeds, budget and reference: searches the\n"
     "                   method = [\"path\"]       cheapest settings on each scene, as `gibench tune` does with\n"
     "                   vary = [\"k=20..200\"]    the options of these names\n"
@@ -309,6 +318,18 @@ void add_measure_cell(CLI::App& app, Action& action) {
     });
 }
 
+/// Adds the internal subcommand that `run` starts for each cell of another renderer.
+void add_measure_command(CLI::App& app, Action& action) {
+    auto request = std::make_shared<std::string>();
+    CLI::App* command =
+        app.add_subcommand("measure-command", "internal: runs a command, see command_process.h")->group("");
+    command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
+    perform_with(request, command, action, [](const auto& file) {
+        measure_command(file);
+        return 0;
+    });
+}
+
 int perform(const Action& action) {
     try {
         const int code = action();
@@ -349,6 +370,7 @@ int run_program(int argc, char** argv) {
     add_report(app, action);
     add_tune(app, action, command_line);
     add_measure_cell(app, action);
+    add_measure_command(app, action);
     return perform([&] {
         try {
             app.parse(argc, argv);

@@ -105,11 +105,7 @@ const Image& layer_in(const LayeredImage& file, const std::string& name, const s
 Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
                    const std::string& path) {
     const Image& total = layer_in(file, "", path);
-    if (reference.unresolved.empty()) return total;
-    ComponentImages parts = components_in(file);
-    const bool has_parts =
-        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
-    return has_parts ? judgement.total_of(parts) : total;
+    return reference.unresolved.empty() ? total : judgement.total_of(file);
 }
 
 void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {

@@ -61,8 +61,8 @@ struct SceneFiles {
             if (cell.scene == scene && cell.method == method) found.push_back(&cell);
         return found;
     }
-    ComponentImages image(const Cell& cell) const {
-        return components_in(read_image(folder.cell_image(cell_folder_name(scene, cell.method, cell.seed))));
+    LayeredImage image(const Cell& cell) const {
+        return read_image(folder.cell_image(cell_folder_name(scene, cell.method, cell.seed)));
     }
 };
 
@@ -87,12 +87,15 @@ std::vector<float> relative_bias(const SceneFiles& files, const std::vector<cons
     return bias;
 }
 
-json parts_of(const ComponentImages& image, int reduction, Store& store) {
+json parts_of(const LayeredImage& file, int reduction, Store& store) {
+    const ComponentImages image = components_in(file);
     json parts = json::object();
     for (Component c : all_components)
         if (image[c]) parts[std::string(name_of(c))] = store.add(reduced(*image[c], reduction));
     for (const auto& [name, technique] : image.techniques)
         parts[name] = store.add(reduced(technique, reduction));
+    if (const Image* whole = file.find(""); parts.empty() && whole)
+        parts[total_name] = store.add(reduced(*whole, reduction));
     return parts;
 }
 

@@ -179,7 +179,8 @@ void add_errors(Columns& c) {
     c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "seconds of preparation");
     c.number("flip", of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
     c.words(in_prices | in_errors, "missing effects", left_out);
-    c.number("rel_mse_resolved", of(&TableRow::noise_floor));
+    c.number("rel_mse_resolved",
+             [](const TableRow& row) { return row.floor_known ? estimate_of(row.noise_floor) : std::nullopt; });
     c.estimate("energy_excess", of(&TableRow::footing, &Footing::excess));
     c.text("footing", [](const TableRow& row) { return row.footing ? name_of(row.footing->verdict) : ""; });
 }
@@ -206,6 +207,7 @@ void add_laws(Columns& c) {
     c.text("components_missing", &TableRow::components_missing);
     c.text("bias_state", bias_state);
     c.ends("rel_mse_corrected", corrected_rel_mse);
+    c.text("external", [](const TableRow& row) { return row.is_external ? "yes" : ""; });
 }
 
 }  // namespace

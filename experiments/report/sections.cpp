@@ -22,8 +22,10 @@ std::string error_text(double relative_rmse) {
     return relative_rmse > 0 ? percent_text(relative_rmse) : "below the reference's";
 }
 
-/// The label of a row and, in brackets, the passes at which the labels that differ in `spp` alone stopped.
+/// The label of a row and, in brackets, that it is another renderer's, or the passes at which the labels that differ in
+/// `spp` alone stopped.
 std::string method_text(const Analysis& analysis, const TableRow& row) {
+    if (row.is_external) return row.method + " (external)";
     const auto stops = analysis.stops.find({row.scene, row.method});
     if (stops == analysis.stops.end()) return row.method;
     return fmt::format("{} (stopped at spp = {} too)", row.method, fmt::join(stops->second, ", "));

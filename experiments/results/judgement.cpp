@@ -65,12 +65,20 @@ Image Judgement::total_of(const ComponentImages& image) const {
     return judged.total();
 }
 
-std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, double epsilon) const {
+Image Judgement::total_of(const LayeredImage& file) const {
+    const ComponentImages parts = components_in(file);
+    const Image* sum = file.find("");
+    const bool has_parts =
+        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
+    return has_parts || !sum ? total_of(parts) : *sum;
+}
+
+std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum,
+                                                    double epsilon) const {
     std::map<std::string, ImageError> errors;
     for (const auto& [name, layer] : layers()) {
         const auto c = component_named(name);
-        if (!c || image[*c])
-            errors[name] = image_error(c ? *image[*c] : total_of(image), *layer, total().mean, epsilon);
+        if (!c || image[*c]) errors[name] = image_error(c ? *image[*c] : sum, *layer, total().mean, epsilon);
     }
     return errors;
 }

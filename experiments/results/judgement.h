@@ -2,6 +2,7 @@
 // Selects the part of an image that is compared: all components but those that the reference does not resolve.
 
 #include "common/images/image.h"
+#include "common/images/image_file.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/results/result_folder.h"
@@ -29,6 +30,10 @@ public:
     std::vector<std::pair<std::string, const ReferenceLayer*>> layers() const;
     /// The sum of the image's components without the unresolved ones.
     Image total_of(const ComponentImages& image) const;
+    /// The same of an image's file; a file without layers of components, as other renderers write it, as it is.
+    Image total_of(const LayeredImage& file) const;
+    /// Whether total() is only a part of the image, so that an image without components cannot be compared with it.
+    bool leaves_out_components() const { return !reference_.unresolved.empty(); }
 
     /// The epsilon of the relative errors of all layers, from what is given (epsilon_of()) [radiance^2].
     double epsilon(const std::optional<double>& given) const {
@@ -36,9 +41,16 @@ public:
     }
     /// The errors, by name, of the total, unless it is empty, and of each judged component that both the image and the
     /// reference have.
-    std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const;
+    std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const {
+        return errors(image, total_of(image), epsilon);
+    }
+    std::map<std::string, ImageError> errors(const LayeredImage& file, double epsilon) const {
+        return errors(components_in(file), total_of(file), epsilon);
+    }
 
 private:
+    std::map<std::string, ImageError> errors(const ComponentImages& image, const Image& sum, double epsilon) const;
+
     const Reference& reference_;
     std::optional<ReferenceLayer> partial_total_;
     bool empty_ = false;

@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
@@ -56,7 +57,12 @@ std::string CellIdentity::key() const {
                               budget.passes ? fmt::format("{}", *budget.passes) : "",
                               epsilon ? fmt::format("{}", *epsilon) : "relative", std::to_string(threads), reference})
         hash.add(piece);
+    if (!command.empty()) hash.add("command " + command);
     return hash.hex();
+}
+
+bool ResultIndex::is_external(const std::string& label) const {
+    return std::find(externals.begin(), externals.end(), label) != externals.end();
 }
 
 void ResultFolder::make(const std::string& path) {
@@ -125,6 +131,7 @@ std::string ResultFolder::method_file(const std::string& scene, const std::strin
 void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
     j["format"] = "gibench results 1";
+    j["externals"] = index.externals;
     j["effects_missing"] = json::array();
     for (const auto& [cell, effects] : index.effects_missing) {
         const auto components = index.components_missing.find(cell);
@@ -144,6 +151,7 @@ ResultIndex ResultFolder::read_index() const {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
+        index.externals = j.value("externals", std::vector<std::string>());  // older folders have none
         for (const auto& m : j.at("effects_missing")) {
             index.effects_missing[{m.at("scene"), m.at("method")}] = m.at("effects");
             // Older folders do not name the components.

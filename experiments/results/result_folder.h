@@ -27,6 +27,7 @@ struct CellIdentity {
     std::optional<double> epsilon;  ///< as the experiment gives it
     int threads = 0;                ///< number of threads, on which the seconds depend
     std::string reference;          ///< identity of the reference, its number of samples included
+    std::string command = {};       ///< ExternalMethod::identity(); empty: a method of gibench
 
     /// SHA-1 of all members, 40 hexadecimal digits.
     std::string key() const;
@@ -73,10 +74,14 @@ struct ResultIndex {
     int threads = 0;
     std::vector<IndexScene> scenes;
     std::vector<std::string> methods;                                            ///< labels
+    std::vector<std::string> externals = {};                                     ///< those of other renderers
     std::map<std::pair<std::string, std::string>, std::string> effects_missing;  ///< (scene, label) -> "name;name"
     /// The components of which a method leaves out paths, in the same way.
     std::map<std::pair<std::string, std::string>, std::string> components_missing;
     std::map<std::string, std::string> cell_keys;  ///< folder name of a cell -> key
+
+    /// Whether the label is a command of another renderer.
+    bool is_external(const std::string& label) const;
 };
 
 class ResultFolder {

@@ -5,9 +5,9 @@
 #include "common/core/reject.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
-#include "experiments/measuring/cell_process.h"
+#include "common/scene/scene.h"
+#include "experiments/external/povray_scene.h"
 #include "experiments/measuring/reference.h"
-#include "experiments/plan/reference_methods.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
 #include "experiments/results/flip_record.h"
@@ -56,16 +56,10 @@ private:
     int count_ = 0;
 };
 
-/// The notes about references in a folder's index, by the references' identities; empty if no index can be read.
-std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder& folder) {
-    std::map<std::string, std::vector<std::string>> notes;
-    try {
-        for (const auto& scene : folder.read_index().scenes)
-            if (!scene.reference.empty()) notes[scene.reference] = scene.notes;
-    } catch (const InputError&) {
-        notes.clear();
-    }
-    return notes;
+/// The samples a pixel of a cell of another renderer; 1 if its command does not take them.
+std::uint32_t passes_of(const ExternalMethod& external, const std::optional<int>& sample_count) {
+    if (!external.takes("spp")) return 1;
+    return external.spp ? *external.spp : static_cast<std::uint32_t>(sample_count.value_or(16));
 }
 
 /// The share of a cell's work that is done, by the limit (spp, passes or seconds) that is nearest.
@@ -77,27 +71,18 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
     return std::min(share, 1.0);
 }
 
-/// The work folder of a cell, which is removed with this object: on a full disk, what a failed cell left there would
-/// take the space of all others.
-class WorkFolder {
-public:
-    explicit WorkFolder(std::string path) : path_(std::move(path)) {
-        fs::remove_all(path_);
-        ResultFolder::make(path_);
-    }
-    ~WorkFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    WorkFolder(const WorkFolder&) = delete;
-    WorkFolder& operator=(const WorkFolder&) = delete;
-    const std::string& path() const { return path_; }
-
-private:
-    std::string path_;
-};
-
 }  // namespace
+
+std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder& folder) {
+    std::map<std::string, std::vector<std::string>> notes;
+    try {
+        for (const auto& scene : folder.read_index().scenes)
+            if (!scene.reference.empty()) notes[scene.reference] = scene.notes;
+    } catch (const InputError&) {
+        notes.clear();
+    }
+    return notes;
+}
 
 void link_file(const std::string& from, const std::string& to) {
     const std::string fresh = to + ".tmp-linked";  // remove_leftovers_in() finds it by this ending
@@ -138,7 +123,12 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
         for (const auto& warning : loaded.warnings)
             progress_.message("warning: " + warning);
         plan_methods(loaded);
-        scenes_.push_back({.entry = entry, .content_hash = loaded.content_hash, .sample_count = loaded.sample_count});
+        scenes_.push_back({.entry = entry,
+                           .content_hash = loaded.content_hash,
+                           .sample_count = loaded.sample_count,
+                           .width = loaded.scene->sensor().width(),
+                           .height = loaded.scene->sensor().height(),
+                           .povray = povray_form(entry, loaded)});
     }
     bool any = false;
     for (const auto& scene : scenes_)
@@ -169,10 +159,19 @@ LoadedScene ExperimentRun::load(const ExperimentScene& entry) const {
     return load_scene(entry.path, {{}, experiment_.resolution, experiment_.paths});
 }
 
+std::string ExperimentRun::povray_form(const ExperimentScene& entry, const LoadedScene& loaded) const {
+    for (const MethodLabel& label : experiment_.methods)
+        if (const auto* external = experiment_.external(label);
+            external && selected(entry.name, label) && external->scene_format == SceneFormat::povray)
+            return povray_scene(loaded, scene_places(entry.path, {{}, experiment_.resolution, experiment_.paths}));
+    return "";
+}
+
 void ExperimentRun::plan_methods(const LoadedScene& scene) {
     for (const auto& warning : scene.warnings)
         progress_.message("warning: " + warning);
     for (const auto& label : experiment_.methods) {
+        if (experiment_.external(label)) continue;
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
         effects_missing_[{scene.name, label.text()}] = plan.missing.names();
         components_missing_[{scene.name, label.text()}] = names_of(plan.unresolved);
@@ -181,15 +180,14 @@ void ExperimentRun::plan_methods(const LoadedScene& scene) {
     }
 }
 
-bool ExperimentRun::selected(const SceneState& scene, const MethodLabel& label) const {
-    if (options_.repeat) return options_.repeat->has_cells_of(scene.entry.name, label.text());
-    return scene.entry.name.find(options_.only) != std::string::npos ||
-           label.text().find(options_.only) != std::string::npos;
+bool ExperimentRun::selected(const std::string& scene, const MethodLabel& label) const {
+    if (options_.repeat) return options_.repeat->has_cells_of(scene, label.text());
+    return scene.find(options_.only) != std::string::npos || label.text().find(options_.only) != std::string::npos;
 }
 
 bool ExperimentRun::selected(const SceneState& scene) const {
     return std::any_of(experiment_.methods.begin(), experiment_.methods.end(),
-                       [&](const MethodLabel& label) { return selected(scene, label); });
+                       [&](const MethodLabel& label) { return selected(scene.entry.name, label); });
 }
 
 bool ExperimentRun::measure() {
@@ -206,64 +204,9 @@ bool ExperimentRun::measure() {
 void ExperimentRun::forget_cells() {
     std::size_t forgotten = 0;
     for (const auto& cell : cells())
-        if (selected(*cell.scene, *cell.label)) forgotten += fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
+        if (selected(cell.scene->entry.name, *cell.label))
+            forgotten += fs::remove(folder_.cell_folder(cell.name) + "/cell.json");
     if (forgotten > 0) progress_.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
-}
-
-void ExperimentRun::make_references() {
-    for (auto& scene : scenes_) {
-        if (!selected(scene)) continue;
-        try {
-            make_reference_of(scene);
-        } catch (const Interrupted&) {
-            throw;
-        } catch (const std::exception& error) {
-            scene.failed = true;
-            fail(fmt::format("the reference of {}: {}", scene.entry.name, error.what()));
-        }
-    }
-}
-
-void ExperimentRun::make_reference_of(SceneState& scene) {
-    if (take_reference_of(scene)) return;
-    const LoadedScene loaded = load(scene.entry);
-    if (loaded.content_hash != scene.content_hash) throw RunError("the scene was changed while the experiment ran");
-    const MethodLabel& label = experiment_.reference_method;
-    const std::string path = cached_reference_path(reference_key(scene.content_hash, label));
-    const ReferenceWork work{.scene = loaded,
-                             .methods = reference_methods(label),
-                             .label = label,
-                             .goal = scene.entry.goal,
-                             .epsilon = experiment_.epsilon,
-                             .path = path};
-    // The lock is held until the folder has its own name for the file, because another run may replace the file at
-    // any time after.
-    const FileLock lock = lock_reference(path, [&](const std::string& owner) {
-        progress_.message(
-            fmt::format("the reference of {}: {} is making it; waiting until it has ended", scene.entry.name, owner));
-    });
-    FinishedReference finished;
-    with_threads(threads_, [&] { finished = make_reference(work, progress_); });
-    scene.reference = finished.identity;
-    scene.notes = finished.warnings;
-    link_file(path, folder_.reference_image(scene.entry.name));
-    progress_.message(fmt::format("reference of {}: relative standard error {:.3g} % (epsilon {:.4g}){}",
-                                  scene.entry.name, 100 * finished.relative_error, finished.epsilon,
-                                  finished.rounds_added == 0 ? " (stored)" : ""));
-    for (const auto& warning : finished.warnings)
-        progress_.message("warning: " + warning);
-}
-
-bool ExperimentRun::take_reference_of(SceneState& scene) {
-    if (!options_.repeat) return false;
-    const std::string image = options_.repeat->original.reference_image(scene.entry.name);
-    const std::string identity = stored_reference_identity(image);
-    if (identity.empty() || identity != options_.repeat->reference_of(scene.entry.name)) return false;
-    link_file(image, folder_.reference_image(scene.entry.name));
-    scene.reference = identity;
-    scene.notes = stored_notes(options_.repeat->original)[identity];
-    progress_.message(fmt::format("reference of {}: {}", scene.entry.name, image));
-    return true;
 }
 
 std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
@@ -276,7 +219,10 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
                 identity.method = label.text();
                 identity.seed = static_cast<std::uint64_t>(seed);
                 identity.scene_hash = scene.content_hash;
-                identity.spp = last_pass(ConfiguredMethod(label).values, scene.sample_count);
+                const ExternalMethod* external = experiment_.external(label);
+                identity.spp = external ? passes_of(*external, scene.sample_count)
+                                        : last_pass(ConfiguredMethod(label).values, scene.sample_count);
+                if (external) identity.command = external->identity();
                 identity.budget = experiment_.budget;
                 identity.epsilon = experiment_.epsilon;
                 identity.threads = threads_;
@@ -287,7 +233,8 @@ std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
                     if (passes == options_.repeat->passes.end()) continue;
                     identity.budget = {std::nullopt, passes->second};
                 }
-                cells.push_back({.scene = &scene, .label = &label, .identity = identity, .name = name});
+                cells.push_back(
+                    {.scene = &scene, .label = &label, .external = external, .identity = identity, .name = name});
             }
     return cells;
 }
@@ -296,7 +243,7 @@ std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const 
     std::vector<const PlannedCell*> to_do;
     std::size_t kept = 0, of_other_builds = 0, replaced = 0;
     for (const auto& cell : all) {
-        if (cell.scene->failed || !selected(*cell.scene, *cell.label)) continue;
+        if (cell.scene->failed || !selected(cell.scene->entry.name, *cell.label)) continue;
         std::string damage;
         const auto stored = folder_.read_cell(cell.name, cell.identity.key(), &damage);
         if (!stored) {
@@ -311,8 +258,8 @@ std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const 
     if (kept > 0) progress_.message(fmt::format("cells complete already, not done again: {}", kept));
     if (replaced > 0)
         progress_.message(
-            fmt::format("cells measured before with another scene file, reference, budget, epsilon or "
-                        "number of threads, done again: {}",
+            fmt::format("cells measured before with another scene file, reference, budget, epsilon, "
+                        "command or number of threads, done again: {}",
                         replaced));
     if (of_other_builds > 0)
         progress_.message(fmt::format(
@@ -372,52 +319,6 @@ void ExperimentRun::run_cells() {
     }
 }
 
-void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement, const PassObserver& observer) {
-    const std::string folder = folder_.cell_folder(cell.name);
-    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
-    forget_flip(folder_, cell.name);
-    forget_frames(folder_, cell.name);
-    const WorkFolder work(folder_.work_folder(cell.name));
-    const CellRequest request{.scene_path = cell.scene->entry.path,
-                              .resolution = experiment_.resolution,
-                              .folders = experiment_.paths,
-                              .scene_hash = cell.identity.scene_hash,
-                              .method = cell.identity.method,
-                              .seed = cell.identity.seed,
-                              .budget = cell.identity.budget,
-                              .threads = threads_,
-                              .work_folder = work.path()};
-    const CellTiming timing = run_cell_process(options_.program, request, observer);
-
-    Cell record;
-    record.scene = cell.identity.scene;
-    record.method = cell.identity.method;
-    record.seed = cell.identity.seed;
-    record.key = cell.identity.key();
-    record.build = build_;
-    record.load_seconds = timing.load_seconds;
-    record.prepare_seconds = timing.measurement.prepare_seconds;
-    record.converged = timing.measurement.converged;
-    record.stages = timing.measurement.stages;
-    const double epsilon = judgement.epsilon(experiment_.epsilon);
-    for (const auto& checkpoint : timing.measurement.checkpoints) {
-        const auto image = components_in(read_image(checkpoint_image(work.path(), checkpoint.passes)));
-        record.checkpoints.push_back({checkpoint, judgement.errors(image, epsilon)});
-        if (keeps_frame(record.seed, checkpoint.passes, timing.measurement.checkpoints.back().passes))
-            write_frame(folder_, cell.name, checkpoint.passes, judgement.total_of(image));
-    }
-    const auto last = components_in(read_image(checkpoint_image(work.path(), record.last().passes)));
-    const LayeredImage image = layers_of(last);
-    write_exr(folder_.cell_image(cell.name), image);
-    record.image = image_digest(image);
-    record.image_file = file_hash(folder_.cell_image(cell.name));
-    folder_.write_cell(cell.name, record);
-    if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
-        progress_.message(fmt::format(
-            "warning: {}, {}: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}",
-            record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
-}
-
 void ExperimentRun::fail(const std::string& what) {
     failures_.push_back(what);
     progress_.message("failed: " + what);
@@ -435,11 +336,15 @@ ResultIndex ExperimentRun::index() {
                                 .path = scene.entry.path,
                                 .content_hash = scene.content_hash,
                                 .reference = scene.reference,
-                                .reference_method = experiment_.reference_method.text(),
+                                .reference_method = scene.entry.reference_image.empty()
+                                                        ? experiment_.reference_method.text()
+                                                        : "the image " + scene.entry.reference_image,
                                 .target = scene.entry.goal.target,
                                 .notes = scene.notes});
     for (const auto& label : experiment_.methods)
         index.methods.push_back(label.text());
+    for (const auto& [label, external] : experiment_.externals)
+        index.externals.push_back(label);
     index.effects_missing = effects_missing_;
     index.components_missing = components_missing_;
     for (const auto& cell : cells())

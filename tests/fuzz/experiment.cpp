@@ -18,12 +18,17 @@ void check_experiment(const Experiment& experiment) {
     require(!experiment.epsilon || (std::isfinite(*experiment.epsilon) && *experiment.epsilon > 0),
             "epsilon is above 0");
     for (const auto& scene : experiment.scenes)
-        require(scene.goal.target || scene.goal.seconds, "every reference has a goal");
+        require(scene.goal.target || scene.goal.seconds || !scene.reference_image.empty(),
+                "every reference has a goal");
     std::set<std::string> labels;
     for (const MethodLabel& label : experiment.methods) {
         require(labels.insert(label.text()).second, "labels are different");
         // Cells and references are found by their label when an experiment is resumed.
         require(MethodLabel::parse(label.text()).values == label.values, "a label is read as it was written");
+        if (const ExternalMethod* external = experiment.external(label)) {
+            require(external->takes("scene") && external->takes("out"), "a command takes a scene and writes an image");
+            continue;
+        }
         const auto& method = find_comparable_method(label.name);
         method.create(ParameterValues(all_parameters(method), label), MethodDefaults{});
     }

@@ -117,7 +117,7 @@ TEST(Tables, ShowEveryMemberOfARow) {
     analysis.rows.resize(1);
     auto& [scene, method, component, seeds, seconds, prepare_seconds, statistics, robust, noise, bias, times, footing,
            law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip, epsilon, components_missing,
-           is_unbiased] = analysis.rows[0];
+           is_unbiased, is_external, floor_known] = analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -149,6 +149,8 @@ TEST(Tables, ShowEveryMemberOfARow) {
     expect_shown(components_missing, "caustic");
     statistics->bias2 = Estimate{1, {}};
     expect_shown(is_unbiased, true);
+    expect_shown(is_external, true);
+    expect_shown(floor_known, false);
 }
 
 // Every entry of row_columns() with a heading stands in table.md, so that no metric is for the CSV file alone.

@@ -1,0 +1,150 @@
+#include "experiments/external/command_process.h"
+
+#include "common/core/descriptor.h"
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "experiments/system/child_process.h"
+#include "experiments/system/interrupt.h"
+#include "experiments/text/json_file.h"
+#include "experiments/text/json_record.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+namespace gib {
+
+using nlohmann::json;
+
+static auto json_fields(RecordOf<CommandRequest> auto& r) {
+    return std::tuple(JsonField{"command", r.command}, JsonField{"folder", r.folder}, JsonField{"timeout", r.timeout},
+                      JsonField{"output_file", r.output_file}, JsonField{"message_file", r.message_file},
+                      JsonField{"work_folder", r.work_folder});
+}
+
+static auto json_fields(RecordOf<CommandResult> auto& r) {
+    return std::tuple(JsonField{"seconds", r.seconds}, JsonField{"peak_rss_mib", r.peak_rss_mib},
+                      JsonField{"timed_out", r.timed_out}, JsonField{"exit_code", r.exit_code},
+                      JsonField{"signal", r.signal});
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+Descriptor opened(const std::string& file, int flags) {
+    Descriptor descriptor(open(file.c_str(), flags | O_CLOEXEC, 0666));
+    if (descriptor.get() < 0) throw RunError(fmt::format("cannot open '{}': {}", file, std::strerror(errno)));
+    return descriptor;
+}
+
+/// The signals that end the wait for a command.
+sigset_t awaited_signals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGCHLD, SIGTERM, SIGINT})
+        sigaddset(&signals, signal);
+    return signals;
+}
+
+/// Becomes the shell that runs the command, in a process group of its own. It runs between fork() and exec, where only
+/// system calls are allowed.
+[[noreturn]] void become_shell(const CommandRequest& request, int input, int output, int messages, pid_t parent,
+                               const sigset_t& signals_before) {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == parent && chdir(request.folder.c_str()) == 0 && dup2(input, STDIN_FILENO) >= 0 &&
+        dup2(output, STDOUT_FILENO) >= 0 && dup2(messages, STDERR_FILENO) >= 0) {
+        sigprocmask(SIG_SETMASK, &signals_before, nullptr);
+        execl("/bin/sh", "sh", "-c", request.command.c_str(), static_cast<char*>(nullptr));
+    }
+    _exit(127);
+}
+
+/// Waits for a signal until `end`; 0 if none came.
+int signal_before(const Clock::time_point& end, const sigset_t& signals) {
+    const auto left = std::max(Clock::duration::zero(), end - Clock::now());
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+    const timespec wait{seconds.count(), std::chrono::nanoseconds(left - seconds).count()};
+    return std::max(0, sigtimedwait(&signals, nullptr, &wait));
+}
+
+CommandResult measured(const CommandRequest& request) {
+    constexpr double longest = 1e8;  // [s], so that the clock cannot overflow
+    const Descriptor input = opened("/dev/null", O_RDONLY);
+    const Descriptor output = opened(request.output_file, O_WRONLY | O_CREAT | O_TRUNC);
+    const Descriptor messages = opened(request.message_file, O_WRONLY | O_CREAT | O_TRUNC);
+    const sigset_t signals = awaited_signals();
+    sigset_t before;
+    sigprocmask(SIG_BLOCK, &signals, &before);
+    const pid_t parent = getpid();
+    const auto start = Clock::now();
+    const auto end = start + std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double>(std::min(request.timeout, longest)));
+    const pid_t child = fork();
+    if (child < 0) throw RunError(fmt::format("cannot start a shell: {}", std::strerror(errno)));
+    if (child == 0) become_shell(request, input.get(), output.get(), messages.get(), parent, before);
+    setpgid(child, child);
+
+    CommandResult result;
+    int status = 0;
+    rusage usage{};
+    while (wait4(child, &status, WNOHANG, &usage) == 0) {
+        const int signal = signal_before(end, signals);
+        const bool interrupted = signal == SIGTERM || signal == SIGINT;
+        result.timed_out = !interrupted && signal == 0 && Clock::now() >= end;
+        if (!interrupted && !result.timed_out) continue;
+        kill(-child, SIGKILL);
+        wait4(child, &status, 0, &usage);
+        if (interrupted) throw Interrupted();
+        break;
+    }
+    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    kill(-child, SIGKILL);  // processes that the command has left behind
+    result.peak_rss_mib = static_cast<double>(usage.ru_maxrss) / 1024;
+    if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+    if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+    return result;
+}
+
+}  // namespace
+
+void measure_command(const std::string& request_file) {
+    const CommandRequest request = [&] {
+        try {
+            const json j = read_json(request_file);
+            die_with_parent(j.at("parent"));
+            return j.get<CommandRequest>();
+        } catch (const json::exception& error) {
+            throw InputError({request_file}, fmt::format("not a request: {}", error.what()));
+        }
+    }();
+    write_file(request.work_folder + "/result.json", json(measured(request)).dump(1) + "\n");
+}
+
+CommandResult run_command(const std::string& program, const CommandRequest& request) {
+    const std::string request_file = request.work_folder + "/request.json";
+    json j = request;
+    j["parent"] = getpid();
+    write_file(request_file, j.dump(1) + "\n");
+    run_child({program, "measure-command", request_file}, [](const std::string&) {});
+    try {
+        return read_json(request.work_folder + "/result.json").get<CommandResult>();
+    } catch (const json::exception& error) {
+        throw RunError(fmt::format("the command's process left a record that cannot be read: {}", error.what()));
+    } catch (const InputError& error) {
+        throw RunError(fmt::format("the command's process left no record: {}", error.what()));
+    }
+}
+
+}  // namespace gib

@@ -1,0 +1,26 @@
+#pragma once
+// Where the parts of a scene stand in its file, for messages about what another renderer's form cannot express.
+
+#include "common/core/error.h"
+#include "common/reader/scene_file.h"
+
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// One <shape> of the scene's file.
+struct ShapePlace {
+    SourceLocation where, bsdf_where, emitter_where;  ///< of the shape, where it has no bsdf or emitter of its own
+    std::string type, bsdf_type;                      ///< plugins; of a `twosided` the first bsdf in it; empty: none
+};
+
+struct ScenePlaces {
+    SourceLocation root, sensor, film, medium, emitter;  ///< of the first of each, else of the root
+    std::vector<ShapePlace> shapes;                      ///< in the order of the file
+};
+
+/// Reads the scene's file again for the places. Throws InputError as load_scene() does.
+ScenePlaces scene_places(const std::string& path, const SceneLoadOptions& options);
+
+}  // namespace gib

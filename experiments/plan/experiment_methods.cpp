@@ -1,0 +1,40 @@
+#include "experiments/plan/experiment_methods.h"
+
+#include "common/core/reject.h"
+#include "experiments/plan/external_method_reader.h"
+#include "experiments/plan/method_sweep.h"
+
+#include <set>
+
+namespace gib {
+
+ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node) {
+    ExperimentMethods methods;
+    std::set<std::string> texts;
+    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
+        const auto& table = reader.table(item, "method");
+        const SourceLocation where = reader.at(item);
+        const auto add = [&](const MethodLabel& label) {
+            if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
+            methods.labels.push_back(label);
+        };
+        if (table.get("command")) {
+            for (ExternalMethod& external : read_external_method(reader, table, where)) {
+                add(external.label);
+                methods.externals.emplace(external.label.text(), std::move(external));
+            }
+            continue;
+        }
+        const auto* name = table.get("name");
+        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
+        const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
+        MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
+        for (const auto& entry : reader.entries(table))
+            if (entry.key != "name") sweep.add(entry);
+        for (const auto& label : sweep.labels(where))
+            add(label);
+    }
+    return methods;
+}
+
+}  // namespace gib
