@@ -7,6 +7,7 @@
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
+#include "experiments/program/photons.h"
 #include "experiments/program/shipped_scenes.h"
 #include "experiments/run/repeat.h"
 #include "experiments/system/build_info.h"
@@ -266,6 +267,31 @@ void add_report(CLI::App& app, Action& action) {
     perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
 }
 
+void add_photons(CLI::App& app, Action& action) {
+    auto options = std::make_shared<PhotonsOptions>();
+    CLI::App* command = app.add_subcommand(
+        "photons", "write a page that shows photons, irradiance records or radiosity patches in the scene in 3D");
+    command->add_option("SCENE", options->scene, scene_help)->required();
+    command
+        ->add_option("--method", options->method,
+                     "name and parameters of a method that stores light, such as \"photon_mapper photons=1e5\", "
+                     "progressive_photon_mapper or radiosity")
+        ->required();
+    command
+        ->add_option("--photons-shown", options->most_photons,
+                     "photons on the page at most (default 200000): a uniform subset of each map, in even shares")
+        ->check(CLI::Range(std::size_t{1}, most_photons_shown));
+    command
+        ->add_option("--passes", options->passes,
+                     "passes at most of a method that stores other light in each (default: its spp, at most 16)")
+        ->check(CLI::Range(1u, most_passes_shown));
+    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
+    add_threads(command, options->threads);
+    add_loading(command, options->loading);
+    command->add_option("-o,--out", options->out, "the page (HTML)")->required();
+    perform_with(options, command, action, [](const auto& o) { return show_photons(o, std::cout); });
+}
+
 void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     auto options = std::make_shared<TuneOptions>();
     auto variations = std::make_shared<std::vector<std::string>>();
@@ -368,6 +394,7 @@ int run_program(int argc, char** argv) {
     add_plan(app, action);
     add_list(app, action);
     add_report(app, action);
+    add_photons(app, action);
     add_tune(app, action, command_line);
     add_measure_cell(app, action);
     add_measure_command(app, action);

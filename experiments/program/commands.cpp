@@ -69,13 +69,6 @@ std::string darkness(const Scene& scene) {
     return !scene.has_light() ? "nothing in the scene emits light: every image is black" : "";
 }
 
-LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
-    LoadedScene loaded = load_scene(scene_file(scene), loading);
-    warn_of(loaded.warnings);
-    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) warn_of({dark});
-    return loaded;
-}
-
 /// Throws InputError if references were made but none can be read: the tables would have no rows and replace those
 /// that have. A run that has made no reference yet is accepted, because it has no tables to lose.
 void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
@@ -91,10 +84,18 @@ void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
 
 }  // namespace
 
-void check_writable(const std::string& path) {
+LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
+    LoadedScene loaded = load_scene(scene_file(scene), loading);
+    warn_of(loaded.warnings);
+    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) warn_of({dark});
+    return loaded;
+}
+
+void check_writable(const std::string& path, std::string_view extension) {
     const std::filesystem::path file(path);
     const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-    if (file.extension() != ".exr") throw InputError(fmt::format("the output '{}' has to end in .exr", path));
+    if (file.extension() != extension)
+        throw InputError(fmt::format("the output '{}' has to end in {}", path, extension));
     if (!std::filesystem::is_directory(folder))
         throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", path, folder));
     if (std::filesystem::is_directory(file)) throw InputError(fmt::format("cannot write '{}': it is a folder", path));

@@ -7,6 +7,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gib {
@@ -47,7 +48,9 @@ std::string parameter_help();
 /// InputError, and writes nothing, if no scene is left or if another process works in the folder.
 int rebuild_report(const std::string& folder, std::ostream& out);
 
-/// Throws InputError unless `path` ends in .exr and can be created in a folder that exists.
-void check_writable(const std::string& path);
+/// Throws InputError unless `path` has this extension and can be created in a folder that exists.
+void check_writable(const std::string& path, std::string_view extension = ".exr");
+/// The scene of a file or of a name, with its warnings printed.
+LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading);
 
 }  // namespace gib

@@ -1,13 +1,7 @@
 # Writes OUTPUT, a C++ file that defines the functions of report_assets.h. FOLDER holds the templates, page.css
 # and the scripts; SCRIPTS are the names of these, separated by |, in their order; CHART is the file of Chart.js.
 
-# The texts become arrays of bytes, because a compiler need not accept a string literal of their length.
-function(bytes_of path result)
-  file(READ ${path} hex HEX)
-  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
-  string(REGEX REPLACE "(................................................................................)" "\\1\n" bytes "${bytes}")
-  set(${result} "${bytes}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/../text/bytes_of.cmake)
 
 string(REPLACE "|" ";" SCRIPTS "${SCRIPTS}")
 set(paths ${FOLDER}/page.html ${FOLDER}/section.html ${FOLDER}/table.mustache ${FOLDER}/page.css ${FOLDER}/tuning.html

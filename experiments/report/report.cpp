@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/report/look_words.h"
+#include "experiments/report/photon_links.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/report_assets.h"
 #include "experiments/report/report_data.h"
@@ -206,6 +207,22 @@ data page_data(const Analysis& analysis) {
         {"section", std::string(report_section())}};
 }
 
+/// Links to the pages of stored light, and the first command that makes one which is not there.
+void add_photon_links(data& page, const Analysis& analysis, const ResultFolder& folder) {
+    list pages;
+    std::string command;
+    for (const PhotonLink& link : photon_links(analysis.index, folder)) {
+        if (!link.page.empty())
+            pages.push_back(
+                object{{"photon_scene", link.scene}, {"photon_method", link.method}, {"href", html_escape(link.page)}});
+        else if (command.empty()) command = html_escape(link.command);
+    }
+    page["stores_light"] = data(!pages.empty() || !command.empty());
+    page["photon_pages"] = pages;
+    page["photon_command"] = optional_text(command);
+    page["folder"] = html_escape(folder.path());
+}
+
 json scale_json(ColorScale colors) {
     json steps = json::array();
     for (const Color& c : colors)
@@ -230,6 +247,7 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
                          {"flip", scale_json(magma_colors())},
                          {"bias", scale_json(bias_colors())}};
     data page = page_data(analysis);
+    add_photon_links(page, whole, folder);
     page["style"] = std::string(report_style());
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;

@@ -29,6 +29,7 @@
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/photon_mapper/eye_pass.h"
 #include "methods/photon_mapper/plan.h"
@@ -42,7 +43,7 @@ namespace {
 
 const MethodDescription& description() { return find_method("photon_mapper"); }
 
-class PhotonMapperRun final : public Run {
+class PhotonMapperRun final : public Run, public HoldsStoredLight {
 public:
     PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Effects& effects,
                     std::uint64_t seed, StageTimes& stages)
@@ -100,6 +101,20 @@ public:
 
     ComponentImages image() const override { return film_.mean(passes_); }
     RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+
+    StoredLight stored_light() const override {
+        StoredLight stored;
+        stored.add("global", maps_.final_gather ? light_.map : maps_.global);
+        stored.add("caustic", maps_.caustic);
+        stored.add("volume", maps_.volume);
+        if (cache_)
+            for (const IrradianceRecord& record : cache_->cache().records())
+                stored.records.push_back(
+                    {record.p, record.n, settings_.records.accuracy * record.distance, record.irradiance});
+        return stored;
+    }
+    /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
+    bool changes_with_passes() const override { return false; }
 
 private:
     float length(double fraction) const {

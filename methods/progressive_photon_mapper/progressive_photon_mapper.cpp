@@ -17,6 +17,7 @@
 #include "methods/parts/density/progressive_parameters.h"
 #include "methods/parts/density/shrinking_radius.h"
 #include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/photon_mapper/eye_pass.h"
 #include "methods/photon_mapper/plan.h"
@@ -36,7 +37,7 @@ struct ProgressiveSettings {
     std::uint64_t first_pass;
 };
 
-class ProgressivePhotonMapperRun final : public Run {
+class ProgressivePhotonMapperRun final : public Run, public HoldsStoredLight {
 public:
     ProgressivePhotonMapperRun(const Scene& scene, const ProgressiveSettings& settings, const Plan& plan,
                                const ShownComponents& shown, std::uint64_t seed, StageTimes& stages)
@@ -77,6 +78,16 @@ public:
         return {radius_fact("radius", first_.global, scene_), radius_fact("caustic_radius", first_.caustic, scene_),
                 radius_fact("volume_radius", first_.volume, scene_)};
     }
+
+    StoredLight stored_light() const override {
+        StoredLight stored;
+        stored.add("global", maps_.global);
+        stored.add("caustic", maps_.caustic);
+        stored.add("volume", maps_.volume);
+        return stored;
+    }
+    bool changes_with_passes() const override { return plan_.runs(pass_eye_paths); }
+    bool has_photons_of_one_pass() const override { return true; }
 
 private:
     static std::vector<Component> blurred(const ShownComponents& shown) {

@@ -1,4 +1,4 @@
-#include "methods/radiosity/model.h"
+#include "methods/radiosity/corners.h"
 
 #include <fmt/format.h>
 
@@ -7,39 +7,17 @@
 
 namespace gib {
 
-namespace {
-
-/// B [W/m^2] at a leaf's corner: the reflectance of its patch times the sum of the patch's direct irradiance and the
-/// indirect irradiance at the corner.
-Colord radiosity_of(const RadiosityModel& model, std::uint32_t leaf, std::uint32_t vertex) {
-    const std::uint32_t patch = model.display().solved_patch(leaf);
-    const Colord indirect = model.display().vertex_irradiance()[vertex].cast<double>();
-    return model.light().reflectance[patch] * (model.light().irradiance[patch] + indirect);
-}
-
-}  // namespace
-
 std::string radiosity_ply(const RadiosityModel& model) {
     const auto& nodes = model.mesh().nodes();
     const auto& vertices = model.display().vertices();
     const std::size_t count = vertices.vertices().size();
-    std::vector<Colord> B(count, Colord::Zero());
-    std::vector<double> area(count, 0.0);
+    const std::vector<Colord> B = corner_radiosity(model);
     std::vector<std::uint32_t> leaves;
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (!nodes[i].is_leaf()) continue;
-        leaves.push_back(i);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
-            const std::uint32_t vertex = vertices.of_leaf(i)[k];
-            B[vertex] += nodes[i].area * radiosity_of(model, i, vertex);
-            area[vertex] += nodes[i].area;
-        }
-    }
+    for (std::uint32_t i = 0; i < nodes.size(); ++i)
+        if (nodes[i].is_leaf()) leaves.push_back(i);
     double largest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (area[i] > 0) B[i] /= area[i];
-        largest = std::max(largest, B[i].maxCoeff());
-    }
+    for (const Colord& b : B)
+        largest = std::max(largest, b.maxCoeff());
     std::string ply = fmt::format(
         "ply\nformat ascii 1.0\ncomment radiosity: B_red, B_green, B_blue in W/m^2\nelement vertex {}\nproperty float "
         "x\n"
@@ -52,7 +30,7 @@ std::string radiosity_ply(const RadiosityModel& model) {
     for (std::size_t i = 0; i < count; ++i) {
         const PatchVertex& vertex = vertices.vertices()[i];
         const PatchSide& side = model.mesh().sides()[nodes[vertex.leaf].side];
-        const Vec3d p = model.mesh().charts()[side.chart].position(uv_of(vertex.at));
+        const Vec3d p = corner_position(model, vertex);
         const Vec3 n = model.mesh().point_of_side(side, vertex.uv).ns;
         const auto byte = [&](double b) { return largest > 0 ? static_cast<int>(255 * b / largest + 0.5) : 0; };
         fmt::format_to(out, "{:.9g} {:.9g} {:.9g} {:.6g} {:.6g} {:.6g} {:.9g} {:.9g} {:.9g} {} {} {}\n", p.x(), p.y(),
@@ -60,15 +38,11 @@ std::string radiosity_ply(const RadiosityModel& model) {
                        byte(B[i][2]));
     }
     for (const std::uint32_t leaf : leaves) {
-        // Faces turn counter-clockwise seen from the side's front: the corners are in the chart's order or in
-        // the opposite one.
-        const PatchSide& side = model.mesh().sides()[nodes[leaf].side];
-        const bool turned = model.mesh().charts()[side.chart].reversed != side.back;
-        const auto& corners = vertices.of_leaf(leaf);
+        const auto corners = corners_in_turn(model, leaf);
         const int n = nodes[leaf].corner_count();
         fmt::format_to(out, "{}", n);
         for (int k = 0; k < n; ++k)
-            fmt::format_to(out, " {}", corners[static_cast<std::size_t>(turned ? n - 1 - k : k)]);
+            fmt::format_to(out, " {}", corners[static_cast<std::size_t>(k)]);
         *out++ = '\n';
     }
     return ply;

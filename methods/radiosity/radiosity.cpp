@@ -20,6 +20,8 @@
 // hierarchical one link all pairs of patches.
 // Fails: with InputError that names the number of bytes if there is not enough memory; with InputError if paths have
 // no limit and light is shut in among surfaces that absorb none of it.
+#include "methods/parts/stored_light/stored_light.h"
+#include "methods/radiosity/corners.h"
 #include "methods/radiosity/view.h"
 
 #include <algorithm>
@@ -47,7 +49,7 @@ void add_unresolved(Plan& plan) {
         add(Component::indirect);
 }
 
-class RadiosityRun final : public Run {
+class RadiosityRun final : public Run, public HoldsStoredLight {
 public:
     RadiosityRun(const Scene& scene, const RadiositySettings& settings, const Plan& plan, std::uint64_t seed,
                  StageTimes& stages)
@@ -68,6 +70,13 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return model_ ? model_->facts() : std::vector<std::pair<std::string, std::string>>{};
     }
+
+    StoredLight stored_light() const override {
+        StoredLight stored;
+        if (model_) stored.patches = stored_patches(*model_);
+        return stored;
+    }
+    bool changes_with_passes() const override { return model_ && !model_->has_converged(); }
 
 private:
     std::unique_ptr<RadiosityModel> model_;

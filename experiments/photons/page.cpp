@@ -1,0 +1,212 @@
+#include "experiments/photons/page.h"
+
+#include "common/color/dispersion.h"
+#include "common/scene/scene.h"
+#include "experiments/photons/page_assets.h"
+#include "experiments/photons/surfaces.h"
+#include "experiments/report/image_pack.h"
+#include "experiments/text/html.h"
+
+#include <kainjow/mustache.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace gib {
+
+static_assert(std::endian::native == std::endian::little, "the page reads its arrays as little-endian numbers");
+
+namespace {
+
+using kainjow::mustache::data;
+using kainjow::mustache::list;
+using kainjow::mustache::object;
+using nlohmann::json;
+
+/// Triangles of the scene on a page, which take 9 MB in base64.
+constexpr std::size_t most_triangles = 160000;
+
+/// The arrays of a page: each is an element with base64 that the script finds by name.
+class Arrays {
+public:
+    template <typename T>
+    void add(const std::string& name, const std::vector<T>& values) {
+        const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.data()),
+                                                  values.size() * sizeof(T));
+        elements_.push_back(object{{"name", name}, {"text", base64(bytes)}});
+    }
+    data elements() const { return elements_; }
+
+private:
+    list elements_;
+};
+
+using Position = std::array<float, 3>;
+Position position_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+Position color_of(const Color& c) { return {c[0], c[1], c[2]}; }
+json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// The view of the scene's camera: where it stands, where it looks, and the angle that the image's height spans. A
+/// camera with parallel rays is replaced by a distant one.
+json camera_json(const Scene& scene) {
+    const Sensor& sensor = scene.sensor();
+    const int width = sensor.width(), height = sensor.height();
+    const Vec2 half = Vec2::Constant(0.5f);
+    const Ray center = sensor.generate_ray(width / 2, height / 2, half);
+    const Ray top = sensor.generate_ray(width / 2, 0, half), bottom = sensor.generate_ray(width / 2, height - 1, half);
+    Vec3 position = center.o, up = top.d.normalized() - bottom.d.normalized();
+    double fov = std::acos(std::clamp(static_cast<double>(top.d.normalized().dot(bottom.d.normalized())), -1.0, 1.0));
+    const Vec3 direction = center.d.normalized();
+    if (sensor.is_orthographic() || !(fov > 0.001)) {
+        fov = std::numbers::pi / 6;
+        up = top.o - bottom.o;
+        position = scene.bounds().center() - 2.f * scene.diagonal() * direction;
+    }
+    // A film of one row tells no direction upwards.
+    if (!(up.squaredNorm() > 0.f)) up = Frame(direction).s;
+    return {{"position", json_of(position)},
+            {"direction", json_of(direction)},
+            {"up", json_of(up.normalized())},
+            {"fov", fov * 180 / std::numbers::pi},
+            {"aspect", static_cast<double>(width) / height}};
+}
+
+json surfaces_json(const Scene& scene, Arrays& arrays) {
+    const SurfaceTriangles triangles = surface_triangles(scene, most_triangles);
+    arrays.add("surface-positions", triangles.positions);
+    arrays.add("surface-normals", triangles.normals);
+    arrays.add("surface-colors", triangles.colors);
+    return {{"shown", triangles.count()}, {"opaque", triangles.opaque}, {"whole", triangles.whole}};
+}
+
+std::uint8_t byte_of(std::uint32_t value) { return static_cast<std::uint8_t>(std::min(value, 255u)); }
+
+json photons_json(const CollectedLight& light, Arrays& arrays) {
+    std::vector<Position> positions;
+    std::vector<std::array<std::uint8_t, 4>> powers, infos;
+    json maps = json::array();
+    for (const PhotonSubset::Map& map : light.photons) {
+        const double mean = map.mean_power(), per_mean = mean > 0 ? map.unit / mean : 0;
+        for (const PhotonSubset::Shown& shown : map.shown) {
+            const Photon& photon = shown.photon;
+            positions.push_back(position_of(photon.p));
+            powers.push_back(rgbe_of(per_mean * photon.power().cast<double>()));
+            const std::uint32_t bounces = photon.edges - 1u;
+            const auto stratum = static_cast<std::uint32_t>(photon.stratum() ? *photon.stratum() + 1 : 0);
+            infos.push_back({byte_of(bounces), byte_of(static_cast<std::uint32_t>(maps.size())), byte_of(stratum),
+                             byte_of(shown.pass)});
+        }
+        maps.push_back({{"name", map.name},
+                        {"shown", map.shown.size()},
+                        {"stored", map.stored},
+                        {"mean_power", mean},
+                        {"power_unit", map.name == "volume" ? "W × scene unit" : "W"}});
+    }
+    arrays.add("photon-positions", positions);
+    arrays.add("photon-powers", powers);
+    arrays.add("photon-infos", infos);
+    return maps;
+}
+
+void add_records(const std::vector<StoredRecord>& records, Arrays& arrays) {
+    std::vector<Position> positions, normals, irradiances;
+    std::vector<float> radii;
+    for (const StoredRecord& record : records) {
+        positions.push_back(position_of(record.p));
+        normals.push_back(position_of(record.n));
+        irradiances.push_back(color_of(record.irradiance));
+        radii.push_back(record.radius);
+    }
+    arrays.add("record-positions", positions);
+    arrays.add("record-normals", normals);
+    arrays.add("record-irradiances", irradiances);
+    arrays.add("record-radii", radii);
+}
+
+void add_patches(const StoredPatches& patches, Arrays& arrays) {
+    std::vector<Position> corners, radiosities;
+    for (const Vec3& corner : patches.corners)
+        corners.push_back(position_of(corner));
+    for (const Color& radiosity : patches.radiosity)
+        radiosities.push_back(color_of(radiosity));
+    arrays.add("patch-corners", corners);
+    arrays.add("patch-radiosities", radiosities);
+    arrays.add("patch-indices", patches.patches);
+}
+
+/// Wavelength [nm] and colour of each stratum.
+json strata_json() {
+    json strata = json::array();
+    for (int i = 0; i < wavelength_strata; ++i) {
+        const Color& weight = stratum_weight(i);
+        const Color color = weight / std::max(weight.maxCoeff(), 1e-6f);
+        strata.push_back({{"wavelength", stratum_wavelength(i)}, {"color", {color[0], color[1], color[2]}}});
+    }
+    return strata;
+}
+
+std::string data_url(std::string_view script) {
+    return "data:text/javascript;base64," +
+           base64({reinterpret_cast<const std::uint8_t*>(script.data()), script.size()});
+}
+
+}  // namespace
+
+std::array<std::uint8_t, 4> rgbe_of(const Colord& color) {
+    if (!color.isFinite().all() || !(color.maxCoeff() > 0)) return {0, 0, 0, 0};
+    int e = std::ilogb(color.maxCoeff()) + 1;
+    if (std::lround(std::ldexp(color.maxCoeff(), 8 - e)) > 255) ++e;
+    if (e < -127) return {0, 0, 0, 0};
+    e = std::min(e, 127);
+    std::array<std::uint8_t, 4> packed{};
+    for (int i = 0; i < 3; ++i) {
+        const double mantissa = std::min(std::ldexp(std::max(color[i], 0.0), 8 - e), 255.0);
+        packed[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(mantissa));
+    }
+    packed[3] = static_cast<std::uint8_t>(e + 128);
+    return packed;
+}
+
+std::string photons_page(const PageContent& content) {
+    const CollectedLight& light = content.light;
+    const Scene& scene = *content.scene.scene;
+    Arrays arrays;
+    json facts = {{"scene", content.scene.name},
+                  {"method", content.method},
+                  {"seed", content.seed},
+                  {"passes", light.passes},
+                  {"photons_of_passes", light.photons_of_passes},
+                  {"camera", camera_json(scene)},
+                  {"center", json_of(scene.bounds().empty() ? Vec3(Vec3::Zero()) : scene.bounds().center())},
+                  {"diagonal", scene.diagonal()},
+                  {"surfaces", surfaces_json(scene, arrays)},
+                  {"maps", photons_json(light, arrays)},
+                  {"dispersive", scene.has_dispersion()},
+                  {"strata", strata_json()},
+                  {"records", light.records.size()},
+                  {"patches", light.patches.patches.size()}};
+    add_records(light.records, arrays);
+    add_patches(light.patches, arrays);
+    const json imports = {
+        {"imports", {{"three", data_url(three_script())}, {"three/orbit-controls", data_url(orbit_script())}}}};
+    const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
+                               {"scene", html_escape(content.scene.name)},
+                               {"method", html_escape(content.method)},
+                               {"style", std::string(photons_style())},
+                               {"facts", script_safe_json(facts.dump())},
+                               {"arrays", arrays.elements()},
+                               {"imports", imports.dump()},
+                               {"script", script_safe_code(photons_script())}};
+    kainjow::mustache::mustache page{std::string(photons_template())};
+    page.set_custom_escape([](const std::string& text) { return text; });
+    std::string html;
+    page.render(values, [&](const std::string& part) { html += part; });
+    if (!page.is_valid()) throw std::logic_error("not a template: " + page.error_message());
+    return html;
+}
+
+}  // namespace gib

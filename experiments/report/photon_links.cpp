@@ -1,0 +1,32 @@
+#include "experiments/report/photon_links.h"
+
+#include "methods/parts/stored_light/stored_light.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace gib {
+
+std::vector<PhotonLink> photon_links(const ResultIndex& index, const ResultFolder& folder) {
+    namespace fs = std::filesystem;
+    std::vector<PhotonLink> links;
+    for (const IndexScene& scene : index.scenes)
+        for (const std::string& method : index.methods) {
+            const auto& names = methods_that_store_light;
+            const std::string name = MethodLabel::parse(method).name;
+            if (std::find(names.begin(), names.end(), name) == names.end()) continue;
+            fs::path page = folder.method_image(scene.name, method);
+            page.replace_extension();  // of the image
+            page += "-photons.html";
+            links.push_back({.scene = scene.name,
+                             .method = method,
+                             .page = fs::exists(page) ? "images/" + page.filename().string() : "",
+                             .command = fmt::format("gibench photons '{}' --method '{}' -o '{}'", scene.path, method,
+                                                    page.string())});
+        }
+    return links;
+}
+
+}  // namespace gib

@@ -1,0 +1,61 @@
+#pragma once
+// Light that a run keeps in the scene and not in its image: photons, irradiance records, patches. It is for display
+// only; no estimate reads it.
+
+#include "methods/parts/photons/photon_map.h"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace gib {
+
+struct StoredPhotons {
+    std::string_view map;  ///< "global", "caustic" or "volume"
+    double unit;           ///< meaning of a power of 1 [W]; in media of power over sigma_s [W x scene unit]
+    std::vector<Photon> photons;
+};
+
+/// A record of an irradiance cache.
+struct StoredRecord {
+    Vec3 p;
+    Vec3 n;        ///< unit, on the side that is lit
+    float radius;  ///< a R_i of irradiance_cache.h, within which the record serves points of its normal [scene units]
+    Color irradiance;  ///< [W/m^2]
+};
+
+/// The patches of radiosity, which share their corners.
+struct StoredPatches {
+    std::vector<Vec3> corners;
+    std::vector<Color> radiosity;                       ///< B [W/m^2] by corner, emission left out
+    std::vector<std::array<std::uint32_t, 4>> patches;  ///< in turn around the patch; a triangle has its last twice
+};
+
+struct StoredLight {
+    std::vector<StoredPhotons> photons;  ///< a map each; maps that are not made or are empty are left out
+    std::vector<StoredRecord> records;
+    StoredPatches patches;
+
+    bool empty() const { return photons.empty() && records.empty() && patches.patches.empty(); }
+    /// Adds the photons of a map, unless it is empty.
+    void add(std::string_view name, const PhotonMap& map);
+};
+
+/// What a Run is, too, if it stores light.
+class HoldsStoredLight {
+public:
+    virtual ~HoldsStoredLight() = default;
+    /// The light that is stored after the passes so far.
+    virtual StoredLight stored_light() const = 0;
+    /// Whether a further pass stores other light: new photons, or a better solution.
+    virtual bool changes_with_passes() const = 0;
+    /// Whether the photons are those of the last pass alone.
+    virtual bool has_photons_of_one_pass() const { return false; }
+};
+
+/// The methods whose runs are of this kind.
+inline constexpr std::array<std::string_view, 3> methods_that_store_light = {"photon_mapper",
+                                                                             "progressive_photon_mapper", "radiosity"};
+
+}  // namespace gib

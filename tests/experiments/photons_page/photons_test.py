@@ -1,0 +1,395 @@
+"""Clicks through pages of `gibench photons` in headless Chromium: photons_test.py GIBENCH [options of unittest].
+
+Screenshots go to the folder that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
+"""
+import base64
+import importlib.util
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+MISSING = [name for name in ("chromium", "chromedriver") if not shutil.which(name)]
+if not importlib.util.find_spec("selenium"):
+    MISSING.append("python3-selenium")
+if MISSING:
+    print(f"skipped: not installed: {', '.join(MISSING)} (./scripts/setup scripts/packages-report.txt installs them)")
+    sys.exit(77)
+
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
+LAPTOP, PHONE = (1400, 900), (400, 800)
+# Name of the page: scene and arguments of `gibench photons`.
+PAGES = {
+    "box": ("cornell-box", "--method", "photon_mapper photons=4000 gather=16 cache=on accuracy=0.3"),
+    "glass": ("glass-sphere", "--method", "photon_mapper photons=20000", "--photons-shown", "3000"),
+    "fog": ("fog", "--method", "photon_mapper photons=4000"),
+    "passes": ("cornell-box", "--method", "progressive_photon_mapper photons=1000 radius=0.1", "--passes", "3"),
+    "rainbow": ("rainbow", "--method", "photon_mapper photons=3000"),
+    "radiosity": ("cornell-box", "--method", "radiosity patch=0.1"),
+}
+
+# A point light, a ball of glass that splits light by wavelength, and a floor.
+RAINBOW = """<scene version="3.0.0">
+<sensor type="perspective"><float name="fov" value="40"/>
+<transform name="to_world"><lookat origin="0,-6,4" target="0,0,0.5" up="0,0,1"/></transform></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/></transform>
+<bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf></shape>
+<shape type="sphere"><point name="center" x="0" y="0" z="1.5"/><float name="radius" value="0.7"/>
+<bsdf type="dielectric"><float name="int_ior" value="1.5"/><float name="cauchy_b" value="0.02"/></bsdf></shape>
+<emitter type="point"><point name="position" x="1" y="0" z="5"/><rgb name="intensity" value="50"/></emitter></scene>
+"""
+
+
+class Page:
+    """The file of a page and the numbers in it."""
+
+    def __init__(self, program, folder, name):
+        scene, *arguments = PAGES[name]
+        self.path = os.path.join(folder, name + ".html")
+        path = f"{ROOT}/scenes/{scene}.xml"
+        if scene == "rainbow":
+            path = os.path.join(folder, "rainbow.xml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(RAINBOW)
+        run = subprocess.run([program, "photons", path, "--resolution", "32x32", *arguments,
+                              "-o", self.path], capture_output=True, text=True, check=False)
+        assert run.returncode == 0, run.stderr
+        with open(self.path, encoding="utf-8") as file:
+            self.text = file.read()
+        self.facts = json.loads(re.search(r'id="facts">(.*?)</script>', self.text)[1])
+        infos = self.array("photon-infos", "4B")
+        self.bounces = [info[0] for info in infos]
+        self.maps = [info[1] for info in infos]
+        self.passes = [info[3] for info in infos]
+
+    def array(self, name, form):
+        text = re.search(rf'id="array-{name}">(.*?)</script>', self.text)[1]
+        return list(struct.iter_unpack("<" + form, base64.b64decode(text)))
+
+
+def browser():
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    # SwiftShader draws WebGL without a graphics processor.
+    for argument in ("--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--force-color-profile=srgb",
+                     "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1400,900"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+
+
+class PhotonsCase(unittest.TestCase):
+    program = None  # gibench
+    screenshots = ""  # a folder; empty: they are made and thrown away
+    pages = {}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.parent = tempfile.TemporaryDirectory()
+        cls.shots = cls.screenshots or cls.parent.name
+        os.makedirs(cls.shots, exist_ok=True)
+        cls.driver = browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.driver.quit()
+        cls.parent.cleanup()
+        PhotonsCase.pages.clear()
+
+    def tearDown(self):
+        # WebGL's own notes about speed are no errors of the page.
+        entries = [entry for entry in self.driver.get_log("browser")
+                   if entry["level"] != "INFO" and "GPU stall" not in entry["message"]]
+        self.assertEqual(entries, [], "nothing is missing, blocked or thrown")
+        asked = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        urls = [message["params"]["request"]["url"] for message in asked
+                if message["method"] == "Network.requestWillBeSent"]
+        self.assertEqual([url for url in urls if not url.startswith(("file://", "data:"))], [], "network requests")
+
+    def open(self, name, size=LAPTOP, scheme="light"):
+        if name not in self.pages:
+            self.pages[name] = Page(self.program, self.parent.name, name)
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
+        self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": size == PHONE})
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        self.driver.get("file://" + self.pages[name].path)
+        self.stage = self.driver.find_element(By.ID, "stage")
+        WebDriverWait(self.driver, 60, 0.05).until(lambda _: self.stage.get_attribute("data-ready"), "the page starts")
+        self.settle()
+        return self.pages[name]
+
+    def settle(self):
+        """Waits until the frame that is due has been drawn."""
+        self.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+
+    def shot(self, name):
+        self.driver.save_screenshot(os.path.join(self.shots, name + ".png"))
+
+    def shown(self):
+        return self.driver.find_element(By.ID, "shown").text
+
+    def visible(self):
+        """The number of photons that the page says it shows."""
+        return int(re.search(r"([\d,]+) of [\d,]+ photons", self.shown())[1].replace(",", ""))
+
+    def drawn(self):
+        """The number of pixels of the stage that differ from its ground."""
+        return self.driver.execute_script("""
+            const view = arguments[0].view;
+            view.draw();
+            const gl = view.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+            const bytes = new Uint8Array(4 * w * h);
+            gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            let found = 0;
+            for (let i = 0; i < bytes.length; i += 4)
+              if (Math.abs(bytes[i] - bytes[0]) + Math.abs(bytes[i + 1] - bytes[1]) > 4) found++;
+            return found""", self.stage)
+
+    def control(self, name):
+        for label in self.driver.find_elements(By.CSS_SELECTOR, "#panel label"):
+            if label.text.split("\n")[0] == name:
+                found = label.find_elements(By.CSS_SELECTOR, "input, select")
+                return found[0]
+        raise AssertionError(f"no control is named {name}")
+
+    def check(self, name):
+        self.control(name).click()
+        self.settle()
+
+    def choose(self, name, text):
+        Select(self.control(name)).select_by_visible_text(text)
+        self.settle()
+
+    def slide(self, name, steps):
+        self.control(name).send_keys((Keys.ARROW_RIGHT if steps > 0 else Keys.ARROW_LEFT) * abs(steps))
+        self.settle()
+
+    def camera(self):
+        return self.driver.execute_script("return arguments[0].view.camera.position.toArray()", self.stage)
+
+
+class PhotonTest(PhotonsCase):
+    def test_maps_can_be_left_out(self):
+        page = self.open("fog")
+        self.assertEqual([one["name"] for one in page.facts["maps"]], ["global", "caustic", "volume"])
+        self.assertEqual(self.visible(), len(page.maps))
+        self.choose("Draw them", "hidden")
+        everything = self.drawn()
+        self.check("volume map")
+        self.assertEqual(self.visible(), page.maps.count(0) + page.maps.count(1))
+        self.assertLess(self.drawn(), 0.8 * everything)
+        self.check("global map")
+        self.check("caustic map")
+        self.assertEqual(self.visible(), 0)
+        self.assertEqual(self.drawn(), 0)
+        self.check("caustic map")
+        self.assertEqual(self.visible(), page.maps.count(1))
+        self.assertGreater(self.drawn(), 0)
+
+    def test_sliders_of_bounces_filter(self):
+        page = self.open("fog")
+        most = max(page.bounces)
+        self.slide("Most bounces", -(most - 2))
+        self.assertEqual(self.visible(), sum(b <= 2 for b in page.bounces))
+        self.slide("Least bounces", 2)
+        self.assertEqual(self.visible(), page.bounces.count(2))
+        self.choose("Draw them", "hidden")
+        few = self.drawn()
+        self.assertGreater(few, 0)
+        self.slide("Least bounces", 1)  # the upper end gives way
+        self.assertEqual(self.visible(), page.bounces.count(3))
+        self.assertNotEqual(self.drawn(), few)
+
+    def test_sliders_of_passes_filter(self):
+        page = self.open("passes")
+        self.assertEqual(set(page.passes), {0, 1, 2})
+        self.assertEqual(self.visible(), len(page.passes))
+        self.slide("Passes up to", -1)
+        self.assertEqual(self.visible(), sum(p <= 1 for p in page.passes))
+        self.check("that pass alone")
+        self.assertEqual(self.visible(), page.passes.count(1))
+
+    def test_the_share_is_said(self):
+        page = self.open("glass")
+        for one in page.facts["maps"]:
+            share = f"{one['shown']:,} of {one['stored']:,} on this page"
+            whole = f"all {one['stored']:,} on this page"
+            text = self.driver.find_element(By.ID, "maps").text
+            self.assertIn(share if one["shown"] < one["stored"] else whole, text)
+        self.assertEqual(sum(one["shown"] for one in page.facts["maps"]), 3000)
+
+    def test_colours(self):
+        self.open("rainbow")
+        self.choose("Draw them", "hidden")
+        self.assertEqual(Select(self.control("Colour")).first_selected_option.text, "wavelength")
+        self.assertIn("nm", self.driver.find_element(By.ID, "legend").text)
+        hues = {}
+        for name in ("wavelength", "power", "bounces", "the light's own"):
+            self.choose("Colour", name)
+            hues[name] = self.driver.execute_script("""
+                const view = arguments[0].view;
+                view.draw();
+                const gl = view.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+                const bytes = new Uint8Array(4 * w * h), sums = [0, 0, 0];
+                gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+                for (let i = 0; i < bytes.length; i++) if (i % 4 < 3) sums[i % 4] += bytes[i] - bytes[i % 4];
+                return sums""", self.stage)
+        self.assertEqual(len({tuple(sums) for sums in hues.values()}), 4)
+
+    def test_one_draw_call_holds_all_photons(self):
+        self.open("fog")
+        self.choose("Draw them", "hidden")
+        self.assertEqual(int(self.stage.get_attribute("data-calls")), 1)
+
+    def test_a_click_tells_the_photon(self):
+        self.open("passes")
+        self.choose("Draw them", "hidden")
+        place = self.driver.execute_script("""
+            const {view, layers} = arguments[0], i = 7, p = layers.photons.positions;
+            const at = view.camera.position.clone().fromArray(p, 3 * i).project(view.camera);
+            return [at.x, at.y]""", self.stage)
+        size = self.stage.size
+        ActionChains(self.driver).move_to_element_with_offset(
+            self.stage, round(place[0] * size["width"] / 2), round(-place[1] * size["height"] / 2)).click().perform()
+        picked = self.driver.find_element(By.ID, "picked").text
+        self.assertRegex(picked, r"Photon of the global map, \d+ bounces\npower")
+
+
+class AreaTest(PhotonsCase):
+    def test_records_are_discs_of_their_radius(self):
+        page = self.open("box")
+        count = page.facts["records"]
+        self.assertGreater(count, 20)
+        self.assertIn(f"{count:,} records", self.shown())
+        found = self.driver.execute_script("""
+            const records = arguments[0].layers.records, matrix = records.discs.matrix.clone(), all = [];
+            for (let i = 0; i < records.discs.count; i++) {
+              records.discs.getMatrixAt(i, matrix);
+              all.push(matrix.elements.slice());
+            }
+            return all""", self.stage)
+        self.assertEqual(len(found), count)
+        radii, normals = page.array("record-radii", "f"), page.array("record-normals", "3f")
+        for matrix, (radius,), normal in zip(found, radii, normals):
+            axis = matrix[8:11]
+            self.assertAlmostEqual(sum(v * v for v in axis) ** 0.5 / radius, 1, places=4)
+            self.assertAlmostEqual(sum(a * n for a, n in zip(axis, normal)) / radius, 1, places=3)
+        self.choose("Draw them", "hidden")
+        self.check("global map")
+        everything = self.drawn()
+        self.assertGreater(everything, 1000)
+        self.slide("Radius", -50)
+        self.assertLess(self.drawn(), everything)
+        self.check("discs of their radius")
+        self.assertEqual(self.drawn(), 0)
+        self.assertIn("no records", self.shown())
+
+    def test_patches_have_corner_values(self):
+        page = self.open("radiosity")
+        self.assertIn(f"{page.facts['patches']:,} patches", self.shown())
+        self.check("edges")
+        lit = self.drawn()
+        self.assertGreater(lit, 10000)
+        ActionChains(self.driver).move_to_element(self.stage).click().perform()
+        picked = self.driver.find_element(By.ID, "picked").text
+        values = [tuple(float(v) for v in line.strip("()").split(", ")) for line in picked.split("\n")[1:]]
+        self.assertIn(len(values), (3, 4))
+        known = page.array("patch-radiosities", "3f")
+        for value in values:
+            self.assertTrue(any(all(abs(a - b) <= 0.006 * abs(b) + 1e-9 for a, b in zip(value, one)) for one in known))
+        self.check("radiosity")
+        self.assertEqual(self.drawn(), 0)
+
+    def test_surfaces(self):
+        self.open("glass")
+        self.check("global map")
+        self.check("caustic map")
+        drawn = {}
+        for how in ("translucent", "solid", "wire", "hidden"):
+            self.choose("Draw them", how)
+            drawn[how] = self.drawn()
+        self.assertEqual(drawn["hidden"], 0)
+        self.assertGreater(drawn["solid"], 100000)
+        self.assertLess(drawn["wire"], drawn["solid"])
+        self.choose("Draw them", "solid")
+        self.control("Cut away").send_keys(Keys.END)
+        self.settle()
+        self.assertLess(self.drawn(), 0.5 * drawn["solid"])
+
+
+class StageTest(PhotonsCase):
+    def test_keys_turn_move_and_zoom(self):
+        self.open("passes")
+        self.driver.execute_script("arguments[0].focus()", self.stage)
+        start = self.camera()
+        for keys in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", Keys.SHIFT + Keys.ARROW_RIGHT):
+            before = self.camera()
+            self.stage.send_keys(keys)
+            self.settle()
+            self.assertNotEqual(self.camera(), before, keys)
+        self.stage.send_keys("0")
+        self.settle()
+        for found, expected in zip(self.camera(), start):
+            self.assertAlmostEqual(found, expected, places=6)
+
+    def test_dragging_turns_and_the_wheel_zooms(self):
+        self.open("passes")
+        start, frames = self.camera(), int(self.stage.get_attribute("data-frames"))
+        drag = ActionChains(self.driver).move_to_element(self.stage).click_and_hold()
+        drag.move_by_offset(90, 30).release().perform()
+        self.settle()
+        turned = self.camera()
+        self.assertNotEqual(turned, start)
+        ActionChains(self.driver).scroll_from_origin(
+            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(self.stage), 0, -200).perform()
+        self.settle()
+        self.assertNotEqual(self.camera(), turned)
+        self.assertGreater(int(self.stage.get_attribute("data-frames")), frames)
+        self.settle()
+        still = self.stage.get_attribute("data-frames")
+        self.settle()
+        self.assertEqual(self.stage.get_attribute("data-frames"), still, "nothing is drawn while nothing changes")
+
+    def test_a_finger_turns(self):
+        self.open("passes", PHONE)
+        start, size = self.camera(), self.stage.size
+        x, y = size["width"] / 2, size["height"] / 2
+        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchMove", [{"x": x + 40, "y": y + 20}]),
+                             ("touchMove", [{"x": x + 80, "y": y + 20}]), ("touchEnd", [])):
+            self.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        self.settle()
+        self.assertNotEqual(self.camera(), start)
+
+    def test_every_size_and_scheme(self):
+        for name in PAGES:
+            for size_name, size in (("laptop", LAPTOP), ("phone", PHONE)):
+                for scheme in ("light", "dark"):
+                    self.open(name, size, scheme)
+                    self.shot(f"{name}-{size_name}-{scheme}")
+                    self.assertGreater(self.drawn(), 1000)
+                    wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
+                    self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+                    box = self.stage.rect
+                    self.assertGreater(box["height"], 0.5 * size[1])
+                    self.assertGreater(box["width"], 0.7 * size[0])
+
+
+if __name__ == "__main__":
+    PhotonsCase.program = os.path.abspath(sys.argv[1])
+    PhotonsCase.screenshots = os.environ.get("GIB_SCREENSHOTS", "")
+    unittest.main(argv=[sys.argv[0]] + sys.argv[2:])
