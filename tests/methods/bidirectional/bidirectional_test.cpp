@@ -42,7 +42,10 @@ TEST(Techniques, AgreeUnderDeltaLights) {
 TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room({.light = sky + lamp}), all_methods); }
 // The camera's rays end at the far clip distance, inside the room; the sky beyond is seen nevertheless.
 TEST(Techniques, AgreeAboutTheSkyBeyondTheFarClipDistance) {
-    const auto scene = room({.light = sky, .sensor_more = "<float name='far_clip' value='4.5'/>"});
+    const auto scene = room({.light = sky,
+                             .sensor_more = "<float name='far_clip' value='4.5'/>",
+                             .glossy_wall = "",
+                             .ball = "<bsdf type='diffuse'/>"});
     expect_same_means(scene, {"path", "bidirectional", "light_tracer"});
 }
 TEST(Techniques, AgreeInDaylight) {
