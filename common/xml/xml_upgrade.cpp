@@ -11,10 +11,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 namespace gib {
 
 namespace {
+
+/// By how much the sum of a mixture's weights may differ from 1.
+constexpr double weight_rounding = 1e-4;
 
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
@@ -189,14 +194,13 @@ private:
     }
 
     void upgrade_uv() {
-        const auto number = [&](std::string_view name, const char* fallback) {
+        const auto number = [&](std::string_view name, const std::string& fallback) {
             const XmlElement* child = property(e_, name);
-            return child ? child->required("value").value : std::string(fallback);
+            return child ? child->required("value").value : fallback;
         };
-        bool any = false;
-        for (const std::string_view name : {"uoffset", "voffset", "uscale", "vscale"})
-            any |= property(e_, name) != nullptr;
-        if (!any) return;
+        const std::initializer_list<std::string_view> names = {"uoffset", "voffset", "uscale", "vscale", "uvscale"};
+        if (std::none_of(names.begin(), names.end(), [&](auto name) { return property(e_, name); })) return;
+        const std::string both = number("uvscale", "1");
         const auto operation = [&](const std::string& tag, const std::string& x, const std::string& y) {
             return XmlElement{
                 .tag = tag, .where = e_.where, .attributes = {{"x", x, e_.where}, {"y", y, e_.where}}, .children = {}};
@@ -204,8 +208,8 @@ private:
         XmlElement to_uv{
             .tag = "transform", .where = e_.where, .attributes = {{"name", "to_uv", e_.where}}, .children = {}};
         to_uv.children = {operation("translate", number("uoffset", "0"), number("voffset", "0")),
-                          operation("scale", number("uscale", "1"), number("vscale", "1"))};
-        drop(e_, {"uoffset", "voffset", "uscale", "vscale"});
+                          operation("scale", number("uscale", both), number("vscale", both))};
+        drop(e_, names);
         e_.children.push_back(std::move(to_uv));
     }
 
@@ -225,11 +229,21 @@ private:
                 warnings_.add(value.where, fmt::format("a bitmap's gamma of {} is read as sRGB's curve", value.value));
         }
         drop(e_, {"gamma", "max_anisotropy", "cache"});
-        const XmlElement *u = property(e_, "wrap_mode_u"), *v = property(e_, "wrap_mode_v");
-        if (u && v && u->required("value").value == v->required("value").value) {
-            rename(e_, "wrap_mode_u", "wrap_mode");
-            drop(e_, {"wrap_mode_v"});
-        }
+        upgrade_wrap_mode();
+    }
+
+    /// Modes that differ stay and are refused.
+    void upgrade_wrap_mode() {
+        const XmlElement* both = property(e_, "wrap_mode");
+        const auto mode = [&](std::string_view name) {
+            const XmlElement* own = property(e_, name);
+            const XmlElement* given = own ? own : both;
+            return given ? given->required("value").value : std::string("repeat");
+        };
+        const std::string u = mode("wrap_mode_u");
+        if (u != mode("wrap_mode_v")) return;
+        drop(e_, {"wrap_mode", "wrap_mode_u", "wrap_mode_v"});
+        e_.children.push_back(value_element("string", "wrap_mode", u, e_.where));
     }
 
     void upgrade_bsdf() {
@@ -240,19 +254,112 @@ private:
                 warnings_.add(value->where, fmt::format("the distribution '{}' is read as beckmann", value->value));
                 value->value = "beckmann";
             }
+        upgrade_roughness();
+        upgrade_reflectances();
+        if (is(e_, "bsdf", "conductor") || is(e_, "bsdf", "roughconductor")) upgrade_conductor();
         if (is(e_, "bsdf", "mixturebsdf")) upgrade_mixture();
         if (is(e_, "bsdf", "bumpmap")) upgrade_bumpmap();
+        if (is(e_, "bsdf", "normalmap")) upgrade_normalmap();
     }
 
+    /// A roughness in one direction alone; the other is alpha, whose default is 0.1.
+    void upgrade_roughness() {
+        const bool has_u = property(e_, "alpha_u"), has_v = property(e_, "alpha_v");
+        if (!has_u && !has_v) return;
+        const XmlElement* alpha = property(e_, "alpha");
+        XmlElement other = alpha ? *alpha : value_element("float", "alpha", "0.1", e_.where);
+        drop(e_, {"alpha"});
+        if (has_u && has_v) return;
+        attribute_of(other, "name")->value = has_u ? "alpha_v" : "alpha_u";
+        e_.children.push_back(std::move(other));
+    }
+
+    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong together, when it is read.
+    void upgrade_reflectances() {
+        const XmlElement* ensured = property(e_, "ensure_energy_conservation");
+        const bool scales = !is(e_, "bsdf", "phong") && (!ensured || parse_boolean(ensured->required("value")));
+        drop(e_, {"ensure_energy_conservation"});
+        if (!scales) return;
+        for (const std::string_view name :
+             {"reflectance", "diffuse_reflectance", "specular_reflectance", "specular_transmittance"}) {
+            XmlElement* color = property(e_, name);
+            XmlAttribute* value = color ? attribute_of(*color, "value") : nullptr;
+            if (!value || (color->tag != "rgb" && color->tag != "float")) continue;
+            std::vector<double> channels = numbers_of(*value);
+            const double highest = channels.empty() ? 0 : *std::max_element(channels.begin(), channels.end());
+            if (!(highest > 1)) continue;
+            warnings_.add(value->where, fmt::format("'{}' is above 1: it is scaled down to 0.99", name));
+            for (double& channel : channels)
+                channel *= 0.99 / highest;
+            value->value = fmt::format("{}", fmt::join(channels, " "));
+        }
+    }
+
+    void upgrade_conductor() {
+        for (const std::string_view given : {"material", "eta", "k"})
+            if (property(e_, given)) return;
+        e_.children.push_back(value_element("string", "material", "Cu", e_.where));
+    }
+
+    /// The weights of a mixturebsdf, one for each of its `count` bsdfs, with a sum of at most 1.
+    std::vector<double> mixture_weights(std::size_t count) const {
+        const XmlElement* given = property(e_, "weights");
+        if (!given) reject(e_.where, "a mixturebsdf needs 'weights'");
+        const XmlAttribute& value = given->required("value");
+        std::vector<double> weights = parse_numbers(value);
+        if (weights.size() != count) reject(value.where, "found {} weights of {} bsdfs", weights.size(), count);
+        const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+        if (!(*std::min_element(weights.begin(), weights.end()) >= 0 && sum > 0))
+            reject(value.where, "the weights must not be negative, and their sum must be above 0");
+        if (sum <= 1 + weight_rounding) return weights;
+        warnings_.add(value.where, fmt::format("the weights sum to {:g}: they are scaled down to 1", sum));
+        for (double& weight : weights)
+            weight /= sum;
+        return weights;
+    }
+
+    /// A mixturebsdf becomes blendbsdfs, one in the other: of the first two bsdfs, of these and the third, and so on.
+    /// A black one takes what the weights leave of 1.
     void upgrade_mixture() {
-        const XmlElement* weights = property(e_, "weights");
-        if (!weights) return;
-        const std::vector<double> w = parse_numbers(weights->required("value"));
-        if (w.size() != 2 || std::abs(w[0] + w[1] - 1) > 1e-4) return;
+        std::vector<XmlElement> parts;
+        for (const auto& child : e_.children)
+            if (child.tag == "bsdf" || child.tag == "ref") parts.push_back(child);
+        if (parts.empty()) reject(e_.where, "a mixturebsdf needs bsdfs");
+        std::vector<double> weights = mixture_weights(parts.size());
+        const double rest = 1 - std::accumulate(weights.begin(), weights.end(), 0.0);
+        if (parts.size() == 1 || rest > weight_rounding) {
+            parts.push_back(
+                {.tag = "bsdf", .where = e_.where, .attributes = {{"type", "diffuse", e_.where}}, .children = {}});
+            parts.back().children.push_back(value_element("rgb", "reflectance", "0", e_.where));
+            weights.push_back(std::max(rest, 0.0));
+        }
+        double sum = weights[0];
+        XmlElement mixed = std::move(parts[0]);
+        for (std::size_t i = 1; i < parts.size(); ++i) {
+            sum += weights[i];
+            const double share = sum > 0 ? weights[i] / sum : 0;
+            XmlElement blend{
+                .tag = "bsdf", .where = e_.where, .attributes = {{"type", "blendbsdf", e_.where}}, .children = {}};
+            blend.children = {value_element("float", "weight", fmt::format("{}", share), e_.where), std::move(mixed),
+                              std::move(parts[i])};
+            mixed = std::move(blend);
+        }
         attribute_of(e_, "type")->value = "blendbsdf";
-        XmlElement weight = value_element("float", "weight", fmt::format("{}", w[1]), weights->where);
+        std::erase_if(e_.children, [](const XmlElement& child) { return child.tag == "bsdf" || child.tag == "ref"; });
         drop(e_, {"weights"});
-        e_.children.push_back(std::move(weight));
+        std::move(mixed.children.begin(), mixed.children.end(), std::back_inserter(e_.children));
+    }
+
+    /// The texture of a normalmap has no name there.
+    void upgrade_normalmap() {
+        const auto bsdf = [](const XmlElement& child) { return child.tag == "bsdf"; };
+        const bool has_bsdf = std::any_of(e_.children.begin(), e_.children.end(), bsdf);
+        for (auto& child : e_.children) {
+            if (child.tag != "texture" && !(child.tag == "ref" && has_bsdf)) continue;
+            if (XmlAttribute* name = attribute_of(child, "name")) name->value = "normalmap";
+            else child.attributes.push_back({"name", "normalmap", child.where});
+            return;
+        }
     }
 
     /// <texture type="scale"> around the height becomes the bumpmap's scale.
@@ -285,6 +392,9 @@ private:
                 child = std::move(constant);
             }
         }
+        // In version 3 a heterogeneous medium ends at a cube, even if its extinction is a number; here it fills its shape.
+        if (const XmlElement* extinction = property(e_, "sigma_t"); extinction && extinction->tag != "volume")
+            attribute_of(e_, "type")->value = "homogeneous";
     }
 
     void upgrade_gridvolume() {

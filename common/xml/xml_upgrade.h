@@ -32,13 +32,19 @@ SceneVersion parse_version(const XmlAttribute& version);
 ///    warning; wrap_mode_u and wrap_mode_v are one wrap_mode if they agree; the filters trilinear and ewa are read as bilinear,
 ///    with a warning;
 ///  - the distributions phong and as of rough surfaces are read as beckmann of the same roughness, with a warning;
-///  - a mixturebsdf of two bsdfs whose weights sum to 1 is a blendbsdf, and the scale of a bumpmap stands in a texture around its own;
+///  - a conductor or roughconductor without a material and an index is copper, not a perfect mirror;
+///  - a mixturebsdf is made of blendbsdfs; what the weights leave of 1 is absorbed, and a sum above 1 is scaled down, with a
+///    warning;
+///  - a reflectance or transmittance above 1 is scaled down to 0.99, with a warning (BSDF::ensureEnergyConservation); an alphaU or
+///    alphaV alone stands beside alpha, or 0.1;
+///  - the scale of a bumpmap stands in a texture around its own, and the texture of a normalmap has no name;
 ///  - a medium's density_multiplier is its scale, and the density of a heterogeneous one its sigma_t; a constvolume has no
 ///    box, and a gridvolume has the one in its file;
 ///  - a <blackbody> is a spectrum of this type;
 ///  - up is y for sunsky, sky and sun, whose east is x and north -z (the documentation has north at z, which would make
 ///    the sky the mirror image of the real one; Mitsuba 0.6 itself does as here);
-///  - vertexcolors is the attribute vertex_color of a mesh.
+///  - vertexcolors is the attribute vertex_color of a mesh, and the uvscale of a texture is its uscale and vscale, unless these are
+///    given.
 /// As the files data/schema/upgrade_0.*.xsl of Mitsuba 0.6 say: before 0.5 a bumpmap was called bump. Before 0.4 a sensor was
 /// called camera, looked at a mirrored world, and took its angle of view on the smaller side unless map_smaller_side was false; an emitter was
 /// called luminaire, radiance and irradiance intensity, and an envmap's scale intensity_scale.

@@ -58,9 +58,12 @@ struct PixelView {
     std::size_t pixel;
     double density;  ///< Sensor::ray_density() times the sum of filters over the pixels
 };
-std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const CameraNumbers& u) {
+/// `at_infinity`: p stands for a light at infinity, which is behind everything that the far clip distance cuts off.
+std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const CameraNumbers& u,
+                                 bool at_infinity = false) {
     const auto view = sensor.view_of(p, u.lens);
-    if (!view || !(view->distance > view->ray.t_min && view->distance < view->ray.t_max)) return std::nullopt;
+    if (!view || !(view->distance > view->ray.t_min)) return std::nullopt;
+    if (!at_infinity && !(view->distance < view->ray.t_max)) return std::nullopt;
     // Points far outside the image, whose pixel may not even be a number, are left out at once.
     const Vec2 margin = Vec2::Constant(sensor.filter().radius() + 1.f);
     const Vec2 size(static_cast<float>(sensor.width()), static_cast<float>(sensor.height()));
@@ -167,7 +170,7 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
     const Vec2 lens = u.bsdf_direction();
     const auto light = scene.sample_light(sensor.lens_point(lens), u.light_choice(), u.light_position());
     if (!light || light->delta || is_black(light->Le)) return std::nullopt;
-    const auto seen = view_of(sensor, light->target, {lens, u.roulette()});
+    const auto seen = view_of(sensor, light->target, {lens, u.roulette()}, !std::isfinite(light->distance));
     if (!seen) return std::nullopt;
     film.prefetch(seen->pixel, Component::emission);
     const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, paths.camera_on_surface, flights);

@@ -149,9 +149,46 @@ std::vector<OldScene> materials() {
                   "type='diffuse'/></bsdf>"),
         with_bsdf("mixture",
                   "<bsdf type='mixturebsdf'><string name='weights' value='0.75, 0.25'/><bsdf type='diffuse'/><bsdf "
-                  "type='conductor'/></bsdf>",
+                  "type='plastic'/></bsdf>",
                   "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='diffuse'/><bsdf "
-                  "type='conductor'/></bsdf>"),
+                  "type='plastic'/></bsdf>"),
+        with_bsdf("mixture that absorbs a quarter",
+                  "<bsdf type='mixturebsdf'><string name='weights' value='0.25, 0.25, 0.25'/><bsdf "
+                  "type='diffuse'/><bsdf type='plastic'/><bsdf type='phong'/></bsdf>",
+                  "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='blendbsdf'><float "
+                  "name='weight' value='0.3333333333333333'/><bsdf type='blendbsdf'><float name='weight' "
+                  "value='0.5'/><bsdf type='diffuse'/><bsdf type='plastic'/></bsdf><bsdf type='phong'/></bsdf><bsdf "
+                  "type='diffuse'><rgb name='reflectance' value='0'/></bsdf></bsdf>"),
+        with_bsdf("mixture of weights above 1",
+                  "<bsdf type='mixturebsdf'><string name='weights' value='3, 1'/><bsdf type='diffuse'/><bsdf "
+                  "type='plastic'/></bsdf>",
+                  "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='diffuse'/><bsdf "
+                  "type='plastic'/></bsdf>",
+                  {"the weights sum to 4"}),
+        with_bsdf("white above 1",
+                  "<bsdf type='plastic'><spectrum name='diffuseReflectance' value='1.1, 0.55, 0'/><float "
+                  "name='specularReflectance' value='1'/></bsdf>",
+                  "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.99 0.495 0'/></bsdf>",
+                  {"'diffuse_reflectance' is above 1"}),
+        with_bsdf("roughness in one direction",
+                  "<bsdf type='roughconductor'><string name='material' value='Au'/><float name='alpha' "
+                  "value='0.2'/><float name='alphaV' value='0.4'/></bsdf>",
+                  "<bsdf type='roughconductor'><string name='material' value='Au'/><float name='alpha_u' "
+                  "value='0.2'/><float name='alpha_v' value='0.4'/></bsdf>"),
+        with_bsdf("copper", "<bsdf type='conductor'/>",
+                  "<bsdf type='conductor'><string name='material' value='Cu'/></bsdf>"),
+        with_bsdf("rough copper", "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>",
+                  "<bsdf type='roughconductor'><string name='material' value='Cu'/><float name='alpha' "
+                  "value='0.3'/></bsdf>"),
+        with_bsdf("mirror", "<bsdf type='conductor'><string name='material' value='none'/></bsdf>",
+                  "<bsdf type='conductor'/>"),
+        with_bsdf("normal map without a name",
+                  "<bsdf type='normalmap'><texture type='bitmap'><string name='filename' value='spots.ppm'/><float "
+                  "name='gamma' value='1'/><float name='uvscale' value='2'/><float name='vscale' "
+                  "value='3'/></texture><bsdf type='diffuse'/></bsdf>",
+                  "<bsdf type='normalmap'><texture type='bitmap' name='normalmap'><string name='filename' "
+                  "value='spots.ppm'/><boolean name='raw' value='true'/><transform name='to_uv'><scale x='2' "
+                  "y='3'/></transform></texture><bsdf type='diffuse'/></bsdf>"),
         with_bsdf("phong",
                   "<bsdf type='phong'><spectrum name='diffuseReflectance' value='0.8'/><spectrum "
                   "name='specularReflectance' value='0.8'/></bsdf>",
@@ -239,7 +276,7 @@ std::vector<OldScene> lights_and_media() {
              "value='0.9,0.5,0.2'/></volume><float name='densityMultiplier' value='2'/></medium><bsdf "
              "type='null'/></shape>",
          new_sensor + sky +
-             "<shape type='cube'><medium type='heterogeneous' name='interior'><float name='sigma_t' value='0.7'/><rgb "
+             "<shape type='cube'><medium type='homogeneous' name='interior'><float name='sigma_t' value='0.7'/><rgb "
              "name='albedo' value='0.9,0.5,0.2'/><float name='scale' value='2'/></medium><bsdf type='null'/></shape>"},
         {"instances", "0.6.0",
          old_sensor + sky +
@@ -314,6 +351,8 @@ TEST_F(OldScenes, HaveTheTexturesOfVersion3) {
         "", {"'ewa'"});
     expect("<string name='filterType' value='trilinear'/><float name='gamma' value='1'/>",
            "<boolean name='raw' value='true'/>", {"'trilinear'"});
+    expect("<string name='wrapMode' value='clamp'/><string name='wrapModeV' value='clamp'/>",
+           "<string name='wrap_mode' value='clamp'/>", {});
     expect(
         "<string name='wrapModeU' value='mirror'/><string name='wrapModeV' value='mirror'/><float name='gamma' "
         "value='1.8'/>",
@@ -334,6 +373,23 @@ TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
                                     "t.xml");
                     }),
                     HasSubstr("the bsdf '" + bsdf + "' is not supported"));
+}
+
+TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
+    const auto error_of = [](const std::string& weights) {
+        return test::input_error_of([&] {
+            parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
+                            ball("<bsdf type='mixturebsdf'>" + weights +
+                                 "<bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>") +
+                            "</scene>",
+                        "t.xml");
+        });
+    };
+    EXPECT_THAT(error_of(""), HasSubstr("a mixturebsdf needs 'weights'"));
+    EXPECT_THAT(error_of("<string name='weights' value='0.2'/>"), HasSubstr("found 1 weights of 2 bsdfs"));
+    for (const std::string wrong : {"0, 0", "-0.5, 1"})
+        EXPECT_THAT(error_of("<string name='weights' value='" + wrong + "'/>"),
+                    HasSubstr("must not be negative, and their sum must be above 0"));
 }
 
 TEST(OldVersions, WarnOfWhatNothingRefersTo) {

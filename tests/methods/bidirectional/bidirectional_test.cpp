@@ -40,6 +40,35 @@ TEST(Techniques, AgreeUnderDeltaLights) {
         expect_same_means(room({.light = light, .ball = "<bsdf type='diffuse'/>"}), for_delta_lights);
 }
 TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room({.light = sky + lamp}), all_methods); }
+// The camera's rays end at the far clip distance, inside the room; the sky beyond is seen nevertheless.
+TEST(Techniques, AgreeAboutTheSkyBeyondTheFarClipDistance) {
+    const auto scene = room({.light = sky,
+                             .sensor_more = "<float name='far_clip' value='4.5'/>",
+                             .glossy_wall = "",
+                             .ball = "<bsdf type='diffuse'/>"});
+    expect_same_means(scene, {"path", "bidirectional", "light_tracer"});
+}
+TEST(Techniques, AgreeInDaylight) {
+    for (const std::string type : {"sun", "sky", "sunsky"}) {
+        const std::string daylight = "<emitter type='" + type +
+                                     "'><vector name='sun_direction' value='-1 2 -1'/><transform "
+                                     "name='to_world'><rotate x='1' angle='-90'/></transform></emitter>";
+        expect_same_means(room({.light = daylight, .glossy_wall = "", .ball = "<bsdf type='diffuse'/>"}),
+                          {"path", "bidirectional", "light_tracer"});
+    }
+}
+// A mirror behind the camera reflects the sun onto the floor. No method sees the mirror itself, so that none lacks a path.
+TEST(Techniques, AgreeInDaylightFromAMirror) {
+    const std::string daylight =
+        "<emitter type='sunsky'><vector name='sun_direction' value='0.3 1.5 1'/><transform name='to_world'><rotate "
+        "x='1' angle='-90'/></transform></emitter>";
+    const std::string mirror =
+        "<shape type='rectangle'><transform name='to_world'><scale x='3' y='4'/><translate y='1' z='-4'/></transform>"
+        "<bsdf type='conductor'/></shape>";
+    const auto scene = room({.light = daylight, .more = mirror, .glossy_wall = "", .ball = "<bsdf type='diffuse'/>"});
+    EXPECT_GT(test::mean_of(*test::render(scene, "bidirectional", 16)[Component::caustic]).minCoeff(), 0.01);
+    expect_same_means(scene, {"path", "bidirectional", "light_tracer"});
+}
 TEST(Techniques, AgreeInFog) { expect_same_means(room({.light = lamp, .more = fog}), all_methods); }
 // The light lies on an edge of the medium's box, where a way meets one face and then the other, again and again.
 TEST(Techniques, EndAtALightOnTheEdgeOfAMedium) {
