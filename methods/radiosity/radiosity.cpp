@@ -73,7 +73,8 @@ public:
 
     StoredLight stored_light() const override {
         StoredLight stored;
-        if (model_) stored.patches = stored_patches(*model_);
+        // Before the first sweep, corners have no light yet.
+        if (model_ && !model_->display().vertex_irradiance().empty()) stored.patches = stored_patches(*model_);
         return stored;
     }
     bool changes_with_passes() const override { return model_ && !model_->has_converged(); }

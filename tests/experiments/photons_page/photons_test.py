@@ -376,17 +376,21 @@ class StageTest(PhotonsCase):
         self.assertNotEqual(self.camera(), start)
 
     def test_every_size_and_scheme(self):
-        for name in PAGES:
-            for size_name, size in (("laptop", LAPTOP), ("phone", PHONE)):
-                for scheme in ("light", "dark"):
-                    self.open(name, size, scheme)
-                    self.shot(f"{name}-{size_name}-{scheme}")
-                    self.assertGreater(self.drawn(), 1000)
-                    wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
-                    self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
-                    box = self.stage.rect
-                    self.assertGreater(box["height"], 0.5 * size[1])
-                    self.assertGreater(box["width"], 0.7 * size[0])
+        grounds = set()
+        looks = [("radiosity", size, scheme) for size in (LAPTOP, PHONE) for scheme in ("light", "dark")]
+        looks += [(name, size, scheme) for name in PAGES if name != "radiosity"
+                  for size, scheme in ((LAPTOP, "dark"), (PHONE, "light"))]
+        for name, size, scheme in looks:
+            self.open(name, size, scheme)
+            self.shot(f"{name}-{'phone' if size == PHONE else 'laptop'}-{scheme}")
+            self.assertGreater(self.drawn(), 1000)
+            wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
+            self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+            box = self.stage.rect
+            self.assertGreater(box["height"], 0.5 * size[1])
+            self.assertGreater(box["width"], 0.7 * size[0])
+            grounds.add(self.driver.find_element(By.ID, "panel").value_of_css_property("background-color"))
+        self.assertEqual(len(grounds), 2, "light and dark")
 
 
 if __name__ == "__main__":

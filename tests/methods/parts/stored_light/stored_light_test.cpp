@@ -108,6 +108,7 @@ TEST(StoredLight, OfAProgressiveMapperIsThatOfTheLastPass) {
 // P rho / (1 - rho), as every surface returns the share rho of all light that it gets.
 TEST(StoredLight, OfRadiosityIsThePowerThatPatchesReflect) {
     const auto room = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.5")) + point_light("0 0 0", 1)));
+    EXPECT_TRUE(stored_after(room, "radiosity patch=0.1", 0).empty()) << "before the first sweep";
     const StoredPatches patches = stored_after(room, "radiosity patch=0.1 adapt=off", 20).patches;
     ASSERT_EQ(patches.corners.size(), patches.radiosity.size());
     double area = 0, power = 0;
