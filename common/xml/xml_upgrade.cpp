@@ -393,8 +393,9 @@ private:
             }
         }
         // In version 3 a heterogeneous medium ends at a cube, even if its extinction is a number; here it fills its shape.
-        if (const XmlElement* extinction = property(e_, "sigma_t"); extinction && extinction->tag != "volume")
-            attribute_of(e_, "type")->value = "homogeneous";
+        if (const XmlElement* extinction = property(e_, "sigma_t"))
+            if (extinction->tag != "volume" && extinction->tag != "ref")
+                attribute_of(e_, "type")->value = "homogeneous";
     }
 
     void upgrade_gridvolume() {
