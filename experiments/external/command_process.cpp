@@ -124,6 +124,7 @@ void measure_command(const std::string& request_file) {
         try {
             const json j = read_json(request_file);
             die_with_parent(j.at("parent"));
+            prctl(PR_SET_PDEATHSIG, SIGTERM);  // which ends the command, too
             return j.get<CommandRequest>();
         } catch (const json::exception& error) {
             throw InputError({request_file}, fmt::format("not a request: {}", error.what()));

@@ -39,8 +39,10 @@ std::string last_line(const std::string& file) {
 void require_success(const ExternalCell& cell, const CommandResult& result) {
     if (result.timed_out)
         fail(cell, fmt::format("its command was ended after its timeout of {:g} s", cell.method.timeout));
-    if (result.signal != 0)
-        fail(cell, fmt::format("its command was killed by signal {} ({})", result.signal, strsignal(result.signal)));
+    // A shell that has waited for its command tells a signal as the exit code 128 + signal.
+    const bool told_by_shell = result.exit_code > 128 && result.exit_code < 128 + 32;
+    if (const int signal = told_by_shell ? result.exit_code - 128 : result.signal; signal != 0)
+        fail(cell, fmt::format("its command was killed by signal {} ({})", signal, strsignal(signal)));
     if (result.exit_code != 0) fail(cell, fmt::format("its command ended with exit code {}", result.exit_code));
 }
 

@@ -188,6 +188,18 @@ private:
             if (scene_.sensor().hides_emitters()) text_ += "no_image\n";
         }
         text_ += "}\n";
+        if (lamp) add_back(*parallelogram(std::get<Mesh>(shape)));
+    }
+
+    /// A black parallelogram just behind a lamp, which does not emit on its back.
+    void add_back(const Parallelogram& lamp) {
+        const Vec3d corner =
+            lamp.center - 1e-5 * double{scene_.diagonal()} * lamp.normal.normalized() - (lamp.u + lamp.v) / 2;
+        text_ += fmt::format(
+            "mesh2 {{ vertex_vectors {{ 4, {}, {}, {}, {} }} face_indices {{ 2, <0,1,2>, <0,2,3> }}\n"
+            "texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 }} }} no_shadow no_radiosity{} }}\n",
+            vector(corner), vector(Vec3d(corner + lamp.u)), vector(Vec3d(corner + lamp.u + lamp.v)),
+            vector(Vec3d(corner + lamp.v)), scene_.sensor().hides_emitters() ? " no_image" : "");
     }
 
     void add_mesh(const Mesh& mesh) {

@@ -17,7 +17,7 @@
 // I / (2 pi d0^2). Radiance is then the same number on both sides, also in the radiosity of POV-Ray, whose estimate of
 // the diffuse light is rho times the mean radiance over a cosine-weighted hemisphere.
 //
-// Conventions that differ and are not adapted: surfaces reflect and emit on both sides, a lamp casts no shadow, and
+// Conventions that differ and are not adapted: surfaces reflect on both sides, a lamp casts no shadow, and
 // paths end by POV-Ray's own limits instead of `max_depth`.
 //
 // The command chooses the method by Declare=NAME=VALUE: `Radiosity` rays of each record of its irradiance cache, with

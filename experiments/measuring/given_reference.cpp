@@ -35,11 +35,16 @@ GivenReference given_reference(const std::string& path, int width, int height, c
         scene != reference.metadata.end() && scene->second != content_hash)
         throw InputError({path}, "the reference is that of another scene, or of another version of this one");
 
+    // Other attributes are those of the file's own format.
+    std::map<std::string, std::string> kept;
+    for (const char* key : {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite"})
+        if (const auto value = reference.metadata.find(key); value != reference.metadata.end()) kept.insert(*value);
     ContentHash hash;
     hash.add("reference image 1");
     hash.add(read_file(path));
-    reference.metadata["reference_key"] = hash.hex();
-    reference.metadata.try_emplace("passes", "0");
+    kept["reference_key"] = hash.hex();
+    kept.try_emplace("passes", "0");
+    reference.metadata = std::move(kept);
     given.identity = hash.hex() + ":" + reference.metadata["passes"];
     if (!reference.total.standard_error && reference.total.groups.empty())
         given.notes = {"the reference has no standard error: how much of each error is its own is unknown"};

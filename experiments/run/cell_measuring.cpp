@@ -18,6 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The folder in the result folder in which the command of another renderer finds its scene and leaves its image. Its name
+/// has no characters of a label, because some programs cannot take a path with `=`.
+constexpr const char* command_folder = "command";
+
 /// The work folder of a cell, which is removed with this object: on a full disk, what a failed cell left there would
 /// take the space of all others.
 class WorkFolder {
@@ -80,7 +84,8 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
-    const WorkFolder work(folder_.work_folder(cell.name));
+    ResultFolder::make(folder);
+    const WorkFolder work(cell.external ? folder_.file(command_folder) : folder_.work_folder(cell.name));
     const CellTiming timing = render_cell(cell, work.path(), observer);
 
     Cell record;

@@ -64,7 +64,7 @@ TEST_F(ExternalRun, ARightRendererHasARowLikeAnyOther) {
     EXPECT_EQ(external.layers[0].second.rgb, read_image(cell("path spp=8", "final.exr")).find("")->rgb);
     const std::string text = read_file(results("table.md"));
     EXPECT_THAT(text, AllOf(HasSubstr("| right spp=8 (external) |"), HasSubstr("| right spp=4 (external) |")));
-    EXPECT_THAT(read_file(results("report.html")), HasSubstr("right spp=8 (external)"));
+    EXPECT_NE(read_file(results("report.html")).find(">external<"), std::string::npos);
     EXPECT_THAT(run_gibench("run --repeat results/e", folder_ / "").out, HasSubstr("6 of 6 identical"));
 }
 
@@ -132,7 +132,7 @@ TEST_F(ExternalRun, PlaceholdersAreFilledAndPathsAreThoseOfTheExperiment) {
     EXPECT_EQ(run().code, 1);
     const std::string said = read_file(folder_ / "said.txt");
     EXPECT_THAT(said, ::testing::StartsWith("3 2.5 1 1 6 5 high /"));
-    EXPECT_THAT(said, AllOf(HasSubstr(folder_ / "tiny.xml "), HasSubstr("/work/image.exr\n")));
+    EXPECT_THAT(said, AllOf(HasSubstr(folder_ / "tiny.xml "), HasSubstr("/results/e/command/image.exr\n")));
 }
 
 TEST_F(ExternalRun, AnInterruptEndsTheCommand) {

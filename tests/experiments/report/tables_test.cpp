@@ -93,7 +93,7 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     Analysis analysis = small_analysis();
     analysis.index.title = "T\n| a | b |";
     analysis.index.scenes[0].name = analysis.cells[0].scene = analysis.rows[0].scene = "a|b\nc";
-    analysis.references.push_back({"a|b\nc", "path", 0.01, {}, 64, {"of a|b\nc"}, {{total_name, 1e-6}}});
+    analysis.references.push_back({"a|b\nc", "path", 0.01, true, {}, 64, {"of a|b\nc"}, {{total_name, 1e-6}}});
     const std::string text = markdown_table(analysis);
     EXPECT_THAT(text, ::testing::StartsWith("# T \\| a \\| b \\|\n\n"));
     EXPECT_THAT(text, ::testing::HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
