@@ -155,16 +155,13 @@ SurfaceTriangles surface_triangles(const Scene& scene, std::size_t most) {
         counts.push_back(triangle_count(scene.shapes()[one.shape]));
     const std::vector<std::size_t> shown = even_shares(counts, most);
     for (std::size_t i = 0; i < placed.size(); ++i) {
-        opaque.whole += counts[i];
         const Shape& shape = scene.shapes()[placed[i].shape];
         for (std::size_t k = 0; k < counts[i]; ++k) {
-            if (!is_at_step(k, counts[i], shown[i])) continue;
             Triangle triangle = std::visit([&](const auto& s) { return triangle_of(s, k); }, shape);
+            if (is_degenerate(triangle)) continue;
+            ++opaque.whole;
+            if (!is_at_step(k, counts[i], shown[i])) continue;
             if (placed[i].instance != no_instance) carry_to_scene(scene.instances()[placed[i].instance], triangle);
-            if (is_degenerate(triangle)) {
-                --opaque.whole;
-                continue;
-            }
             const bool mesh = std::holds_alternative<Mesh>(shape);
             const SurfaceColor color = color_of(scene, placed[i], mesh ? k : 0, triangle);
             append(color.opaque ? opaque : other, triangle, color.color);

@@ -15,7 +15,7 @@ struct SurfaceTriangles {
     std::vector<std::array<std::int8_t, 4>> normals;  ///< unit normals times 127, of either side; the fourth is 0
     std::vector<std::array<std::uint8_t, 4>> colors;  ///< linear RGB times 255, the fourth is 255
     std::size_t opaque = 0;                           ///< the first triangles, which have diffuse reflectance or emit
-    std::uint64_t whole = 0;  ///< triangles of the whole scene; of those that were looked at, those with an area
+    std::uint64_t whole = 0;                          ///< triangles of the whole scene that have an area
 
     std::size_t count() const { return positions.size() / 3; }
 };
