@@ -46,11 +46,8 @@ std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table
         if (shared.name == "spp" && is_one_of("spp", placeholders)) parameters.push_back(shared);
     for (const std::string& placeholder : placeholders)
         if (!is_one_of(placeholder, command_placeholders()) && !is_one_of(placeholder, settings))
-            parameters.push_back({.name = placeholder,
-                                  .kind = Parameter::Kind::text,
-                                  .default_value = "",
-                                  .unit = "",
-                                  .sentence = ""});
+            parameters.push_back(
+                {.name = placeholder, .kind = Parameter::Kind::text, .default_value = "", .unit = "", .sentence = ""});
     MethodSweep sweep(reader, parameters, MethodLabel{name, {}});
     for (const auto& entry : reader.entries(table)) {
         if (is_one_of(entry.key, settings)) continue;
