@@ -1,7 +1,7 @@
 #pragma once
 // Writes a scene in the language of POV-Ray 3.7.
 //
-// What it can express: meshes and spheres that are diffuse, smooth glass or a perfect mirror; lamps on parallelograms; point
+// It can express meshes and spheres that are diffuse, smooth glass or a perfect mirror; lamps on parallelograms; point
 // lights; the perspective pinhole camera; a box filter of one pixel. Anything else is an error at its place in the file.
 //
 // | quantity | POV-Ray | meaning |

@@ -1,5 +1,5 @@
 #pragma once
-// Where the parts of a scene stand in its file, for messages about what another renderer's form cannot express.
+// Places of the parts of a scene in its file, for messages about what another renderer's form cannot express.
 
 #include "common/core/error.h"
 #include "common/reader/scene_file.h"

@@ -2,12 +2,13 @@
 
 #include "common/color/dispersion.h"
 #include "common/scene/scene.h"
-#include "experiments/photons/page_assets.h"
 #include "experiments/photons/surfaces.h"
 #include "experiments/report/image_pack.h"
+#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
+#include "experiments/text/template_text.h"
 
-#include <kainjow/mustache.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -154,6 +155,14 @@ std::string data_url(std::string_view script) {
            base64({reinterpret_cast<const std::uint8_t*>(script.data()), script.size()});
 }
 
+/// The page's own script, a module.
+std::string page_script() {
+    std::string script;
+    for (const char* name : {"data", "colors", "photons", "solids", "view", "panel", "page"})
+        script += embedded_file(fmt::format("photons_page/{}.js", name));
+    return script;
+}
+
 }  // namespace
 
 std::array<std::uint8_t, 4> rgbe_of(const Colord& color) {
@@ -191,22 +200,19 @@ std::string photons_page(const PageContent& content) {
                   {"patches", light.patches.patches.size()}};
     add_records(light.records, arrays);
     add_patches(light.patches, arrays);
-    const json imports = {
-        {"imports", {{"three", data_url(three_script())}, {"three/orbit-controls", data_url(orbit_script())}}}};
+    const json imports = {{"imports",
+                           {{"three", data_url(embedded_file("three.js"))},
+                            {"three/orbit-controls", data_url(embedded_file("OrbitControls.js"))}}}};
     const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
                                {"scene", html_escape(content.scene.name)},
                                {"method", html_escape(content.method)},
-                               {"style", std::string(photons_style())},
+                               {"style", std::string(embedded_file("photons_page/page.css"))},
                                {"facts", script_safe_json(facts.dump())},
                                {"arrays", arrays.elements()},
                                {"imports", imports.dump()},
-                               {"script", script_safe_code(photons_script())}};
-    kainjow::mustache::mustache page{std::string(photons_template())};
-    page.set_custom_escape([](const std::string& text) { return text; });
-    std::string html;
-    page.render(values, [&](const std::string& part) { html += part; });
-    if (!page.is_valid()) throw std::logic_error("not a template: " + page.error_message());
-    return html;
+                               {"script", script_safe_code(page_script())}};
+    return filled(embedded_file("photons_page/page.html"), values,
+                  [](std::string_view text) { return std::string(text); });
 }
 
 }  // namespace gib

@@ -144,7 +144,7 @@ function addSurfaces(view, layers) {
   element("p", part("surfaces"), { className: "facts", textContent: text });
 }
 
-/// What lies at a place on the stage: the nearest photon, else a record, else a patch.
+/// The thing at a place on the stage: the nearest photon, else a record, else a patch.
 function pick(place, box, view, layers) {
   const caster = new THREE.Raycaster();
   caster.setFromCamera(place, view.camera);

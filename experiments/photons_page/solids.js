@@ -1,4 +1,4 @@
-// What has an area: the scene's surfaces, records of an irradiance cache as discs, patches of radiosity.
+// Everything that has an area: the scene's surfaces, records of an irradiance cache as discs, patches of radiosity.
 
 const colorsOf = (numbers, factor) => numbers.map((v) => Math.min(Math.max(v * factor, 0), 1));
 

@@ -5,11 +5,11 @@
 #include "experiments/report/look_words.h"
 #include "experiments/report/photon_links.h"
 #include "experiments/report/price_text.h"
-#include "experiments/report/report_assets.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
 #include "experiments/results/color_maps.h"
+#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
 #include "experiments/text/template_text.h"
@@ -27,11 +27,6 @@ namespace gib {
 using nlohmann::json;
 
 namespace {
-
-/// The scripts of the page, in the order in which they have to run.
-constexpr const char* page_scripts[] = {"chart.js",   "core.js",     "blobs.js",  "charts.js",   "pixels.js",
-                                        "sources.js", "controls.js", "viewer.js", "gestures.js", "pyramid.js",
-                                        "panel.js",   "strip.js",    "page.js"};
 
 using kainjow::mustache::data;
 using kainjow::mustache::list;
@@ -204,7 +199,7 @@ data page_data(const Analysis& analysis) {
         {"sections", sections_data(all, in_table)},
         {"targets", targets},
         {"scenes", scenes},
-        {"section", std::string(report_section())}};
+        {"section", std::string(embedded_file("report_page/section.html"))}};
 }
 
 /// Links to the pages of stored light, and the first command that makes one which is not there.
@@ -233,7 +228,7 @@ json scale_json(ColorScale colors) {
 }  // namespace
 
 std::string markdown_table(const Analysis& analysis) {
-    return filled(table_page(), page_data(one_label_a_method(analysis)), markdown_text);
+    return filled(embedded_file("report_page/table.mustache"), page_data(one_label_a_method(analysis)), markdown_text);
 }
 
 std::string report_html(const Analysis& whole, const ResultFolder& folder, std::vector<std::string>* damage) {
@@ -248,14 +243,14 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
                          {"bias", scale_json(bias_colors())}};
     data page = page_data(analysis);
     add_photon_links(page, whole, folder);
-    page["style"] = std::string(report_style());
+    page["style"] = std::string(embedded_file("report_page/page.css"));
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;
-    list scripts;
-    for (const char* name : page_scripts)
-        scripts.push_back(script_safe_code(page_script(name)));
-    page["scripts"] = scripts;
-    return filled(report_page(), page, sentence_html);
+    page["scripts"] = embedded_scripts(
+        {"chart.js", "report_page/core.js", "report_page/blobs.js", "report_page/charts.js", "report_page/pixels.js",
+         "report_page/sources.js", "report_page/controls.js", "report_page/viewer.js", "report_page/gestures.js",
+         "report_page/pyramid.js", "report_page/panel.js", "report_page/strip.js", "report_page/page.js"});
+    return filled(embedded_file("report_page/page.html"), page, sentence_html);
 }
 
 std::string write_report(const Analysis& analysis, const ResultFolder& folder, std::vector<std::string>* damage) {

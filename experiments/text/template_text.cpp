@@ -1,5 +1,8 @@
 #include "experiments/text/template_text.h"
 
+#include "experiments/text/embedded_files.h"
+#include "experiments/text/html.h"
+
 #include <stdexcept>
 
 namespace gib {
@@ -12,6 +15,13 @@ std::string filled(std::string_view page, const kainjow::mustache::data& values,
     text.render(values, [&](const std::string& part) { result += part; });
     if (!text.is_valid()) throw std::logic_error("not a template: " + text.error_message());
     return result;
+}
+
+kainjow::mustache::list embedded_scripts(std::initializer_list<std::string_view> names) {
+    kainjow::mustache::list scripts;
+    for (const std::string_view name : names)
+        scripts.push_back(script_safe_code(embedded_file(name)));
+    return scripts;
 }
 
 }  // namespace gib

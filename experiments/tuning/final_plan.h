@@ -1,11 +1,11 @@
 #pragma once
-// How the time that is left after the search is divided among the final runs.
+// The plan that divides the time left after the search among the final runs.
 
 #include <cstddef>
 
 namespace gib {
 
-/// What the final measurement has to fit into.
+/// The limits of the final measurement.
 struct FinalNeeds {
     std::size_t labels;  ///< all that are worth it, the most important first
     std::size_t least;   ///< how many of them run in any case
@@ -20,9 +20,9 @@ struct FinalPlan {
     double budget;       ///< seconds of each run
 };
 
-/// As many labels as can run for 1.5 times the shortest time, which the best of them need to reach the target; none runs
-/// longer than three times, as it is enough to know that it takes that long. The `least` labels get at most a
-/// third of the time each seed, so that two seeds and that of the search end in time.
+/// The most labels that can run for 1.5 times the shortest time, which the best of them need to reach the target; none
+/// runs longer than three times, as it is enough to know that it takes that long. The `least` labels get at most a third
+/// of the time each seed, so that two seeds and that of the search end in time.
 FinalPlan plan_finals(const FinalNeeds& needs);
 
 }  // namespace gib

@@ -30,7 +30,7 @@ bool is_number(const Parameter& parameter) {
     return parameter.kind == Parameter::Kind::number || parameter.kind == Parameter::Kind::integer;
 }
 
-/// How a message names the source of a variation.
+/// The name by which a message calls the source of a variation.
 const char* source_of(const Variation& variation) { return variation.where.file.empty() ? "--vary" : "vary"; }
 
 TuningAxis declared_axis(const Parameter& parameter) {

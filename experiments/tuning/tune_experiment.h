@@ -14,7 +14,7 @@ namespace gib {
 /// if the file or an option is wrong.
 int tune_experiment(const TuneFile& file, const RunOptions& options, std::ostream& out);
 
-/// What `gibench run` does with an experiment file, with or without `[tune]`; the exit code.
+/// Runs an experiment file as `gibench run` does, with or without `[tune]`. Returns the exit code.
 int run_or_tune(const RunOptions& options, std::ostream& out);
 
 }  // namespace gib

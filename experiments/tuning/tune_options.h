@@ -1,5 +1,5 @@
 #pragma once
-// What a tuning is asked for.
+// The options of a tuning.
 
 #include "experiments/tuning/search_space.h"
 

@@ -1,8 +1,8 @@
 #include "experiments/tuning/tuning_page.h"
 
 #include "common/core/files.h"
-#include "experiments/report/report_assets.h"
 #include "experiments/system/progress.h"
+#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 #include "experiments/text/json_record.h"
 #include "experiments/text/numbers.h"
@@ -167,15 +167,13 @@ list methods_data(const TuningResult& result) {
 
 data page_data(const TuningResult& result) {
     const std::string title = fmt::format("Cheapest settings: {} to {}", result.scene, result.target);
-    list gains, scripts;
+    list gains;
     if (result.has_best())
         for (const Speedup& speedup : speedups(result))
             gains.push_back(sentence_of(result, speedup));
-    for (const char* name : {"chart.js", "core.js", "charts.js", "tuning.js"})
-        scripts.push_back(script_safe_code(page_script(name)));
     data page = object{{"title", title},
                        {"plain_title", html_escape(title)},
-                       {"style", std::string(report_style())},
+                       {"style", std::string(embedded_file("report_page/page.css"))},
                        {"used", duration_text(result.used_seconds)},
                        {"asked", duration_text(60 * result.minutes)},
                        {"target", result.target},
@@ -186,7 +184,8 @@ data page_data(const TuningResult& result) {
                        {"methods", methods_data(result)},
                        {"tables", list{}},
                        {"data", script_safe_json(numbers_of(result).dump())},
-                       {"scripts", scripts}};
+                       {"scripts", embedded_scripts({"chart.js", "report_page/core.js", "report_page/charts.js",
+                                                     "report_page/tuning.js"})}};
     if (!result.has_best()) return page;
     page["best"] = object{{"label", label_to_paste(result)},
                           {"times", times_data(result)},
@@ -199,7 +198,9 @@ data page_data(const TuningResult& result) {
 
 std::string tuning_json(const TuningResult& result) { return numbers_of(result).dump(1) + "\n"; }
 
-std::string tuning_html(const TuningResult& result) { return filled(tuning_page(), page_data(result), sentence_html); }
+std::string tuning_html(const TuningResult& result) {
+    return filled(embedded_file("report_page/tuning.html"), page_data(result), sentence_html);
+}
 
 std::string write_tuning_page(const TuningResult& result, const std::string& folder) {
     write_file(folder + "/tune.json", tuning_json(result));

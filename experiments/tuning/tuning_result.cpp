@@ -21,7 +21,7 @@ Estimate exponential(double mean, double half) {
 
 bool is_same(const MethodLabel& a, const MethodLabel& b) { return a.text() == b.text(); }
 
-/// What changes along an axis; empty if nothing does.
+/// The words for a change along an axis; empty if nothing changes.
 std::string change_along(const TuningAxis& axis, const MethodLabel& best, const MethodLabel& other) {
     const std::string from = effective_value(best, axis), to = effective_value(other, axis);
     if (from == to || to.empty()) return "";

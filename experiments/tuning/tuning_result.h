@@ -1,5 +1,5 @@
 #pragma once
-// What a tuning has found, and the numbers that its text and its page show.
+// The findings of a tuning, and the numbers that its text and its page show.
 
 #include "experiments/metrics/student_t.h"
 #include "experiments/results/result_folder.h"
@@ -47,7 +47,7 @@ struct TuningResult {
 /// Seconds to the target with the 95 % interval of the mean in the logarithm (Student's t). `f` has reached it.
 Estimate seconds_of(const FinalSetting& f);
 
-/// How many times as long as `best` a setting takes, with its 95 % interval. Both have reached the target.
+/// The factor by which a setting takes longer than `best`, with its 95 % interval. Both have reached the target.
 Estimate factor_between(const FinalSetting& other, const FinalSetting& best);
 /// Whether the interval of a factor holds 1.
 inline bool holds_one(const Estimate& factor) { return factor.interval->lo <= 1 && factor.interval->hi >= 1; }
@@ -57,11 +57,11 @@ inline constexpr double errors_along_the_way[] = {0.10, 0.05, 0.02, 0.01};
 /// The seconds of the best setting to these errors, for those that all of its runs have reached.
 std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult& result);
 
-/// What a label changes of the best one: "photons halved", "the defaults", "cache=on"; empty for another method or for
-/// several changes.
+/// The words for what a label changes of the best one: "photons halved", "the defaults", "cache=on"; empty for another
+/// method or for several changes.
 std::string change_of(const TuningResult& result, const FinalSetting& other);
 
-/// How much faster than the defaults the best settings of a method are.
+/// The gain of the best settings of a method over its defaults.
 struct Speedup {
     std::size_t method;                   ///< index
     const FinalSetting* best;             ///< of this method

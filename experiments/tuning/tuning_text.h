@@ -1,5 +1,5 @@
 #pragma once
-// What `gibench tune` prints.
+// The text that `gibench tune` prints.
 
 #include "experiments/tuning/tuning_result.h"
 
@@ -11,7 +11,7 @@ namespace gib {
 /// One of the settings has reached the target.
 std::string tuning_text(const TuningResult& result);
 
-/// What a final setting takes beside the best one: "1.3 (1.1 to 1.5) times as long", "not reached in the final runs".
+/// The words for the time of a final setting beside the best one: "1.3 (1.1 to 1.5) times as long", "not reached in the final runs".
 std::string standing_text(const TuningResult& result, const FinalSetting& other);
 
 }  // namespace gib

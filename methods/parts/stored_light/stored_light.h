@@ -42,7 +42,7 @@ struct StoredLight {
     void add(std::string_view name, const PhotonMap& map);
 };
 
-/// What a Run is, too, if it stores light.
+/// The second interface of a Run that stores light.
 class HoldsStoredLight {
 public:
     virtual ~HoldsStoredLight() = default;

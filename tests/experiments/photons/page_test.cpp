@@ -1,6 +1,6 @@
 // The page of stored light as text: it is one file, and its numbers are those of the run.
 #include "experiments/photons/page.h"
-#include "experiments/photons/page_assets.h"
+#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 #include "tests/support/driver_fixtures.h"
 
@@ -115,7 +115,7 @@ TEST(PhotonsPage, AsksForNothingOutsideTheFile) {
     const std::string page = photons_page({box, "photon_mapper <b> photons=500", 1, light});
     EXPECT_THAT(page, AllOf(HasSubstr("default-src 'none'"), HasSubstr("&lt;b&gt;"), Not(HasSubstr("<b>")),
                             Not(HasSubstr("://")), Not(HasSubstr("{{"))));
-    EXPECT_THAT(std::string(three_script()), HasSubstr("SPDX-License-Identifier: MIT"));
+    EXPECT_THAT(std::string(embedded_file("three.js")), HasSubstr("SPDX-License-Identifier: MIT"));
 }
 
 TEST(PhotonsPage, LooksThroughTheScenesCamera) {

@@ -4,11 +4,11 @@
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/image_pack.h"
 #include "experiments/report/report.h"
-#include "experiments/report/report_assets.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/results/frames.h"
 #include "experiments/results/judgement.h"
+#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 #include "tests/support/driver_fixtures.h"
 
@@ -172,7 +172,7 @@ TEST_F(ReportPageTest, AsksForNothingOutsideTheFile) {
     std::string page = report_html(analysis_, *folder_);
     EXPECT_THAT(page, ::testing::HasSubstr("default-src 'none'"));
     EXPECT_THAT(page, ::testing::HasSubstr("Released under the MIT License"));
-    const std::string library = script_safe_code(page_script("chart.js"));
+    const std::string library = script_safe_code(embedded_file("chart.js"));
     const std::size_t at = page.find(library);
     ASSERT_NE(at, std::string::npos);
     page.erase(at, library.size());  // its comments contain web addresses

@@ -1,4 +1,4 @@
-// How the final runs of a tuning fit into the time that is left.
+// Tests of how the final runs of a tuning fit into the time that is left.
 #include "experiments/tuning/final_plan.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a tuning says of times that the test sets: factors, speed over the defaults, changes, what was cut.
+// Tests of what a tuning says of times that the test sets: factors, speed over the defaults, changes, what was cut.
 #include "experiments/tuning/tuning_page.h"
 #include "experiments/tuning/tuning_text.h"
 
