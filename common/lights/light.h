@@ -76,6 +76,10 @@ inline bool is_environment(const Light& light) {
     return std::holds_alternative<ConstantEnvironment>(light) || std::holds_alternative<MappedEnvironment>(light);
 }
 
+inline bool is_at_infinity(const Light& light) {
+    return is_environment(light) || std::holds_alternative<DirectionalLight>(light);
+}
+
 /// Whether the light shines from one point.
 inline bool is_point(const Light& light) {
     return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light) ||

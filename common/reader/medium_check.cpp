@@ -62,8 +62,17 @@ public:
         return medium;
     }
 
+    /// A ray from infinity begins in this medium.
+    void note_endless(std::uint32_t medium) { ++endless_[medium]; }
+
     std::vector<std::string> warnings() const {
         std::vector<std::string> texts;
+        for (const auto& [medium, rays] : endless_)
+            if (rays >= rays_to_be_sure)
+                texts.push_back(fmt::format(
+                    "{} has no boundary around the scene, so that no light comes through it from infinity (emitters "
+                    "directional, constant, envmap and skies)",
+                    name(medium)));
         for (const auto& [at, found] : found_)
             if (found.rays >= rays_to_be_sure) texts.push_back(text(at, found));
         return texts;
@@ -116,6 +125,7 @@ private:
     const Scene& scene_;
     const NamedMedia& media_;
     std::map<Contradiction, Found> found_;
+    std::map<std::uint32_t, int> endless_;  ///< rays from infinity that begin in a medium
 };
 
 void follow_camera(const Scene& scene, const NamedMedia& media, Tracker& tracker) {
@@ -138,7 +148,9 @@ void follow_lamps(const Scene& scene, Tracker& tracker) {
             const Ray ray = sample_emission(lights[light], scene.shapes(), u.get_2d(dimension::emission_position),
                                             u.get_2d(dimension::emission_direction))
                                 .ray;
-            tracker.follow(ray, tracker.medium_at(ray.o), "lamp");
+            const std::uint32_t medium = tracker.medium_at(ray.o);
+            if (medium != no_medium && is_at_infinity(lights[light])) tracker.note_endless(medium);
+            tracker.follow(ray, medium, "lamp");
         }
 }
 

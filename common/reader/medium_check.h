@@ -24,7 +24,8 @@ struct NamedMedia {
 
 /// Follows a few rays from the camera and from each lamp straight on through what lets light pass. A warning, with its
 /// place in the file, for each boundary where such a ray arrives in another medium than the boundary names on that side.
-/// As everywhere, a lamp is in the medium that the boundaries between camera and lamp lead to.
+/// As everywhere, a lamp is in the medium that the boundaries between camera and lamp lead to. A further warning, without
+/// a place, if light from infinity starts in a medium, which has no boundary there and lets none of it through.
 std::vector<std::string> contradictions(const Scene& scene, const NamedMedia& media);
 
 /// A warning for each medium inside meshes whose boundary is open: some edges belong to one triangle only. The edges of

@@ -49,12 +49,14 @@ public:
           max_edges_(max_edges),
           result_(result) {}
 
-    /// Follows the photon with this power, in the result's unit.
-    void trace(const Color& power) {
+    /// Follows the photon, which the light has emitted with this power, in the result's unit.
+    void trace(const Light& light, const Color& power) {
         at_.beta = power;
         residual_ = power.cast<double>();
         result_.balance.emitted += residual_;
-        follow();
+        walk_.come_from(light);
+        account(power - at_.beta, result_.balance.lost_in_media);
+        if (!is_black(at_.beta)) follow();
         result_.balance.squared_residuals += residual_ * residual_;
     }
 
@@ -251,7 +253,7 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
             // Such a photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in
             // a density estimate without adding power.
             if (power.maxCoeff() < PhotonPayload::least_power) return;
-            PhotonPath(rays, kind, longest, sampler, first, block).trace(power);
+            PhotonPath(rays, kind, longest, sampler, first, block).trace(scene.lights()[start.light], power);
         };
         if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
         else emit(rays, key, begin, end, trace);

@@ -203,7 +203,7 @@ ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::s
         const bool blind = area && cannot_see_itself(*area, scene.shapes());
         lights_.push_back({.power = power_of(light).mean(),
                            .own_shape = blind ? area->shape : ProjectionTargets::no_shape,
-                           .at_infinity = is_environment(light) || std::holds_alternative<DirectionalLight>(light)});
+                           .at_infinity = is_at_infinity(light)});
     }
     bins_ = Refinement(scene, targets_, lights_, most_bins).run();
     for (const Bin& bin : bins_)

@@ -45,6 +45,13 @@ public:
         at.medium = medium;
     }
 
+    /// Attenuates a light's path, before its first flight, by what lies before its start. Light from infinity comes to
+    /// a start outside of all surfaces, where a medium has no boundary, and has crossed this medium.
+    void come_from(const Light& light) {
+        if (at.medium && is_at_infinity(light))
+            at.beta *= at.medium->transmittance(ray.ray.o, -ray.ray.d, infinity, flights);
+    }
+
     RayQueries& rays;
     const Sampler& sampler;
     NumberStream flights;  ///< random numbers of flights through media

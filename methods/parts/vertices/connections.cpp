@@ -173,7 +173,11 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
     const auto seen = view_of(sensor, light->target, {lens, u.roulette()}, !std::isfinite(light->distance));
     if (!seen) return std::nullopt;
     film.prefetch(seen->pixel, Component::emission);
-    const Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, paths.camera_on_surface, flights);
+    Color visible = rays.transmittance_to_camera(seen->view.ray, light->target, paths.camera_on_surface, flights);
+    if (scene.has_media() && !std::isfinite(light->distance))
+        if (const Medium* beyond =
+                rays.medium_at(light->target))  // it has no boundary, as the target is outside of all
+            visible *= beyond->transmittance(light->target, seen->view.ray.d, infinity, flights);
     if (is_black(visible)) return std::nullopt;
     Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
     splat.connection.light[Component::emission] =

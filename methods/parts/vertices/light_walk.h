@@ -29,6 +29,7 @@ public:
                 scene_.has_media() ? rays.medium_at(start.sample.ray.o) : nullptr),
           sums_(at_light(0)) {
         walk_.at.beta = (start.sample.power / paths.power).template cast<float>();
+        walk_.come_from(light_);
     }
 
     void follow() {

@@ -48,6 +48,16 @@ TEST(MediumContradictions, AnInnerBoundaryThatDoesNotNameItsOutside) {
         IsEmpty());
 }
 
+TEST(MediumContradictions, LightFromInfinityInAMediumWithoutABoundary) {
+    const std::string camera = "<sensor type='perspective'><ref id='fog'/></sensor>\n";
+    const std::string lamp = "<emitter type='point'><point name='position' value='0, 0, 2'/></emitter>\n";
+    EXPECT_THAT(warnings_of(fog + camera + sky),
+                ElementsAre(HasSubstr("medium 'fog' has no boundary around the scene, so that no light comes")));
+    EXPECT_THAT(warnings_of(fog + camera + lamp), IsEmpty());
+    const std::string around = sphere(5, 0, side("interior", "fog"));
+    EXPECT_THAT(warnings_of(fog + camera + sky + around), IsEmpty());
+}
+
 // The camera's rays end at a wall. Only those of the lamp behind it reach the media.
 TEST(MediumContradictions, OnTheWayOfALampAlone) {
     const std::string wall =
