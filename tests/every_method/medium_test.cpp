@@ -110,14 +110,16 @@ TEST(MediumAbsorption, FollowsTheExponentialLaw) {
 // No light comes from infinity through a medium without a boundary, in the channels that it absorbs.
 TEST(MediumAbsorption, HidesLightsAtInfinityIfItHasNoBoundary) {
     const std::string fog = "<medium type='homogeneous' id='fog'><rgb name='sigma_a' value='0.5, 0, 0.5'/></medium>";
-    const std::string wall =
-        "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='180'/></transform></shape>";
-    const std::string sun = "<emitter type='directional'><vector name='direction' x='0.3' y='0' z='1'/></emitter>";
+    const std::string wall_and_floor =
+        "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='180'/></transform></shape>"
+        "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/><translate y='-1' z='-1'/>"
+        "</transform></shape>";
+    const std::string sun = "<emitter type='directional'><vector name='direction' x='0.3' y='-0.5' z='1'/></emitter>";
     for (const std::string& light : {constant_sky, sun})
         for (const char* method : {"path", "light_tracer", "bidirectional", "vcm", "photon_mapper photons=1e4",
                                    "progressive_photon_mapper"}) {
             const auto image =
-                render(scene_of(scene_xml(fog + camera(8, 40, "<ref id='fog'/>") + wall + light)), method, 4);
+                render(scene_of(scene_xml(fog + camera(8, 40, "<ref id='fog'/>") + wall_and_floor + light)), method, 4);
             const Colord found = mean_of(image.total());
             EXPECT_EQ(found[0], 0) << method;
             EXPECT_GT(found[1], 0.05) << method;

@@ -49,13 +49,16 @@ TEST(MediumContradictions, AnInnerBoundaryThatDoesNotNameItsOutside) {
 }
 
 TEST(MediumContradictions, LightFromInfinityInAMediumWithoutABoundary) {
-    const std::string camera = "<sensor type='perspective'><ref id='fog'/></sensor>\n";
-    const std::string lamp = "<emitter type='point'><point name='position' value='0, 0, 2'/></emitter>\n";
-    EXPECT_THAT(warnings_of(fog + camera + sky),
-                ElementsAre(HasSubstr("medium 'fog' has no boundary around the scene, so that no light comes")));
-    EXPECT_THAT(warnings_of(fog + camera + lamp), IsEmpty());
-    const std::string around = sphere(5, 0, side("interior", "fog"));
-    EXPECT_THAT(warnings_of(fog + camera + sky + around), IsEmpty());
+    const auto warnings = [](const std::string& more) {
+        const std::string camera_in_fog = fog + "<sensor type='perspective'><ref id='fog'/></sensor>\n";
+        return parse_scene("<scene version='3.0.0'>" + camera_in_fog + sphere(1, 3, "") + more + "</scene>", "test.xml",
+                           {})
+            .warnings;
+    };
+    EXPECT_THAT(warnings(sky),
+                ElementsAre(HasSubstr("medium 'fog' has no boundary around the scene, so that no light")));
+    EXPECT_THAT(warnings("<emitter type='point'><point name='position' value='0, 0, 2'/></emitter>"), IsEmpty());
+    EXPECT_THAT(warnings(sky + sphere(5, 0, side("interior", "fog"))), IsEmpty());
 }
 
 // The camera's rays end at a wall. Only those of the lamp behind it reach the media.
