@@ -362,7 +362,7 @@ Cases mixed_light_cases() {
     const Vec3 above = {0, 0, 2};
     return {
         light_case("two rectangles", load(two_rectangles).scene, above, {down}),
-        // What is left to the densities is the choices of lights that have one.
+        // The density belongs to the choices of the lights that have one.
         light_case("point, rectangle and sphere", point_and_others, above,
                    {down, 1 - choice_of_point_light(*point_and_others, above)}),
         light_case("constant and point", load(constant_and_point).scene, beside_shape, {up, std::nullopt}),

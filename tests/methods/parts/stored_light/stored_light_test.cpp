@@ -10,7 +10,7 @@
 namespace gib::test {
 namespace {
 
-/// What the run of a label stores after some passes.
+/// The light that the run of a label stores after some passes.
 StoredLight stored_after(const LoadedScene& scene, const std::string& label, std::uint32_t passes) {
     const ConfiguredMethod method(MethodLabel::parse(label));
     StageTimes stages;
