@@ -8,6 +8,7 @@
 #include "experiments/analysis/price.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
+#include "experiments/metrics/time_to_error.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 

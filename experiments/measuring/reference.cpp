@@ -2,6 +2,7 @@
 
 #include "common/core/files.h"
 #include "common/core/memory_limit.h"
+#include "common/images/image_file.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_makers.h"
@@ -105,7 +106,7 @@ private:
         const auto& sensor = work_.scene.scene->sensor();
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
-            const auto metadata = read_reference(work_.path).metadata;
+            const auto metadata = exr_attributes(work_.path).value();
             if (const auto makers = metadata.find("makers"); makers != metadata.end()) stored_shares_ = makers->second;
             for (const ReferenceMaker& maker : makers_)
                 if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
@@ -363,16 +364,12 @@ FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progre
 }
 
 std::string stored_reference_identity(const std::string& path) {
-    if (!std::filesystem::exists(path)) return "";
-    try {
-        const auto metadata = read_reference(path).metadata;
-        const auto key = metadata.find("reference_key");
-        const auto passes = metadata.find("passes");
-        if (key == metadata.end() || passes == metadata.end()) return "";
-        return key->second + ":" + passes->second;
-    } catch (const InputError&) {
-        return "";
-    }
+    const auto metadata = exr_attributes(path);
+    if (!metadata) return "";
+    const auto key = metadata->find("reference_key");
+    const auto passes = metadata->find("passes");
+    if (key == metadata->end() || passes == metadata->end()) return "";
+    return key->second + ":" + passes->second;
 }
 
 std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {

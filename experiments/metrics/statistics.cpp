@@ -30,8 +30,6 @@ namespace gib {
 
 namespace {
 
-constexpr double interval_tail = 0.05;  // of both sides together: 95 % intervals
-
 Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
     const double half = half_width(terms, interval_tail);
     if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
@@ -446,39 +444,6 @@ double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, dou
         m < 4 ? noise.reference.bias2_variance : 2 / (m * (m - 1)) * pair_mean(noise.groups).residual_square;
     return student_t_two_sided(interval_tail, std::numeric_limits<double>::infinity()) * std::sqrt(variance) +
            noise.reference.squared_bias;
-}
-
-namespace {
-
-/// The logarithm of the time [s] at which a curve is first at or below the target; NaN if it never is.
-double log_crossing(const std::vector<CurvePoint>& curve, double target) {
-    for (std::size_t i = 0; i < curve.size(); ++i) {
-        const CurvePoint& b = curve[i];
-        if (std::isnan(b.error) || b.error > target) continue;
-        // Without an earlier point to interpolate from, this checkpoint is the first time that is known to be enough.
-        if (i == 0 || !std::isfinite(curve[i - 1].error) || curve[i - 1].error <= target || !(b.error > 0) ||
-            !(curve[i - 1].seconds > 0))
-            return std::log(b.seconds);
-        const CurvePoint& a = curve[i - 1];
-        const double part = std::log(a.error / target) / std::log(a.error / b.error);
-        return std::log(a.seconds) + part * std::log(b.seconds / a.seconds);
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-}
-
-}  // namespace
-
-std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target) {
-    std::vector<double> times;
-    for (const auto& curve : curves) {
-        times.push_back(log_crossing(curve, target));
-        if (!std::isfinite(times.back())) return std::nullopt;
-    }
-    if (times.empty()) return std::nullopt;
-    const auto [mean, variance] = sample_mean(times);
-    if (times.size() < 2) return Estimate{std::exp(mean), std::nullopt};
-    const double half = half_width({variance}, interval_tail);
-    return Estimate{std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
 }
 
 }  // namespace gib

@@ -62,15 +62,4 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
 /// as independent. 0 without a standard error.
 double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon);
 
-/// A checkpoint of a curve of error against time.
-struct CurvePoint {
-    double seconds, error;
-};
-
-/// The time [s] at which the error of a replicate first falls to `target`, as the mean over replicates in log(time).
-/// Between checkpoints, a curve is interpolated in log(time) and log(error). A curve whose first checkpoint is good
-/// enough counts with that checkpoint's time, an upper bound, because nothing is extrapolated. Empty unless all
-/// replicates reach the target.
-std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target);
-
 }  // namespace gib

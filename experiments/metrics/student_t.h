@@ -6,6 +6,9 @@
 
 namespace gib {
 
+/// The probability that a 95 % interval misses the truth, both sides together.
+inline constexpr double interval_tail = 0.05;
+
 /// An independent contribution to the variance of a statistic, and the degrees of freedom with which it is known.
 struct VarianceTerm {
     double variance, degrees;

@@ -38,7 +38,6 @@ namespace gib {
 
 namespace {
 
-constexpr double interval_tail = 0.05;  // of both sides together
 /// Relative difference that rounding alone can cause between the means of float images.
 constexpr double rounding = 1e-5;
 constexpr int block_edge = 8, blocks_across = 8;

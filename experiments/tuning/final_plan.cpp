@@ -28,4 +28,8 @@ FinalPlan plan_finals(const FinalNeeds& needs) {
     return {labels, std::max(std::min(fair, share(labels, fewest_seeds)), shortest_budget)};
 }
 
+double longest_final(double seconds, std::size_t labels) {
+    return seconds / (fewest_seeds * static_cast<double>(labels));
+}
+
 }  // namespace gib

@@ -25,4 +25,7 @@ struct FinalPlan {
 /// of the time each seed, so that two seeds and that of the search end in time.
 FinalPlan plan_finals(const FinalNeeds& needs);
 
+/// The longest time [s] that runs of so many labels can get if all of them end in `seconds`.
+double longest_final(double seconds, std::size_t labels);
+
 }  // namespace gib

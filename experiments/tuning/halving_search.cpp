@@ -31,7 +31,7 @@ public:
             forget(labels[i]);
         }
         std::stable_sort(result.begin(), result.end(),
-                         [](const Trial& a, const Trial& b) { return a.time.seconds < b.time.seconds; });
+                         [](const Trial& a, const Trial& b) { return a.time.cost() < b.time.cost(); });
         done_.insert(done_.begin(), result.begin(), result.end());
         budgets_ += limited * static_cast<double>(result.size());
         runs_ += result.size();
@@ -73,8 +73,7 @@ private:
 std::vector<MethodLabel> better_half(const std::vector<Trial>& trials) {
     std::vector<MethodLabel> labels;
     for (std::size_t i = 0; i < (trials.size() + 1) / 2; ++i)
-        if (i == 0 || trials[i].time.seconds <= hopeless * trials.front().time.seconds)
-            labels.push_back(trials[i].label);
+        if (i == 0 || trials[i].time.cost() <= hopeless * trials.front().time.cost()) labels.push_back(trials[i].label);
     return labels;
 }
 
@@ -102,9 +101,9 @@ std::optional<MethodLabel> step_from(Search& state, const MethodLabel& best, con
     const auto trials = state.trials(around, budget);
     const auto again =
         std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
-    if (again == trials.end() || !(trials.front().time.seconds < least_gain * again->time.seconds)) return std::nullopt;
+    if (again == trials.end() || !(trials.front().time.cost() < least_gain * again->time.cost())) return std::nullopt;
     std::vector<MethodLabel> better;
-    for (auto trial = trials.begin(); trial->time.seconds < least_gain * again->time.seconds; ++trial)
+    for (auto trial = trials.begin(); trial->time.cost() < least_gain * again->time.cost(); ++trial)
         better.push_back(trial->label);
     const MethodLabel all = with_all_changes(best, better, axes);
     if (state.is_known(all) || !state.has_time_for(2, budget, 1)) return better.front();

@@ -18,6 +18,11 @@ struct TimeEstimate {
         std::numeric_limits<double>::infinity();  ///< by the measured curve, else by its law; infinite: never
     /// The target was reached, so that `seconds` is no extrapolation.
     bool is_measured = false;
+    /// Cost of a time beyond the horizon of estimated_time() [s]; empty below it.
+    std::optional<double> beyond = {};
+
+    /// What the search minimises [s].
+    double cost() const { return beyond.value_or(seconds); }
 };
 
 struct Trial {

@@ -2,6 +2,7 @@
 
 #include "common/core/math.h"
 #include "experiments/metrics/price_law.h"
+#include "experiments/metrics/time_to_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,23 +21,29 @@ std::vector<CurvePoint> curve_of(const Cell& cell, bool over_passes = false) {
     return curve;
 }
 
-}  // namespace
-
-TimeEstimate estimated_time(const Cell& cell, double target) {
-    const auto curve = curve_of(cell);
-    if (curve.empty()) return {};
-    if (const auto time = time_to_error({curve}, target)) return {time->value, true};
-    if (cell.converged) return {};
+/// The law of a run that has not reached the target.
+ErrorLaw law_of(const Cell& cell, const std::vector<CurvePoint>& curve) {
+    const CurvePoint& last = curve.back();
+    if (cell.converged) return {.floor = sqr(last.error)};
+    const double start = cell.prepare_seconds;
     std::vector<ErrorPoint> points;
     for (const CurvePoint& point : curve)
         points.push_back({point.seconds, sqr(point.error)});
-    const double start = cell.prepare_seconds;
-    if (const auto price = fit_price_law({points}, start)) {
-        const auto seconds = price->law.seconds_to(sqr(target));
-        return {seconds.value_or(std::numeric_limits<double>::infinity()), false};
-    }
-    const CurvePoint& last = curve.back();
-    return {start + (last.seconds - start) * sqr(last.error / target), false};
+    if (const auto price = fit_price_law({points}, start)) return price->law;
+    return {.factor = sqr(last.error) * (last.seconds - start), .start = start};
+}
+
+}  // namespace
+
+TimeEstimate estimated_time(const Cell& cell, double target, double horizon) {
+    const auto curve = curve_of(cell);
+    if (curve.empty()) return {};
+    if (const auto time = time_to_error({curve}, target)) return {time->value, true};
+    const ErrorLaw law = law_of(cell, curve);
+    TimeEstimate estimate{law.seconds_to(sqr(target)).value_or(std::numeric_limits<double>::infinity())};
+    const double latest = std::max(horizon, curve.back().seconds);
+    if (estimate.seconds > latest && std::isfinite(latest)) estimate.beyond = latest * law.error2(latest) / sqr(target);
+    return estimate;
 }
 
 std::vector<double> log_times(const std::vector<Cell>& cells, double target) {

@@ -81,8 +81,8 @@ public:
         result_.used_seconds = rounds_.used();
         const std::string page = write_tuning_page(result_, rounds_.folder());
         if (!result_.has_best()) {
-            std::cerr << fmt::format("no method reached {} in the final runs; more --minutes give longer ones\n",
-                                     options_.target);
+            std::cerr << fmt::format("no method reached {} in the final runs{}; more --minutes give longer ones\n",
+                                     options_.target, closest());
             return exit_failed;
         }
         out << tuning_text(result_)
@@ -93,6 +93,8 @@ public:
 
 private:
     double seconds() const { return 60 * options_.minutes; }
+    /// The longest time of a final run if only the best settings and the defaults of each method have one.
+    double horizon() const { return longest_final(final_share * seconds(), 2 * result_.methods.size()); }
     /// When the search has to end, so that the final runs have their share.
     double search_end() const { return (1 - final_share) * seconds(); }
 
@@ -122,7 +124,7 @@ private:
     std::vector<std::optional<TimeEstimate>> estimates(const TuningRounds::Round& round) const {
         std::vector<std::optional<TimeEstimate>> times;
         for (const auto& cells : round.cells) {
-            if (!cells.empty()) times.push_back(estimated_time(cells.front(), result_.target_error));
+            if (!cells.empty()) times.push_back(estimated_time(cells.front(), result_.target_error, horizon()));
             else if (round.is_cut) times.push_back(std::nullopt);
             else times.push_back(TimeEstimate{});
         }
@@ -138,7 +140,7 @@ private:
             all.push_back({best.label, m, Wish::best});
             if (!method.axes.empty()) all.push_back({method.base, m, Wish::defaults});
             for (std::size_t i = 1; i < method.trials.size() && i <= most_close; ++i)
-                if (method.trials[i].time.seconds <= close_enough * best.time.seconds)
+                if (method.trials[i].time.cost() <= close_enough * best.time.cost())
                     all.push_back({method.trials[i].label, m, Wish::close});
             for (const auto& label : neighbours(best.label, method.axes))
                 all.push_back({label, m, Wish::neighbour});
@@ -187,6 +189,20 @@ private:
             result_.finals.begin(), result_.finals.end(), [](const FinalSetting& a, const FinalSetting& b) {
                 return std::pair(a.log_times.empty(), a.mean.value) < std::pair(b.log_times.empty(), b.mean.value);
             });
+    }
+
+    /// The settings whose final images came closest to the target, in brackets.
+    std::string closest() const {
+        const Cell* best = nullptr;
+        const auto error2 = [](const Cell& cell) {
+            return cell.checkpoints.back().errors.at(total_name).rel_mse_corrected;
+        };
+        for (const FinalSetting& setting : result_.finals)
+            for (const Cell& cell : setting.cells)
+                if (!best || error2(cell) < error2(*best)) best = &cell;
+        if (!best) return "";
+        return fmt::format(" (closest: {}, {:.3g} % after {:.3g} s)", best->method,
+                           100 * std::sqrt(std::max(error2(*best), 0.0)), best->last().seconds);
     }
 
     FinalSetting final_setting(const Wish& wish, const std::vector<Cell>& cells) const {

@@ -13,7 +13,6 @@ namespace gib {
 
 namespace {
 
-constexpr double tail = 0.05;
 
 Estimate exponential(double mean, double half) {
     return {std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
@@ -34,10 +33,10 @@ std::string change_along(const TuningAxis& axis, const MethodLabel& best, const 
 
 }  // namespace
 
-Estimate seconds_of(const FinalSetting& f) { return exponential(f.mean.value, half_width({f.mean.variance}, tail)); }
+Estimate seconds_of(const FinalSetting& f) { return exponential(f.mean.value, half_width({f.mean.variance}, interval_tail)); }
 
 Estimate factor_between(const FinalSetting& other, const FinalSetting& best) {
-    return exponential(other.mean.value - best.mean.value, half_width({other.mean.variance, best.mean.variance}, tail));
+    return exponential(other.mean.value - best.mean.value, half_width({other.mean.variance, best.mean.variance}, interval_tail));
 }
 
 std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult& result) {
@@ -45,7 +44,7 @@ std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult&
     for (const double error : errors_along_the_way)
         if (const auto times = log_times(result.best().cells, error); times.size() > 1) {
             const SampleMean mean = sample_mean(times);
-            along.emplace_back(error, exponential(mean.value, half_width({mean.variance}, tail)));
+            along.emplace_back(error, exponential(mean.value, half_width({mean.variance}, interval_tail)));
         }
     return along;
 }

@@ -2,6 +2,7 @@
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
+#include "experiments/metrics/time_to_error.h"
 #include "experiments/report/price_text.h"
 #include "experiments/report/report.h"
 

@@ -2,6 +2,7 @@
 // lamps do. With normal noise in all pixels, statistics_test.cpp tests the same.
 #include "experiments/metrics/equal_footing.h"
 #include "experiments/metrics/statistics.h"
+#include "experiments/metrics/time_to_error.h"
 
 #include "common/core/math.h"
 

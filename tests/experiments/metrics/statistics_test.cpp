@@ -3,6 +3,7 @@
 
 #include "common/core/error.h"
 #include "experiments/metrics/student_t.h"
+#include "experiments/metrics/time_to_error.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -294,6 +295,18 @@ TEST(TimeToError, InterpolatesInTheLogarithms) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(time_to_error({{{1, nan}, {2, nan}}}, 0.1).has_value());
     EXPECT_NEAR(time_to_error({{{1, nan}, {2, 0.05}}}, 0.1)->value, 2, 1e-12);
+}
+
+TEST(TimeToError, HasTheWiderIntervalOnTheSideOfTheLongerTail) {
+    // Times of 1, 1 and 8 s: with l = log(2), the logarithms 0, 0 and 3 l have the mean l, the variance 3 l^2 and the third
+    // central moment 2 l^3.
+    const std::vector<CurvePoint> soon = {{1, 0.1}}, late = {{8, 0.1}};
+    const auto time = time_to_error({soon, soon, late}, 0.1);
+    const double l = std::log(2.0), t = student_t_two_sided(0.05, 2);
+    EXPECT_NEAR(std::log(time->value), l, 1e-12);
+    EXPECT_NEAR(std::log(time->interval->lo), l - t * l, 1e-6);
+    EXPECT_NEAR(std::log(time->interval->hi), l + t * l + l / 27 + 2 * l * t * t / 27, 1e-4)
+        << "m3 / (6 s^2 n) + m3 half^2 / (3 s^4), with half = t l";
 }
 
 }  // namespace

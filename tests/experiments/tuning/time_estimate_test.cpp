@@ -44,5 +44,21 @@ TEST(TimeEstimate, IsInfiniteBelowTheFloor) {
     EXPECT_TRUE(std::isinf(estimated_time(Cell{}, 0.01).seconds));
 }
 
+TEST(TimeEstimate, CostsBeyondTheHorizonWhatTheErrorThereSays) {
+    // At 100.5 s the squared error is 0.01 above the floor.
+    const double horizon = 100.5, target = 0.05;
+    for (const double floor : {0.01, 0.005})
+        EXPECT_NEAR(estimated_time(cell_of(floor, 6), target, horizon).cost(), horizon * (floor + 0.01) / 0.0025,
+                    0.01 * horizon)
+            << "floor " << floor;
+    // Without a floor, the cost goes on where the time ends.
+    EXPECT_NEAR(estimated_time(cell_of(0, 6), target, horizon).cost(), estimated_time(cell_of(0, 6), target).seconds,
+                0.01 * 400);
+    const TimeEstimate reachable = estimated_time(cell_of(0.01, 5), 0.15, horizon);
+    EXPECT_EQ(reachable.cost(), reachable.seconds);
+    // An image that is later than the horizon.
+    EXPECT_NEAR(estimated_time(cell_of(0, 2), 0.1, 1).cost(), 2.5 * 0.5 / 0.01, 1e-6);
+}
+
 }  // namespace
 }  // namespace gib
