@@ -77,8 +77,10 @@ public:
     FinishedReference make() {
         require_memory_for_groups();
         open();
+        // The shares decide how many passes are enough, so that they are read before that is asked.
+        const bool has_shares = makers_.size() == 1 || take_stored_shares();
         bool done = good_enough();
-        if (!done && makers_.size() > 1 && !take_stored_shares() && !run_pilot()) return unfinished();
+        if (!done && !has_shares && !run_pilot()) return unfinished();
         while (!done) {
             if (!may_make(schedule_.next_batches(state(), shares_), schedule_.batches_ahead(state(), shares_)))
                 return unfinished();

@@ -17,16 +17,19 @@
 namespace gib::test {
 namespace {
 
-MethodDescription fake_method(double pass_seconds = 0) {
-    return {"fake",
-            "noise",
-            {},
-            Effects::all(),
-            {Component::direct},
-            true,
-            [pass_seconds](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
-                return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.5, .pass_seconds = pass_seconds});
-            }};
+/// A pass takes so many milliseconds.
+template <int pass_milliseconds = 0>
+MethodDescription fake_method() {
+    return {
+        "fake",
+        "noise",
+        {},
+        Effects::all(),
+        {Component::direct},
+        true,
+        [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
+            return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.5, .pass_seconds = 0.001 * pass_milliseconds});
+        }};
 }
 
 class ReferenceBatchesTest : public ::testing::Test {
@@ -82,7 +85,7 @@ TEST_F(ReferenceBatchesTest, MakeTheSameReferenceWhoeverMadeThem) {
 TEST_F(ReferenceBatchesTest, DependOnNoTime) {
     const std::string quick = content_of(make("quick.exr"));
     EXPECT_EQ(content_of(make("limit.exr", std::nullopt, 1000)), quick) << "a limit out of sight";
-    method_ = fake_method(0.002);
+    method_ = fake_method<2>();
     EXPECT_EQ(content_of(make("slow.exr")), quick);
 }
 
@@ -114,7 +117,7 @@ TEST_F(ReferenceBatchesTest, TakesBatchesOfOthers) {
     const FinishedReference first = make("others.exr", 0);
     for (const ReferenceBatch& batch : first.missing)
         make_batch(work("others.exr"), batch);
-    method_ = fake_method(5);  // it would take 40 s for each group
+    method_ = fake_method<5000>();  // it would take 40 s for each group
     const FinishedReference second = make("others.exr", 0);
     EXPECT_EQ(second.rounds_added, 4u) << "of 1, 1, 2 and 4 passes";
 }

@@ -146,10 +146,10 @@ class SlurmTest(unittest.TestCase):
     def test_survives_a_cancelled_task_a_requeued_one_and_a_restart(self):
         text = LONG.replace("PASSES", "1000")
         local, cluster = self.workplace("long-local", text), self.workplace("long-cluster", text)
-        self.submit(cluster)
+        self.submit(cluster, "--tasks", "4")
         begun = lambda: len([name for name in os.listdir(f"{cluster}/out/cells")  # noqa: E731
                              if os.path.exists(f"{cluster}/out/cells/{name}/work/request.json")]) == 2
-        self.cluster.wait_for(lambda: len(self.running()) == 2 and begun(), "two running cells")
+        self.cluster.wait_for(lambda: len(self.running()) == 2 and begun(), "two running cells", 120)
         self.assertEqual(self.counts(cluster)["running"], "2")
         self.cluster.stop("slurmd")
         self.cluster.start_node()
