@@ -134,7 +134,7 @@ TEST_F(ReferenceBatchesTest, WhatIsShortIsDoneByTheProcessItself) {
 // the variances is 4 times an F variable of 960 and 960 degrees of freedom, and lies within 4 exp(+-0.212) with a
 // probability of 99.9 %.
 TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
-    constexpr std::uint32_t rounds = 8, passes = 4;
+    constexpr std::uint32_t rounds = 4, passes = 4;
     const BatchFolder batches(folder_ / "n.exr.batches");
     const auto error_of = [&](std::uint32_t first, std::uint32_t count) {
         ReferenceGroups groups;

@@ -38,7 +38,7 @@ photons = 1e4
 # One cell of each method and seed, long enough to be ended while it runs.
 LONG = f"""
 scenes = ["{ROOT}/scenes/cornell-box.xml"]
-resolution = [64, 64]
+resolution = [32, 32]
 seeds = 4
 epsilon = 0.01
 [reference]
@@ -144,7 +144,7 @@ class SlurmTest(unittest.TestCase):
         return lines
 
     def test_survives_a_cancelled_task_a_requeued_one_and_a_restart(self):
-        text = LONG.replace("PASSES", "1000")
+        text = LONG.replace("PASSES", "2000")
         local, cluster = self.workplace("long-local", text), self.workplace("long-cluster", text)
         self.submit(cluster, "--tasks", "4")
         begun = lambda: len([name for name in os.listdir(f"{cluster}/out/cells")  # noqa: E731
