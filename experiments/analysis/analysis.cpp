@@ -6,6 +6,7 @@
 #include "experiments/analysis/equal_time_look.h"
 #include "experiments/analysis/known_bias.h"
 #include "experiments/analysis/price.h"
+#include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
 #include "experiments/metrics/time_to_error.h"
@@ -50,6 +51,7 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
     row.method = first.method;
     row.component = component;
     row.is_external = index.is_external(row.method);
+    row.cpu = processors_of(replicates.cells);
     row.seeds = static_cast<int>(replicates.cells.size());
     for (const Cell* cell : replicates.cells) {
         row.seconds += cell->last().seconds / row.seeds;
@@ -187,6 +189,8 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
     const auto names = add_cells(scene, folder, analysis);
     const Judgement judgement(reference);
     analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    if (const std::string warning = unlike_processors(analysis.cells, scene.name); !warning.empty())
+        analysis.references.back().notes.push_back(warning);
     SceneLight light(reference);
     const std::size_t first_row = analysis.rows.size();
     for (const auto& method : analysis.index.methods) {

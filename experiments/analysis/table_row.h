@@ -47,6 +47,7 @@ struct TableRow {
     bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
     bool is_external = false;  ///< rendered by the command of another renderer
     bool floor_known = true;   ///< false: the reference has no standard error, and noise_floor is 0
+    std::string cpu = {};      ///< processors_of() all seeds
 };
 
 /// A method's stored image of a scene at a charged time that is the same for all methods (equal_time_look.h).

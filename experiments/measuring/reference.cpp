@@ -6,6 +6,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_makers.h"
+#include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
@@ -24,26 +25,33 @@ namespace gib {
 
 namespace {
 
-/// Longest round [s]: a longer one would overshoot targets and time limits, and Ctrl-C would lose too much work.
-constexpr double longest_round = 10;
+/// Batches that have taken longer than this [s] are kept when Ctrl-C ends their round.
+constexpr double batch_worth_keeping = 5;
 /// Least time between two writes of the file [s]: short rounds are not worth a write each.
 constexpr double save_interval = 15;
 /// If one group carries more than this share of the scatter, the standard error is unreliable; Gaussian noise gives
 /// about 0.27 (dominance_of_one_group()).
 constexpr double heavy_tail_share = 0.5;
-/// No target counts as met before each group has this many passes. While rare bright paths are still missing, the
-/// estimated error is too small; stopping at its first small value would favour exactly those moments.
-constexpr std::uint32_t fewest_passes = 8;
-/// The pilot of a reference with several makers takes this share of the time, and has at most so many rounds. It makes
+/// The pilot of a reference with several makers takes this share of the work, and has at most so many rounds. It makes
 /// few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
 /// them a pixel gets.
 constexpr double pilot_share = 0.03;
+/// A time limit beside a target ends the pilot after this share of the limit. Where that is before the pilot's share of the
+/// work, the target would take more than three times the limit.
+constexpr double pilot_share_of_limit = 0.1;
 constexpr std::uint32_t most_pilot_rounds = 10, pilot_groups = 4, first_pilot_passes = 4;
 /// The pilot's batches are numbered from here.
 constexpr std::uint32_t first_pilot_batch = 0x80000000;
-constexpr double infinity_seconds = std::numeric_limits<double>::infinity();
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// The folder of the batches of the reference at this path.
+BatchFolder batch_folder_of(const std::string& path) { return BatchFolder(path + ".batches"); }
+
+MadeBatch made_batch(const ReferenceMaker& maker, const std::string& key, const ReferenceBatch& batch) {
+    return maker.make(batch_seed(key, batch.number, batch.maker), batch.passes, batch.passes_before,
+                      [] { InterruptGuard::check(); });
+}
 
 /// Makes one reference.
 class Maker {
@@ -52,6 +60,8 @@ public:
         : work_(work),
           progress_(progress),
           key_(reference_key(work.scene.content_hash, work.label)),
+          batches_(batch_folder_of(work.path)),
+          schedule_(work.goal),
           agreement_(work.methods.size()) {
         unresolved_.assign(all_components.begin(), all_components.end());
         for (const MethodDescription* method : work.methods) {
@@ -68,9 +78,13 @@ public:
     FinishedReference make() {
         require_memory_for_groups();
         open();
+        // The shares decide how many passes are enough, so that they are read before that is asked.
+        const bool has_shares = makers_.size() == 1 || take_stored_shares();
         bool done = good_enough();
-        if (!done && makers_.size() > 1 && !take_stored_shares()) run_pilot();
+        if (!done && !has_shares && !run_pilot()) return unfinished();
         while (!done) {
+            if (!may_make(schedule_.next_batches(state(), shares_), schedule_.batches_ahead(state(), shares_)))
+                return unfinished();
             try {
                 add_round();
             } catch (const Interrupted&) {
@@ -81,10 +95,20 @@ public:
             done = good_enough();
         }
         if (unsaved_) save();
+        batches_.remove_all();
         warn_about_quality();
         result_.reference.metadata = metadata();
         result_.identity = fmt::format("{}:{}", key_, groups_.passes);
         return std::move(result_);
+    }
+
+    /// For make_batch().
+    static void make_one(const ReferenceWork& work, const ReferenceBatch& batch) {
+        const BatchFolder folder = batch_folder_of(work.path);
+        if (folder.read(batch)) return;
+        const ReferenceMaker maker(*work.methods.at(batch.maker), work.label, work.scene,
+                                   work.label.name == auto_reference);
+        folder.write(batch, made_batch(maker, reference_key(work.scene.content_hash, work.label), batch));
     }
 
 private:
@@ -130,18 +154,10 @@ private:
                 fmt::format("the reference of '{}' by '{}' is not finite", work_.scene.name, work_.label.text()));
     }
 
-    /// The number of units in which some maker makes fewest_passes.
-    std::uint64_t fewest_units() const {
-        std::uint32_t most = 1;
-        for (const MakerShare& share : shares_)
-            most = std::max(most, share.passes);
-        return (fewest_passes + most - 1) / most;
-    }
-
     bool good_enough() {
         if (groups_.rounds == 0) return false;
         const auto& goal = work_.goal;
-        if (goal.target && result_.relative_error <= *goal.target && groups_.passes >= fewest_units()) return true;
+        if (schedule_.reaches_target(state(), shares_)) return true;
         if (!goal.seconds || groups_.seconds < *goal.seconds) return false;
         if (goal.target)
             result_.warnings.push_back(
@@ -150,21 +166,31 @@ private:
         return true;
     }
 
-    /// The number of passes that the target still needs; goal.target must be set. The error falls with the square
-    /// root of the number of passes.
-    double passes_needed() const {
-        const double ratio = result_.relative_error / *work_.goal.target;
-        const auto done = static_cast<double>(groups_.passes);
-        return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_units()) - done});
+    ReferenceState state() const {
+        return {.rounds = groups_.rounds,
+                .passes = groups_.passes,
+                .error = result_.relative_error,
+                .work = groups_.work,
+                .seconds = groups_.seconds,
+                .pilot_seconds = pilot_seconds_,
+                .pilot_work = pilot_work_};
     }
 
-    std::uint32_t next_passes() const {
-        if (groups_.passes == 0) return 1;
-        const double a_pass = groups_.seconds / static_cast<double>(groups_.passes);  // seconds of all groups
-        double passes = std::min(static_cast<double>(groups_.passes), longest_round / a_pass);
-        if (work_.goal.target) passes = std::min(passes, 1.05 * passes_needed());
-        if (work_.goal.seconds) passes = std::min(passes, (*work_.goal.seconds - groups_.seconds) / a_pass);
-        return static_cast<std::uint32_t>(std::clamp(std::ceil(passes), 1.0, 1e9));
+    /// Whether this process may make those of the batches that are not there. If not, result_.missing has those of
+    /// `ahead`.
+    bool may_make(const std::vector<ReferenceBatch>& batches, const std::vector<ReferenceBatch>& ahead) {
+        if (!work_.most_own_work) return true;
+        const auto there = [&](const ReferenceBatch& batch) { return batches_.has(batch); };
+        if (std::all_of(batches.begin(), batches.end(), there)) return true;
+        if (schedule_.work_left(state(), shares_) <= *work_.most_own_work) return true;
+        for (const ReferenceBatch& batch : ahead)
+            if (!there(batch)) result_.missing.push_back(batch);
+        return false;
+    }
+
+    FinishedReference unfinished() {
+        if (unsaved_) save();
+        return std::move(result_);
     }
 
     /// The shares of an earlier session, whose images the stored groups hold.
@@ -178,78 +204,98 @@ private:
     }
 
     /// Measures the makers and decides their shares by the last round. Each round has twice the passes of the one before,
-    /// until a few per cent of the time are taken that the reference is predicted to take.
-    void run_pilot() {
-        std::vector<MakerPilot> pilots(makers_.size());
+    /// until a few per cent of the work are done that the reference is predicted to take. Returns false if others have to
+    /// make its batches.
+    bool run_pilot() {
         std::vector<std::string> names;
-        for (std::size_t m = 0; m < makers_.size(); ++m) {
-            pilots[m].unresolved = makers_[m].unresolved();
-            names.push_back(makers_[m].name());
-        }
-        double seconds = 0;
+        for (const ReferenceMaker& maker : makers_)
+            names.push_back(maker.name());
+        DroppedSamples dropped;
         for (std::uint32_t round = 0, passes = first_pilot_passes;; ++round, passes *= 2) {
+            std::vector<ReferenceBatch> batches;
+            for (std::uint32_t m = 0; m < makers_.size(); ++m)
+                for (std::uint32_t g = 0; g < pilot_groups; ++g)
+                    batches.push_back({m, first_pilot_batch + round * pilot_groups + g, passes, 0});
+            if (!may_make(batches, batches)) return false;
+            std::vector<MakerPilot> pilots(makers_.size());
             for (std::size_t m = 0; m < makers_.size(); ++m) {
-                const double start = now();
-                pilots[m].groups.clear();
-                for (std::uint32_t g = 0; g < pilot_groups; ++g) {
-                    progress_.update(0, std::nullopt,
-                                     fmt::format("reference of {}: trying {}", work_.scene.name, names[m]));
-                    const std::uint32_t batch = first_pilot_batch + round * pilot_groups + g;
-                    pilots[m].groups.push_back(run_batch(m, batch, passes, 0, groups_.dropped));
-                }
+                pilots[m].unresolved = makers_[m].unresolved();
                 pilots[m].passes = passes;
-                pilots[m].seconds = now() - start;
-                seconds += pilots[m].seconds;
+            }
+            for (const ReferenceBatch& batch : batches) {
+                progress_.update(0, std::nullopt,
+                                 fmt::format("reference of {}: trying {}", work_.scene.name, names[batch.maker]));
+                MadeBatch made = run_batch(batch);
+                MakerPilot& pilot = pilots[batch.maker];
+                pilot.groups.push_back(std::move(made.images));
+                pilot.work += made.work;
+                pilot_work_ += made.work;
+                pilot_seconds_ += made.seconds;
+                dropped.add(made.dropped);
             }
             const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
             shares_ = plan.shares;
-            double predicted = work_.goal.target ? plan.error2_seconds / sqr(*work_.goal.target) : infinity_seconds;
-            if (work_.goal.seconds) predicted = std::min(predicted, *work_.goal.seconds);
-            if (seconds > pilot_share * predicted || round + 1 == most_pilot_rounds) break;
+            const auto& goal = work_.goal;
+            const bool enough = goal.target && pilot_work_ > pilot_share * plan.error2_work / sqr(*goal.target);
+            const bool late =
+                goal.seconds && pilot_seconds_ > (goal.target ? pilot_share_of_limit : pilot_share) * *goal.seconds;
+            if (enough || late || round + 1 == most_pilot_rounds) break;
         }
-        groups_.seconds += seconds;
+        groups_.seconds += pilot_seconds_;
+        groups_.dropped.add(dropped);
+        return true;
     }
 
     void add_round() {
-        const double start = now();
-        const std::uint32_t passes = next_passes();
+        const std::uint32_t passes = schedule_.next_passes(state(), shares_);
         std::vector<std::vector<ComponentImages>> made(makers_.size());  // by maker, the images of the groups
         DroppedSamples dropped = groups_.dropped;                        // a copy: an interrupted round does not count
-        std::vector<ComponentImages> batches;
-        for (std::uint32_t g = 0; g < reference_groups; ++g) {
-            show(static_cast<double>(g) / reference_groups * passes);
-            std::vector<ComponentImages> images(makers_.size());
-            for (std::size_t m = 0; m < makers_.size(); ++m) {
-                if (shares_[m].passes == 0) continue;
-                images[m] = run_batch(m, groups_.rounds * reference_groups + g, passes * shares_[m].passes,
-                                      groups_.passes * shares_[m].passes, dropped);
-            }
-            batches.push_back(makers_.size() == 1 ? images.front() : combined(shares_, images));
+        double seconds = 0, work = 0;
+        std::vector<ComponentImages> round;
+        std::vector<ComponentImages> images(makers_.size());  // of one group
+        const std::vector<ReferenceBatch> batches = schedule_.next_batches(state(), shares_);
+        for (std::size_t i = 0; i < batches.size(); ++i) {
+            show(static_cast<double>(i) / static_cast<double>(batches.size()) * passes);
+            MadeBatch batch = run_batch(batches[i]);
+            images[batches[i].maker] = std::move(batch.images);
+            dropped.add(batch.dropped);
+            seconds += batch.seconds;
+            work += batch.work;
+            if (i + 1 < batches.size() && batches[i + 1].number == batches[i].number) continue;
+            round.push_back(makers_.size() == 1 ? images.front() : combined(shares_, images));
             for (std::size_t m = 0; makers_.size() > 1 && m < makers_.size(); ++m)
                 if (shares_[m].passes > 0) made[m].push_back(std::move(images[m]));
         }
         for (std::size_t m = 0; m < makers_.size(); ++m)
             if (!made[m].empty()) agreement_.add(m, made[m], passes * shares_[m].passes);
-        groups_.add_round(batches, passes);
+        groups_.add_round(round, passes);
         groups_.dropped = dropped;
-        groups_.seconds += now() - start;
+        groups_.seconds += seconds;
+        groups_.work += work;
         ++result_.rounds_added;
         unsaved_ = true;
         update();
     }
 
-    ComponentImages run_batch(std::size_t maker, std::uint32_t batch, std::uint32_t passes, std::uint64_t passes_before,
-                              DroppedSamples& dropped) {
-        return makers_[maker].make(
-            batch_seed(key_, batch, static_cast<std::uint32_t>(maker)), passes, passes_before,
-            [] { InterruptGuard::check(); }, dropped);
+    /// A batch from the folder of batches, or made now. It stays there until the file holds its round.
+    MadeBatch run_batch(const ReferenceBatch& batch) {
+        if (auto stored = batches_.read(batch)) {
+            used_.push_back(batch);
+            return *std::move(stored);
+        }
+        MadeBatch made = made_batch(makers_[batch.maker], key_, batch);
+        if (work_.most_own_work || made.seconds > batch_worth_keeping) {
+            batches_.write(batch, made);
+            used_.push_back(batch);
+        }
+        return made;
     }
 
     void show(double passes_of_round) {
         const double done = static_cast<double>(groups_.passes) + passes_of_round;
         double all = 0, left = 0;
         if (work_.goal.target && groups_.passes > 0) {
-            all = static_cast<double>(groups_.passes) + passes_needed();
+            all = static_cast<double>(groups_.passes) + schedule_.passes_needed(state(), shares_);
             left = groups_.seconds * (all - done) / static_cast<double>(groups_.passes);
         }
         if (work_.goal.seconds && (all == 0 || left > *work_.goal.seconds - groups_.seconds)) {
@@ -275,6 +321,9 @@ private:
         if (makers_.size() > 1) require_agreement();
         result_.reference.metadata = metadata();
         write_reference(work_.path, result_.reference);
+        for (const ReferenceBatch& batch : used_)
+            batches_.remove(batch);
+        used_.clear();
         saved_at_ = now();
         unsaved_ = false;
     }
@@ -318,6 +367,7 @@ private:
             {"passes", std::to_string(groups_.passes)},
             {"rounds", std::to_string(groups_.rounds)},
             {"seconds", fmt::format("{:.3f}", groups_.seconds)},
+            {"work", fmt::format("{}", groups_.work)},
             {"seed_base", fmt::format("{}", batch_seed(key_, 0))},
             {"glossy_roughness", fmt::format("{}", glossy_roughness)},
             {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
@@ -335,11 +385,15 @@ private:
     const ReferenceWork& work_;
     ProgressLine& progress_;
     std::string key_;
+    BatchFolder batches_;
+    ReferenceSchedule schedule_;
     std::vector<ReferenceMaker> makers_;
     std::vector<Component> unresolved_;  ///< that no maker can sample
     std::vector<MakerShare> shares_;
     MakerAgreement agreement_;
     std::string stored_shares_;
+    std::vector<ReferenceBatch> used_;           ///< of the folder of batches, since the file was written
+    double pilot_seconds_ = 0, pilot_work_ = 0;  ///< of a pilot of this session
     ReferenceGroups groups_;
     FinishedReference result_;
     double saved_at_ = 0;
@@ -362,6 +416,8 @@ std::string cached_reference_path(const std::string& key) { return "results/refe
 FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progress) {
     return Maker(work, progress).make();
 }
+
+void make_batch(const ReferenceWork& work, const ReferenceBatch& batch) { Maker::make_one(work, batch); }
 
 std::string stored_reference_identity(const std::string& path) {
     const auto metadata = exr_attributes(path);

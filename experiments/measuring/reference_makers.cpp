@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <sstream>
 
@@ -16,10 +17,10 @@ namespace {
 
 constexpr int block_edge = 8;                 ///< [pixels]
 constexpr double least_weight = 0.01;         ///< a maker of less weight is not tested against the others
-constexpr double least_share_of_time = 0.01;  ///< a maker of less is left out
+constexpr double least_share_of_work = 0.01;  ///< a maker of less is left out
 constexpr double alpha = 0.001;               ///< of all tests of agreement together
 /// The best maker works alone unless all together are predicted to be sooner by more than this factor. A maker that has
-/// all the time makes more passes in a row, and Sobol' points are then better than a short pilot can tell.
+/// all the work makes more passes in a row, and Sobol' points are then better than a short pilot can tell.
 constexpr double least_gain = 1.5;
 
 bool has(const std::vector<Component>& list, Component c) {
@@ -83,7 +84,7 @@ GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c)
     return moments_of(images);
 }
 
-/// Variance times time, V_cm, of every component and maker; infinite where the maker cannot sample the component.
+/// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component.
 class Costs {
 public:
     Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon) : pilots_(pilots) {
@@ -97,8 +98,8 @@ public:
     }
 
     const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
-    double seconds_of_pass(std::size_t m) const {
-        return pilots_[m].seconds / (static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes);
+    double work_of_pass(std::size_t m) const {
+        return pilots_[m].work / (static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes);
     }
 
 private:
@@ -144,7 +145,7 @@ private:
                 if (samples(other, c)) lacking = std::max(lacking, shortfall(of_blocks[m], of_blocks[other]));
             // Both belong to the mean over all groups; a pass has the variance of all passes times their number.
             const double passes = static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes;
-            costs.push_back((variance + lacking) * passes * seconds_of_pass(m));
+            costs.push_back((variance + lacking) * passes * work_of_pass(m));
         }
     }
 
@@ -179,9 +180,9 @@ private:
     std::array<std::vector<double>, component_count> costs_;
 };
 
-/// The shares of time that minimise the sum over components of 1 / sum over m of (t_m / V_cm), by fixed-point steps
-/// t_m <- t_m sqrt(g_m) / sum, with the gain g_m of more time for m. They keep the shares positive and lower the sum.
-std::vector<double> shares_of_time(const std::vector<std::vector<double>>& costs, std::size_t makers) {
+/// The shares of work that minimise the sum over components of 1 / sum over m of (t_m / V_cm), by fixed-point steps
+/// t_m <- t_m sqrt(g_m) / sum, with the gain g_m of more work for m. They keep the shares positive and lower the sum.
+std::vector<double> shares_of_work(const std::vector<std::vector<double>>& costs, std::size_t makers) {
     std::vector<double> shares(makers, 1.0 / static_cast<double>(makers));
     for (int step = 0; step < 2000; ++step) {
         std::vector<double> gains(makers, 0);
@@ -218,12 +219,12 @@ std::vector<std::vector<double>> judged_costs(const Costs& costs) {
     return judged;
 }
 
-/// Whole numbers of passes of a unit, in about the proportions of these shares of time.
-std::vector<std::uint32_t> passes_of_unit(const std::vector<double>& time, const Costs& costs) {
-    std::vector<double> rates;  // passes a second of the reference's time
+/// Whole numbers of passes of a unit, in about the proportions of these shares of work.
+std::vector<std::uint32_t> passes_of_unit(const std::vector<double>& work, const Costs& costs) {
+    std::vector<double> rates;  // passes in a unit of the reference's work
     double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (std::size_t m = 0; m < time.size(); ++m) {
-        rates.push_back(time[m] < least_share_of_time ? 0 : time[m] / costs.seconds_of_pass(m));
+    for (std::size_t m = 0; m < work.size(); ++m) {
+        rates.push_back(work[m] < least_share_of_work ? 0 : work[m] / costs.work_of_pass(m));
         if (rates[m] > 0) least = std::min(least, rates[m]);
         most = std::max(most, rates[m]);
     }
@@ -241,11 +242,11 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     double precision = 0, busiest = 0;
     std::size_t first = 0;
     for (std::size_t m = 0; m < shares.size(); ++m) {
-        const double seconds = shares[m].passes * costs.seconds_of_pass(m);
-        shares[m].weights[i] = seconds / std::max(costs.of(c)[m], 1e-300);
+        const double work = shares[m].passes * costs.work_of_pass(m);
+        shares[m].weights[i] = work / std::max(costs.of(c)[m], 1e-300);
         precision += shares[m].weights[i];
-        if (seconds > busiest) {
-            busiest = seconds;
+        if (work > busiest) {
+            busiest = work;
             first = m;
         }
     }
@@ -258,13 +259,13 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
 }
 
 /// The plan in which maker m does all the work.
-MakerPlan alone(const std::vector<std::string>& methods, std::size_t m, double error2_seconds) {
+MakerPlan alone(const std::vector<std::string>& methods, std::size_t m, double error2_work) {
     MakerPlan plan;
     for (std::size_t i = 0; i < methods.size(); ++i) {
         plan.shares.push_back({methods[i], i == m ? 1u : 0u, {}});
         plan.shares[i].weights.fill(i == m ? 1 : 0);
     }
-    plan.error2_seconds = error2_seconds;
+    plan.error2_work = error2_work;
     return plan;
 }
 
@@ -297,57 +298,63 @@ ReferenceMaker::ReferenceMaker(const MethodDescription& method, const MethodLabe
     }
 }
 
-ComponentImages ReferenceMaker::make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
-                                     const std::function<void()>& before_pass, DroppedSamples& dropped) const {
-    ComponentImages images = make(method_, label_, seed, passes, passes_before, before_pass, dropped);
-    if (!remainder_) return images;
-    const ComponentImages rest = make(*remainder_, remainder_label_, seed, passes, passes_before, before_pass, dropped);
+MadeBatch ReferenceMaker::make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
+                               const std::function<void()>& before_pass) const {
+    MadeBatch made = make(method_, label_, seed, passes, passes_before, before_pass);
+    if (!remainder_) return made;
+    const MadeBatch rest = make(*remainder_, remainder_label_, seed, passes, passes_before, before_pass);
     for (std::size_t c = 0; c < component_count; ++c) {
-        add_weighted(images.parts[c], rest.parts[c], 1);
-        add_weighted(images.bias[c], rest.bias[c], 1);
+        add_weighted(made.images.parts[c], rest.images.parts[c], 1);
+        add_weighted(made.images.bias[c], rest.images.bias[c], 1);
     }
-    return images;
+    made.dropped.add(rest.dropped);
+    made.work += rest.work;
+    made.seconds += rest.seconds;
+    return made;
 }
 
-ComponentImages ReferenceMaker::make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
-                                     std::uint32_t passes, std::uint64_t passes_before,
-                                     const std::function<void()>& before_pass, DroppedSamples& dropped) const {
+MadeBatch ReferenceMaker::make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
+                               std::uint32_t passes, std::uint64_t passes_before,
+                               const std::function<void()>& before_pass) const {
+    const auto begin = std::chrono::steady_clock::now();
     StageTimes stages;
     const auto run = method_after(method, label, scene_.max_edges, passes_before)->start(*scene_.scene, seed, stages);
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         before_pass();
         if (run->advance(pass) == Progress::converged) break;
     }
-    const NonFinite bad = run->counts().non_finite;
-    if (bad.count > 0 && dropped.count == 0)
-        dropped.first = fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel);
-    dropped.count += bad.count;
-    return run->image();
+    MadeBatch made{.images = run->image()};
+    const RunCounts counts = run->counts();
+    if (const NonFinite& bad = counts.non_finite; bad.count > 0)
+        made.dropped = {bad.count, fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel)};
+    made.work = static_cast<double>(counts.rays) + static_cast<double>(made.images.width) * made.images.height * passes;
+    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return made;
 }
 
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
                                  const std::optional<double>& epsilon) {
     const Costs costs(pilots, epsilon);
     const std::vector<std::vector<double>> judged = judged_costs(costs);
-    const std::vector<double> time = shares_of_time(judged, methods.size());
-    const std::vector<std::uint32_t> passes = passes_of_unit(time, costs);
+    const std::vector<double> work = shares_of_work(judged, methods.size());
+    const std::vector<std::uint32_t> passes = passes_of_unit(work, costs);
     MakerPlan plan;
-    double unit_seconds = 0;
+    double unit_work = 0;
     for (std::size_t m = 0; m < methods.size(); ++m) {
         plan.shares.push_back({methods[m], passes[m], {}});
-        unit_seconds += passes[m] * costs.seconds_of_pass(m);
+        unit_work += passes[m] * costs.work_of_pass(m);
     }
     for (Component c : all_components) {
         if (costs.of(c).empty()) continue;
         const double precision = weigh(c, costs, plan.shares);
-        if (precision > 0) plan.error2_seconds += unit_seconds / precision;
+        if (precision > 0) plan.error2_work += unit_work / precision;
     }
     std::vector<double> sums(methods.size(), 0);  // infinite for a maker that cannot sample everything
     for (const auto& of_component : judged)
         for (std::size_t m = 0; m < methods.size(); ++m)
             sums[m] += of_component[m];
     const auto best = std::min_element(sums.begin(), sums.end());
-    if (!judged.empty() && *best <= least_gain * plan.error2_seconds)
+    if (!judged.empty() && *best <= least_gain * plan.error2_work)
         return alone(methods, static_cast<std::size_t>(best - sums.begin()), *best);
     return plan;
 }

@@ -2,8 +2,10 @@
 // The methods that make a reference together, and how their images are combined.
 //
 // A reference of `auto` takes every unbiased method as a maker. A pilot measures for each maker m and component c the
-// variance of one pass, relative as the reference's error is and averaged over the image, times the time of a pass:
-// V_cm. If maker m gets the share t_m of the time, the combination of its images of c with weights in proportion to
+// variance of one pass, relative as the reference's error is and averaged over the image, times the work of a pass:
+// V_cm. Work is the number of rays and of camera samples rather than a time, so that it is the same in every run on every
+// machine; that it tells the time of a pass within a factor is enough, because shares off by a factor of two cost a few
+// per cent and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in proportion to
 // t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
 // these variances as small as possible. If that gains little over the best maker, this one works alone. Weights and
 // shares are fixed before the images that they weigh are made, so the combination is unbiased. The pilot's images are
@@ -17,7 +19,7 @@
 // sample of n has found has a variance of at least n L^2 a sample.
 
 #include "common/reader/scene_file.h"
-#include "experiments/measuring/reference_store.h"
+#include "experiments/measuring/reference_batches.h"
 #include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
@@ -44,14 +46,13 @@ public:
     bool makes_remainder() const { return remainder_ != nullptr; }
 
     /// Makes `passes` passes, calling before_pass() before each. Consistent methods go on where `passes_before` others have
-    /// stopped. Returns the images and adds samples that were not finite to `dropped`.
-    ComponentImages make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
-                         const std::function<void()>& before_pass, DroppedSamples& dropped) const;
+    /// stopped.
+    MadeBatch make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
+                   const std::function<void()>& before_pass) const;
 
 private:
-    ComponentImages make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
-                         std::uint32_t passes, std::uint64_t passes_before, const std::function<void()>& before_pass,
-                         DroppedSamples& dropped) const;
+    MadeBatch make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed, std::uint32_t passes,
+                   std::uint64_t passes_before, const std::function<void()>& before_pass) const;
 
     const LoadedScene& scene_;
     const MethodDescription& method_;
@@ -72,13 +73,13 @@ struct MakerShare {
 struct MakerPilot {
     std::vector<ComponentImages> groups;  ///< the mean of each group's passes
     std::uint32_t passes = 0;             ///< of each group
-    double seconds = 0;                   ///< of all groups
+    double work = 0;                      ///< of all groups (MadeBatch::work)
     std::vector<Component> unresolved;    ///< that the maker cannot sample
 };
 
 struct MakerPlan {
     std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
-    double error2_seconds = 0;       ///< the predicted squared relative error times the seconds that it takes
+    double error2_work = 0;          ///< the predicted squared relative error times the work that it takes
 };
 /// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:
 /// the default (epsilon.h), of the light that the pilots have found.

@@ -79,6 +79,7 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
     groups.rounds = number_in<std::uint32_t>(file, "rounds", path);
     groups.passes = number_in<std::uint64_t>(file, "passes", path);
     groups.seconds = number_in<double>(file, "seconds", path);
+    if (file.metadata.count("work") > 0) groups.work = number_in<double>(file, "work", path);
     if (file.metadata.count("not_finite") > 0) {
         groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
         if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())

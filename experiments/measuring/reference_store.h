@@ -13,6 +13,11 @@ namespace gib {
 struct DroppedSamples {
     std::uint64_t count = 0;
     std::string first;  ///< seed, pass and pixel of the first one
+
+    void add(const DroppedSamples& other) {
+        if (count == 0) first = other.first;
+        count += other.count;
+    }
 };
 
 /// The mean image of each group so far, and the work that went into it.
@@ -20,7 +25,8 @@ class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
     std::uint64_t passes = 0;  ///< of each group
-    double seconds = 0;        ///< wall-clock, all rounds together
+    double seconds = 0;        ///< wall-clock, all rounds and the pilot together
+    double work = 0;           ///< of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
 
     /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if

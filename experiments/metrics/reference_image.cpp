@@ -13,10 +13,10 @@ namespace {
 
 constexpr const char* digest_key = "digest";
 /// The digest of what is needed to add samples to the reference later: the pixels and these metadata. `not_finite`
-/// exists only if it is not 0, `makers` only if there are several.
+/// exists only if it is not 0, `makers` only if there are several, `work` not in older files.
 std::string digest_of(const LayeredImage& file) {
     std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
-    for (const char* optional : {"not_finite", "makers"})
+    for (const char* optional : {"not_finite", "makers", "work"})
         if (file.metadata.count(optional) > 0) keys.emplace_back(optional);
     return image_digest(file, keys);
 }

@@ -10,6 +10,8 @@
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_scenes.h"
 #include "experiments/run/repeat.h"
+#include "experiments/slurm/status.h"
+#include "experiments/slurm/submit.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/tuning/tune.h"
@@ -111,6 +113,43 @@ void add_loading(CLI::App* command, SceneLoadOptions& loading) {
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
+/// The words of a text, as a shell would take them apart.
+std::vector<std::string> words_of(const std::string& text) { return CLI::detail::split_up(text); }
+
+/// Who runs the cells of an experiment.
+struct ExecutorOptions {
+    std::string name = "local", sbatch;
+    SlurmOptions slurm;
+};
+
+void add_executor(CLI::App* command, ExecutorOptions& executor) {
+    command->add_option(
+        "--on", executor.name,
+        "local (default): run in this process; slurm: submit the same work as jobs of Slurm and return; "
+        "the same command submits what is missing");
+    command->add_option("--sbatch", executor.sbatch,
+                        "with --on slurm: options for sbatch, such as \"--partition=short --time=60\"");
+    command
+        ->add_option("--tasks", executor.slurm.most_tasks,
+                     "with --on slurm: tasks of an array job at most (default 256); each takes an even share of the "
+                     "cells")
+        ->check(CLI::Range(1, 1000000));
+}
+
+int run_on(ExecutorOptions executor, const RunOptions& options) {
+    if (executor.name == "local") {
+        if (!executor.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
+        require_no_jobs(options);
+        return run_or_tune(options, std::cout);
+    }
+    if (executor.name != "slurm") reject({}, "--on knows no '{}'; there are: local, slurm", executor.name);
+    if (load_tune_file(options.experiment))
+        throw InputError({options.experiment},
+                         "--on slurm is for experiments without [tune], whose runs follow from each other");
+    executor.slurm.user_options = words_of(executor.sbatch);
+    return submit_run(options, executor.slurm, std::cout);
+}
+
 /// Makes `work(*options)` the action of a command. The options live as long as the command.
 template <typename Options, typename Work>
 void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
@@ -138,13 +177,15 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
         "RESULT_DIR: render every complete cell of these results again, with as many passes as it "
         "made, and compare the images bit for bit; replaces the experiment file; exit code 0 if all "
         "are identical");
+    auto executor = std::make_shared<ExecutorOptions>();
+    add_executor(command, *executor);
     for (CLI::Option* other : command->get_options())
         if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
     command->footer(experiment_help);
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
-            if (!*repeat) return run_or_tune(*options, std::cout);
+            if (!*repeat) return run_on(*executor, *options);
             return repeat_run(*repeated, *options, std::cout);
         };
     });
@@ -267,6 +308,16 @@ void add_report(CLI::App& app, Action& action) {
     perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
 }
 
+void add_status(CLI::App& app, Action& action) {
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand(
+        "status",
+        "say which cells of a run are done, running, waiting, failed and missing; exit code 1 if one has failed "
+        "or is missing");
+    command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
+    perform_with(folder, command, action, [](const auto& path) { return print_status(path, std::cout); });
+}
+
 void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
@@ -356,6 +407,18 @@ void add_measure_command(CLI::App& app, Action& action) {
     });
 }
 
+/// Adds the internal subcommand that the jobs of Slurm run.
+void add_run_task(CLI::App& app, Action& action) {
+    struct Task {
+        std::string plan, kind;
+    };
+    auto task = std::make_shared<Task>();
+    CLI::App* command = app.add_subcommand("run-task", "internal: does the work of a job, see submit.h")->group("");
+    command->add_option("PLAN", task->plan, "plan of a run")->required();
+    command->add_option("KIND", task->kind, "batches, merge, cells or report")->required();
+    perform_with(task, command, action, [](const Task& t) { return run_task(t.plan, t.kind, std::cout); });
+}
+
 int perform(const Action& action) {
     try {
         const int code = action();
@@ -394,10 +457,12 @@ int run_program(int argc, char** argv) {
     add_plan(app, action);
     add_list(app, action);
     add_report(app, action);
+    add_status(app, action);
     add_photons(app, action);
     add_tune(app, action, command_line);
     add_measure_cell(app, action);
     add_measure_command(app, action);
+    add_run_task(app, action);
     return perform([&] {
         try {
             app.parse(argc, argv);

@@ -208,6 +208,7 @@ void add_laws(Columns& c) {
     c.text("bias_state", bias_state);
     c.ends("rel_mse_corrected", corrected_rel_mse);
     c.text("external", [](const TableRow& row) { return row.is_external ? "yes" : ""; });
+    c.text("cpu", &TableRow::cpu);
 }
 
 }  // namespace

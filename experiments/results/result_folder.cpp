@@ -166,6 +166,7 @@ ResultIndex ResultFolder::read_index() const {
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
     json record = cell;
+    record["cpu"] = cell.cpu;
     record["digest"] = json_digest(record);
     write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
@@ -185,6 +186,7 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         if (digest != json_digest(j)) return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key) return std::nullopt;
         auto cell = j.get<Cell>();
+        cell.cpu = j.value("cpu", "");
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");
         const std::string image = cell_image(folder_name);
         if (!std::filesystem::exists(image)) return damaged(image, "the file is missing");

@@ -51,6 +51,7 @@ struct Cell {
     bool converged = false;
     std::vector<CellCheckpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;
+    std::string cpu = {};  ///< name of the processor that measured it; empty in records of older versions
 
     const Checkpoint& last() const { return checkpoints.back().checkpoint; }
 };
@@ -94,6 +95,8 @@ public:
     /// The folder in which the cell's process leaves its results. It is removed when the process has ended.
     std::string work_folder(const std::string& folder_name) const { return cell_folder(folder_name) + "/work"; }
     std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
+    /// The message of the cell's last attempt, if it failed.
+    std::string failure_file(const std::string& folder_name) const { return cell_folder(folder_name) + "/failure.txt"; }
     /// The map of FLIP of the final image, if there is one.
     std::string flip_map(const std::string& folder_name) const { return cell_folder(folder_name) + "/flip.png"; }
     std::string reference_image(const std::string& scene) const {

@@ -5,6 +5,7 @@
 #include "experiments/results/flip_record.h"
 #include "experiments/results/frames.h"
 #include "experiments/results/judgement.h"
+#include "experiments/results/manifest.h"
 #include "experiments/run/cell_queue.h"
 
 #include <fmt/format.h>
@@ -82,10 +83,13 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
             "the reference does not resolve some components, and the image of another renderer has none, so that "
             "the rest of it cannot be judged");
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
     ResultFolder::make(folder);
-    const WorkFolder work(cell.external ? folder_.file(command_folder) : folder_.work_folder(cell.name));
+    const std::string for_command =
+        options_.shared ? fmt::format("{}-{}", command_folder, cell.identity.key().substr(0, 12)) : command_folder;
+    const WorkFolder work(cell.external ? folder_.file(for_command) : folder_.work_folder(cell.name));
     const CellTiming timing = render_cell(cell, work.path(), observer);
 
     Cell record;
@@ -94,6 +98,7 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     record.seed = cell.identity.seed;
     record.key = cell.identity.key();
     record.build = build_;
+    record.cpu = cpu_model();
     record.load_seconds = timing.load_seconds;
     record.prepare_seconds = timing.measurement.prepare_seconds;
     record.converged = timing.measurement.converged;

@@ -130,17 +130,29 @@ ExperimentRun::ExperimentRun(const RunOptions& options)
                            .height = loaded.scene->sensor().height(),
                            .povray = povray_form(entry, loaded)});
     }
-    bool any = false;
-    for (const auto& scene : scenes_)
-        any = any || selected(scene);
+    require_a_cell();
+    prepare_folder();
+    take_stored_references();
+}
+
+void ExperimentRun::require_a_cell() const {
+    const bool any =
+        std::any_of(scenes_.begin(), scenes_.end(), [&](const SceneState& scene) { return selected(scene); });
     if (!any) reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label", options_.only);
+}
+
+void ExperimentRun::prepare_folder() {
     folder_.prepare();
-    lock_.emplace(lock_result_folder(folder_.path()));
+    if (!options_.shared) lock_.emplace(lock_result_folder(folder_.path()));
     const std::string references = fs::path(cached_reference_path("")).parent_path().string();
     ResultFolder::make(references);
     require_writable(references);
+    if (options_.shared) return;
     folder_.remove_leftovers();
     remove_leftovers_in(references);
+}
+
+void ExperimentRun::take_stored_references() {
     // Scenes that are not selected, or not reached before Ctrl-C, keep the reference of their stored cells.
     const auto notes = stored_notes(folder_);
     for (auto& scene : scenes_) {
@@ -194,7 +206,10 @@ bool ExperimentRun::measure() {
     if (options_.fresh) forget_cells();
     try {
         make_references();
-        run_cells();
+        const std::vector<PlannedCell> all = cells();
+        const auto to_do = cells_to_do(all);
+        folder_.write_index(index());
+        run_cells(to_do);
     } catch (const Interrupted&) {
         return false;
     }
@@ -209,33 +224,39 @@ void ExperimentRun::forget_cells() {
     if (forgotten > 0) progress_.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
+std::optional<ExperimentRun::PlannedCell> ExperimentRun::cell_at(const CellPlace& place) {
+    SceneState& scene = scenes_.at(place.scene);
+    const MethodLabel& label = experiment_.methods.at(place.method);
+    CellIdentity identity;
+    identity.scene = scene.entry.name;
+    identity.method = label.text();
+    identity.seed = place.seed;
+    identity.scene_hash = scene.content_hash;
+    const ExternalMethod* external = experiment_.external(label);
+    identity.spp = external ? passes_of(*external, scene.sample_count)
+                            : last_pass(ConfiguredMethod(label).values, scene.sample_count);
+    if (external) identity.command = external->identity();
+    identity.budget = experiment_.budget;
+    identity.epsilon = experiment_.epsilon;
+    identity.threads = threads_;
+    identity.reference = scene.reference;
+    const std::string name = cell_folder_name(identity.scene, identity.method, identity.seed);
+    if (options_.repeat) {
+        const auto passes = options_.repeat->passes.find(name);
+        if (passes == options_.repeat->passes.end()) return std::nullopt;
+        identity.budget = {std::nullopt, passes->second};
+    }
+    return PlannedCell{
+        .scene = &scene, .label = &label, .external = external, .place = place, .identity = identity, .name = name};
+}
+
 std::vector<ExperimentRun::PlannedCell> ExperimentRun::cells() {
     std::vector<PlannedCell> cells;
     for (int seed = 1; seed <= experiment_.seeds; ++seed)
-        for (auto& scene : scenes_)
-            for (const auto& label : experiment_.methods) {
-                CellIdentity identity;
-                identity.scene = scene.entry.name;
-                identity.method = label.text();
-                identity.seed = static_cast<std::uint64_t>(seed);
-                identity.scene_hash = scene.content_hash;
-                const ExternalMethod* external = experiment_.external(label);
-                identity.spp = external ? passes_of(*external, scene.sample_count)
-                                        : last_pass(ConfiguredMethod(label).values, scene.sample_count);
-                if (external) identity.command = external->identity();
-                identity.budget = experiment_.budget;
-                identity.epsilon = experiment_.epsilon;
-                identity.threads = threads_;
-                identity.reference = scene.reference;
-                const std::string name = cell_folder_name(identity.scene, identity.method, identity.seed);
-                if (options_.repeat) {
-                    const auto passes = options_.repeat->passes.find(name);
-                    if (passes == options_.repeat->passes.end()) continue;
-                    identity.budget = {std::nullopt, passes->second};
-                }
-                cells.push_back(
-                    {.scene = &scene, .label = &label, .external = external, .identity = identity, .name = name});
-            }
+        for (std::size_t scene = 0; scene < scenes_.size(); ++scene)
+            for (std::size_t method = 0; method < experiment_.methods.size(); ++method)
+                if (auto cell = cell_at({scene, method, static_cast<std::uint64_t>(seed)}))
+                    cells.push_back(*std::move(cell));
     return cells;
 }
 
@@ -267,10 +288,7 @@ std::vector<const ExperimentRun::PlannedCell*> ExperimentRun::cells_to_do(const 
     return to_do;
 }
 
-void ExperimentRun::run_cells() {
-    const std::vector<PlannedCell> all = cells();
-    const auto to_do = cells_to_do(all);
-    folder_.write_index(index());
+void ExperimentRun::run_cells(const std::vector<const PlannedCell*>& to_do) {
     // Only one reference is in memory, because those of many scenes would not fit. Within a seed, the cells of a
     // scene follow each other.
     const SceneState* referred = nullptr;
@@ -301,21 +319,32 @@ void ExperimentRun::run_cells() {
                 what);
         };
         show(0, 0);
-        try {
-            if (referred != cell.scene) {
-                referred = nullptr;
-                reference.reset();
-                reference = read_reference(folder_.reference_image(cell.identity.scene));
-                referred = cell.scene;
-            }
-            run_cell(cell, Judgement(*reference), show);
-        } catch (const Interrupted&) {
-            throw;
-        } catch (const std::exception& error) {
-            fail(fmt::format("{}, {}, seed {}: {}", cell.identity.scene, cell.identity.method, cell.identity.seed,
-                             error.what()));
-        }
+        try_cell(cell, reference, referred, show);
         costs.add(cell.identity, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+}
+
+void ExperimentRun::try_cell(const PlannedCell& cell, std::optional<Reference>& reference, const SceneState*& referred,
+                             const PassObserver& observer) {
+    if (options_.shared) ResultFolder::make(folder_.cell_folder(cell.name));
+    const auto lock = options_.shared ? FileLock::if_free(folder_.cell_folder(cell.name) + "/.lock") : std::nullopt;
+    if (options_.shared && (!lock || folder_.read_cell(cell.name, cell.identity.key())))
+        return;  // another process measures it, or has
+    try {
+        if (cell.identity.reference.empty()) throw RunError("the scene has no reference");
+        if (referred != cell.scene) {
+            referred = nullptr;
+            reference.reset();
+            reference = read_reference(folder_.reference_image(cell.identity.scene));
+            referred = cell.scene;
+        }
+        run_cell(cell, Judgement(*reference), observer);
+    } catch (const Interrupted&) {
+        throw;
+    } catch (const std::exception& error) {
+        fail(fmt::format("{}, {}, seed {}: {}", cell.identity.scene, cell.identity.method, cell.identity.seed,
+                         error.what()));
+        keep_failure(cell.name, error.what());
     }
 }
 

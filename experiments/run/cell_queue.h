@@ -3,9 +3,11 @@
 
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/cell_process.h"
+#include "experiments/measuring/reference.h"
 #include "experiments/plan/run_options.h"
 #include "experiments/results/manifest.h"
 #include "experiments/results/result_folder.h"
+#include "experiments/run/run_plan.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/progress.h"
 
@@ -20,7 +22,10 @@ namespace gib {
 class ExperimentRun {
 public:
     /// Reads and checks everything, then locks the result folder until this object is destroyed. Throws InputError.
+    /// Where others work in the folder too (RunOptions::shared), it is not locked, and no unfinished file is removed.
     explicit ExperimentRun(const RunOptions& options);
+    /// One of several processes of a run: takes from the plan what the first one has read and checked, and loads no scene.
+    ExperimentRun(const RunOptions& options, const RunPlan& plan);
 
     /// Brings every selected scene's reference to its goal, and measures every selected cell that is not complete. A
     /// scene whose reference cannot be made fails with all its cells. Returns false if the user interrupted it.
@@ -30,6 +35,26 @@ public:
 
     /// All complete cells, seeds outermost, including those that earlier runs completed.
     std::vector<ManifestCell> complete_cells();
+
+    // A run of several processes (shared_run.cpp).
+
+    /// What the other processes have to know, without their tasks.
+    RunPlan plan() const;
+    /// The selected cells, complete or not.
+    std::vector<CellState> states();
+    /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does
+    /// not take them for fresh ones.
+    void forget_cells();
+    /// Measures those of the cells that are not complete and that no other process measures. Returns false if the user
+    /// interrupted it.
+    bool measure_cells(const std::vector<CellPlace>& places);
+    /// Brings every selected scene's reference on its way, by at most so much work of this process for each
+    /// (MadeBatch::work). Returns the batches that others have to make before it can go on.
+    std::vector<PlannedBatch> advance_references(double most_own_work);
+    /// Makes those of the batches that are not there. Returns false if the user interrupted it.
+    bool make_batches(const std::vector<PlannedBatch>& batches);
+    /// Writes the index, with the notes about references.
+    void write_index() { folder_.write_index(index()); }
 
     const ResultFolder& folder() const { return folder_; }
     /// A line for each reference and each cell that failed.
@@ -44,29 +69,40 @@ private:
         std::string povray = "";          ///< in POV-Ray's form, if a method takes that
         std::string reference = "";       ///< identity; empty: there is none
         std::vector<std::string> notes = {};
-        bool failed = false;  ///< its reference could not be made
+        bool failed = false;                       ///< its reference could not be made
+        std::vector<ReferenceBatch> missing = {};  ///< of its reference, to be made by others
     };
     struct PlannedCell {
         SceneState* scene;
         const MethodLabel* label;
         const ExternalMethod* external;  ///< null: a method of gibench
+        CellPlace place;
         CellIdentity identity;
         std::string name;  ///< of its folder
     };
 
+    void require_a_cell() const;
+    /// Makes and, unless it is shared, locks the result folder.
+    void prepare_folder();
+    /// Takes over the references in the result folder, with their notes.
+    void take_stored_references();
     bool selected(const std::string& scene, const MethodLabel& label) const;
     bool selected(const SceneState& scene) const;
-    /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does
-    /// not take them for fresh ones.
-    void forget_cells();
     void make_references();
-    void run_cells();
+    void run_cells(const std::vector<const PlannedCell*>& to_do);
+    /// Runs a cell and keeps its failure. `reference` is that of the cell's scene.
+    void try_cell(const PlannedCell& cell, std::optional<Reference>& reference, const SceneState*& referred,
+                  const PassObserver& observer);
     void make_reference_of(SceneState& scene);
     /// Takes the image that the experiment gives as the scene's reference.
     void take_given_reference(SceneState& scene);
     /// Takes the reference with which the run that is repeated was measured. Returns false if no run is repeated or
     /// if that reference is not intact.
     bool take_reference_of(SceneState& scene);
+    /// What the reference of a scene that gibench makes consists of.
+    ReferenceWork reference_work(const SceneState& scene, const LoadedScene& loaded) const;
+    /// A cell; empty if the run that is repeated does not have it.
+    std::optional<PlannedCell> cell_at(const CellPlace& place);
     /// All cells of the experiment, seeds outermost, so that costs are known after the first seed and a machine that
     /// slows down treats all methods alike.
     std::vector<PlannedCell> cells();
@@ -75,6 +111,8 @@ private:
     /// Renders a cell in a process of its own, which leaves its images in the work folder.
     CellTiming render_cell(const PlannedCell& cell, const std::string& work_folder, const PassObserver& observer);
     void fail(const std::string& what);
+    /// Leaves the message of a failed cell in its folder.
+    void keep_failure(const std::string& cell, const std::string& what);
     ResultIndex index();
     /// Loads a scene. Only one is in memory at a time, while its methods are planned and its reference is made; cells
     /// load it in their own processes.
@@ -92,6 +130,7 @@ private:
     std::vector<SceneState> scenes_;
     std::map<std::pair<std::string, std::string>, std::string> effects_missing_, components_missing_;
     std::string build_;
+    std::optional<double> most_own_work_;  ///< ReferenceWork::most_own_work
     ProgressLine progress_;
     std::vector<std::string> failures_;
 };

@@ -31,14 +31,8 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     if (!scene.entry.reference_image.empty()) return take_given_reference(scene);
     const LoadedScene loaded = load(scene.entry);
     if (loaded.content_hash != scene.content_hash) throw RunError("the scene was changed while the experiment ran");
-    const MethodLabel& label = experiment_.reference_method;
-    const std::string path = cached_reference_path(reference_key(scene.content_hash, label));
-    const ReferenceWork work{.scene = loaded,
-                             .methods = reference_methods(label),
-                             .label = label,
-                             .goal = scene.entry.goal,
-                             .epsilon = experiment_.epsilon,
-                             .path = path};
+    const std::string path = cached_reference_path(reference_key(scene.content_hash, experiment_.reference_method));
+    const ReferenceWork work = reference_work(scene, loaded);
     // The lock is held until the folder has its own name for the file, because another run may replace the file at
     // any time after.
     const FileLock lock = lock_reference(path, [&](const std::string& owner) {
@@ -47,6 +41,8 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
     });
     FinishedReference finished;
     with_threads(threads_, [&] { finished = make_reference(work, progress_); });
+    scene.missing = finished.missing;
+    if (!scene.missing.empty()) return;
     scene.reference = finished.identity;
     scene.notes = finished.warnings;
     link_file(path, folder_.reference_image(scene.entry.name));
@@ -55,6 +51,17 @@ void ExperimentRun::make_reference_of(SceneState& scene) {
                                   finished.rounds_added == 0 ? " (stored)" : ""));
     for (const auto& warning : finished.warnings)
         progress_.message("warning: " + warning);
+}
+
+ReferenceWork ExperimentRun::reference_work(const SceneState& scene, const LoadedScene& loaded) const {
+    const MethodLabel& label = experiment_.reference_method;
+    return {.scene = loaded,
+            .methods = reference_methods(label),
+            .label = label,
+            .goal = scene.entry.goal,
+            .epsilon = experiment_.epsilon,
+            .path = cached_reference_path(reference_key(scene.content_hash, label)),
+            .most_own_work = most_own_work_};
 }
 
 bool ExperimentRun::take_reference_of(SceneState& scene) {

@@ -38,9 +38,9 @@ std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
     return groups;
 }
 
-MakerPilot pilot_of(const Made& made, std::uint64_t seed, double seconds_of_pass = 1) {
+MakerPilot pilot_of(const Made& made, std::uint64_t seed, double work_of_pass = 1) {
     return {
-        .groups = groups_of(made, seed), .passes = 1, .seconds = reference_groups * seconds_of_pass, .unresolved = {}};
+        .groups = groups_of(made, seed), .passes = 1, .work = reference_groups * work_of_pass, .unresolved = {}};
 }
 double weight(const MakerPlan& plan, std::size_t maker, Component c) {
     return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];
@@ -71,7 +71,7 @@ TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
     EXPECT_EQ(plan.shares[1].passes, 0u);
     EXPECT_EQ(weight(plan, 0, Component::direct), 1);
     // The predicted squared error of one second: the variances of both components over r^2 + epsilon.
-    EXPECT_NEAR(plan.error2_seconds, 2 * 0.01 / (4 + 0.01), 0.05 * 0.005);
+    EXPECT_NEAR(plan.error2_work, 2 * 0.01 / (4 + 0.01), 0.05 * 0.005);
     const MakerPlan slow = plan_of_least_variance({"a", "b"}, {pilot_of(better, 1, 100), pilot_of(worse, 2)}, 0.01);
     EXPECT_EQ(slow.shares[0].passes, 0u);
 }
@@ -154,10 +154,8 @@ TEST(ReferenceMaker, TakesTheRemainder) {
     EXPECT_TRUE(both.unresolved().empty());
     EXPECT_EQ(both.name(), "bidirectional+vcm");
     EXPECT_EQ(ReferenceMaker(find_method("path"), {"auto", {}}, scene, true).name(), "path");
-    DroppedSamples dropped;
     const auto make = [&](const ReferenceMaker& maker, std::uint64_t passes_before) {
-        return maker.make(
-            7, 256, passes_before, [] {}, dropped);
+        return maker.make(7, 256, passes_before, [] {}).images;
     };
     const ComponentImages part = make(alone, 0), whole = make(both, 0), later = make(both, 1000000);
     EXPECT_GT(test::mean_of(*whole[Component::caustic]).sum(), 1.02 * test::mean_of(*part[Component::caustic]).sum());

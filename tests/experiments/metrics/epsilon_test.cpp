@@ -106,7 +106,7 @@ TEST(RelativeEpsilon, GivesMakersTheSameSharesInAnyUnitOfLight) {
                 }
             }
             pilots[m].passes = 1;
-            pilots[m].seconds = 1 + static_cast<double>(m);
+            pilots[m].work = 1 + static_cast<double>(m);
         }
         return plan_of_least_variance({"a", "b"}, pilots, std::nullopt);
     };
@@ -116,7 +116,7 @@ TEST(RelativeEpsilon, GivesMakersTheSameSharesInAnyUnitOfLight) {
         for (std::size_t c = 0; c < component_count; ++c)
             EXPECT_NEAR(dark.shares[m].weights[c], bright.shares[m].weights[c], 1e-4);
     }
-    EXPECT_NEAR(dark.error2_seconds / bright.error2_seconds, 1, 1e-4);
+    EXPECT_NEAR(dark.error2_work / bright.error2_work, 1, 1e-4);
 }
 
 }  // namespace

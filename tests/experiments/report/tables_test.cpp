@@ -117,7 +117,7 @@ TEST(Tables, ShowEveryMemberOfARow) {
     analysis.rows.resize(1);
     auto& [scene, method, component, seeds, seconds, prepare_seconds, statistics, robust, noise, bias, times, footing,
            law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip, epsilon, components_missing,
-           is_unbiased, is_external, floor_known] = analysis.rows[0];
+           is_unbiased, is_external, floor_known, cpu] = analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -151,6 +151,7 @@ TEST(Tables, ShowEveryMemberOfARow) {
     expect_shown(is_unbiased, true);
     expect_shown(is_external, true);
     expect_shown(floor_known, false);
+    expect_shown(cpu, "a processor");
 }
 
 // Every entry of row_columns() with a heading stands in table.md, so that no metric is for the CSV file alone.

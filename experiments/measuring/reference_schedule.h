@@ -1,0 +1,47 @@
+#pragma once
+// How many passes the rounds of a reference have, and what is left to do. Where a target ends the reference, these
+// numbers follow from its error and from counts of rays alone, never from time, so that they are the same on every machine.
+
+#include "experiments/measuring/reference_batches.h"
+#include "experiments/measuring/reference_makers.h"
+#include "experiments/plan/experiment_file.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace gib {
+
+/// The state of a reference between two rounds.
+struct ReferenceState {
+    std::uint32_t rounds = 0;
+    std::uint64_t passes = 0;  ///< of each group
+    double error = 0;          ///< relative standard error; unknown before the first round
+    double work = 0;           ///< of all rounds (MadeBatch::work); 0: unknown
+    double seconds = 0;        ///< of all rounds and the pilot
+    double pilot_seconds = 0;  ///< of the pilot
+    double pilot_work = 0;     ///< of the pilot; 0: there was none
+};
+
+class ReferenceSchedule {
+public:
+    explicit ReferenceSchedule(const ReferenceGoal& goal) : goal_(goal) {}
+
+    /// Whether the target is reached. No target counts as reached before each group has a few passes.
+    bool reaches_target(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    /// The number of passes that the target still needs; there must be one. The error falls with the square root of the
+    /// number of passes.
+    double passes_needed(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    /// The passes of the next round.
+    std::uint32_t next_passes(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    /// The batches of the next round, by groups.
+    std::vector<ReferenceBatch> next_batches(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    /// The batches of all rounds up to the goal, as far as they can be foreseen, of 16 rounds at most.
+    std::vector<ReferenceBatch> batches_ahead(ReferenceState state, const std::vector<MakerShare>& shares) const;
+    /// The work up to the goal, or, before the first round, of the first few rounds; infinite if it is unknown.
+    double work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+
+private:
+    const ReferenceGoal& goal_;
+};
+
+}  // namespace gib

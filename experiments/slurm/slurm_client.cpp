@@ -1,0 +1,125 @@
+#include "experiments/slurm/slurm_client.h"
+
+#include "common/core/number_text.h"
+#include "common/core/reject.h"
+#include "experiments/system/child_process.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <unistd.h>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_on_path(const std::string& program) {
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+    return false;
+}
+
+/// The lines that a command prints.
+std::vector<std::string> lines_of(const std::vector<std::string>& command) {
+    std::vector<std::string> lines;
+    run_child(command, [&](const std::string& line) { lines.push_back(line); });
+    return lines;
+}
+
+/// A word for the shell that runs a job's script.
+std::string quoted(const std::string& word) {
+    std::string text = "'";
+    for (const char c : word)
+        text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+}
+
+}  // namespace
+
+void require_slurm() {
+    for (const char* program : {"sbatch", "srun", "squeue", "scontrol"})
+        if (!is_on_path(program))
+            reject(
+                {},
+                "--on slurm needs Slurm's command '{}', which is not on the PATH; run this on a machine that submits "
+                "jobs, or leave out --on slurm",
+                program);
+}
+
+std::size_t largest_array() {
+    for (const std::string& line : lines_of({"scontrol", "show", "config"})) {
+        std::istringstream words(line);
+        std::string key, equals;
+        std::size_t value = 0;
+        if (words >> key >> equals >> value && key == "MaxArraySize") return value;
+    }
+    throw RunError("'scontrol show config' does not say MaxArraySize");
+}
+
+std::vector<SlurmTask> active_tasks() {
+    std::vector<SlurmTask> tasks;
+    for (const std::string& line : lines_of({"squeue", "--me", "--array", "--noheader", "--format=%F %K %T"})) {
+        std::istringstream words(line);
+        SlurmTask task;
+        std::string index, state;
+        if (!(words >> task.job >> index >> state)) continue;
+        task.index = number_from<std::size_t>(index);  // "N/A" without an array
+        task.runs = state == "RUNNING" || state == "COMPLETING" || state == "SUSPENDED" || state == "STOPPED";
+        tasks.push_back(task);
+    }
+    return tasks;
+}
+
+std::uint64_t submit_job(const SlurmJob& job) {
+    std::string command = fmt::format("exec srun --ntasks=1 --cpus-per-task={} --cpu-bind=cores", job.cpus);
+    for (const std::string& word : job.command)
+        command += " " + quoted(word);
+    std::vector<std::string> arguments = {
+        "sbatch",
+        "--parsable",
+        "--requeue",
+        "--open-mode=append",
+        "--ntasks=1",
+        "--job-name=" + job.name,
+        fmt::format("--cpus-per-task={}", job.cpus),
+        "--chdir=" + fs::current_path().string(),
+        fmt::format("--output={}/%x-%{}.txt", fs::absolute(job.log_folder).string(), job.tasks > 0 ? "A_%a" : "j")};
+    arguments.insert(arguments.end(), job.user_options.begin(), job.user_options.end());
+    if (job.tasks > 0) arguments.push_back(fmt::format("--array=0-{}", job.tasks - 1));
+    if (!job.after.empty()) arguments.push_back(fmt::format("--dependency=afterany:{}", fmt::join(job.after, ":")));
+    arguments.push_back("--wrap=" + command);
+    const auto lines = lines_of(arguments);
+    // sbatch --parsable prints JOB or JOB;CLUSTER.
+    const std::string answer = lines.empty() ? "" : lines.back();
+    const auto number = number_from<std::uint64_t>(answer.substr(0, answer.find(';')));
+    if (!number) throw RunError(fmt::format("sbatch has answered '{}' instead of a job's number", answer));
+    return *number;
+}
+
+void set_dependency(std::uint64_t job, std::uint64_t after) {
+    lines_of({"scontrol", "update", fmt::format("JobId={}", job), fmt::format("Dependency=afterany:{}", after)});
+}
+
+std::size_t own_array_index() {
+    const char* index = std::getenv("SLURM_ARRAY_TASK_ID");
+    return index ? number_from<std::size_t>(index).value_or(0) : 0;
+}
+
+void forget_own_job() {
+    std::vector<std::string> names;
+    for (char** entry = environ; *entry; ++entry) {
+        const std::string name = std::string(*entry).substr(0, std::string(*entry).find('='));
+        if (name != "SLURM_CONF" && (name.starts_with("SLURM") || name.starts_with("SRUN_"))) names.push_back(name);
+    }
+    for (const std::string& name : names)
+        ::unsetenv(name.c_str());
+}
+
+}  // namespace gib

@@ -1,0 +1,91 @@
+#include "experiments/slurm/status.h"
+
+#include "common/core/files.h"
+#include "common/core/reject.h"
+#include "experiments/measuring/reference.h"
+#include "experiments/results/result_folder.h"
+#include "experiments/run/run_plan.h"
+#include "experiments/slurm/slurm_jobs.h"
+#include "experiments/system/file_lock.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <ostream>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 5> state_names = {"done", "running", "waiting", "failed", "missing"};
+enum State : std::size_t { done, running, waiting, failed, missing };
+
+/// The cells that belong to a run that has begun: how they are known, and whether somebody works on them.
+struct Work {
+    std::map<std::string, bool> cells;  ///< in tasks, by name: whether the task runs
+    bool local_run = false;
+    std::string warning;
+};
+
+Work work_in(const std::string& folder) {
+    Work work;
+    const JobFolder jobs(folder);
+    try {
+        if (jobs.exists()) work.cells = active_cells(active_jobs(jobs.read()));
+    } catch (const RunError& error) {
+        work.warning = fmt::format("Slurm does not say which jobs wait or run: {}", error.what());
+    }
+    if (fs::exists(folder + "/.lock")) work.local_run = !FileLock::if_free(folder + "/.lock");
+    return work;
+}
+
+State state_of(const ResultFolder& folder, const std::string& name, const ResultIndex& index, const Work& work) {
+    const auto key = index.cell_keys.find(name);
+    if (key != index.cell_keys.end() && folder.read_cell(name, key->second)) return done;
+    const bool is_begun = fs::exists(folder.work_folder(name)) || fs::exists(folder.cell_folder(name) + "/.lock");
+    if (const auto task = work.cells.find(name); task != work.cells.end())
+        return task->second && is_begun ? running : waiting;
+    if (work.local_run && is_begun) return running;
+    if (fs::exists(folder.failure_file(name))) return failed;
+    return work.local_run ? waiting : missing;
+}
+
+}  // namespace
+
+int print_status(const std::string& path, std::ostream& out) {
+    const ResultFolder folder(path);
+    const ResultIndex index = folder.read_index();
+    const Work work = work_in(path);
+    if (!work.warning.empty()) std::cerr << "warning: " << work.warning << "\n";
+    std::array<std::size_t, state_names.size()> counts{};
+    std::string list;
+    for (int seed = 1; seed <= index.seeds; ++seed)
+        for (const auto& scene : index.scenes)
+            for (const auto& method : index.methods) {
+                const auto name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
+                const State state = state_of(folder, name, index, work);
+                ++counts[state];
+                if (state == done || state == waiting) continue;
+                std::string why;
+                if (state == failed) why = ": " + read_file(folder.failure_file(name));
+                while (!why.empty() && why.back() == '\n')
+                    why.pop_back();
+                list += fmt::format("{}: {}, {}, seed {}{}\n", state_names[state], scene.name, method, seed, why);
+            }
+    std::size_t references = 0;
+    for (const auto& scene : index.scenes)
+        references += !scene.reference.empty() ? 1 : 0;
+    out << fmt::format("references: {} of {}\n", references, index.scenes.size());
+    for (std::size_t state = 0; state < counts.size(); ++state)
+        out << fmt::format("{}: {}\n", state_names[state], counts[state]);
+    out << list;
+    return counts[failed] + counts[missing] > 0 ? exit_failed : 0;
+}
+
+}  // namespace gib
