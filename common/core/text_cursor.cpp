@@ -9,6 +9,12 @@
 
 namespace gib {
 
+bool TextCursor::at_join() const {
+    const char* next = at_ + 1;
+    if (next != end_ && *next == '\r') ++next;
+    return next != end_ && *next == '\n';
+}
+
 bool TextCursor::at_word_end() const { return at_line_end() || at_blank(); }
 
 void TextCursor::fail_number(const char* expected) {
@@ -19,8 +25,10 @@ void TextCursor::fail_number(const char* expected) {
 }
 
 void TextCursor::skip_blanks() {
-    while (at_blank())
-        ++at_;
+    while (at_blank()) {
+        if (*at_ == '\\') next_line();
+        else ++at_;
+    }
 }
 
 void TextCursor::skip_space() {

@@ -6,19 +6,28 @@
 
 namespace gib {
 
-enum class Wrap { repeat, mirror, clamp };
+/// What lies beyond the edges: the image again, its mirror image, its outermost cells, or 0 or 1 everywhere.
+enum class Wrap { repeat, mirror, clamp, zero, one };
+
+/// The index that stands for every cell beyond the edges, where these have a value of their own.
+constexpr int cell_beyond = -1;
+
+/// Whether a constant lies beyond the edges.
+inline bool ends_at_edges(Wrap wrap) { return wrap == Wrap::zero || wrap == Wrap::one; }
 
 /// A coordinate reduced to its first period, [0, 1] or, if mirrored, [0, 2], so that no later step leaves the range
-/// of int. A coordinate that is not finite becomes 0.
+/// of int. Where a constant lies beyond the edges, it is reduced to [-1, 2]. A coordinate that is not finite becomes 0.
 inline float reduced(float s, Wrap wrap) {
     if (!std::isfinite(s)) return 0;
     if (wrap == Wrap::repeat) return s - std::floor(s);
     if (wrap == Wrap::mirror) return s - 2 * std::floor(s / 2);
-    return std::clamp(s, 0.f, 1.f);
+    return ends_at_edges(wrap) ? std::clamp(s, -1.f, 2.f) : std::clamp(s, 0.f, 1.f);
 }
 
-/// The cell that index `i` stands for in a row of `size` cells; i is at most one cell outside the first period.
+/// The cell that index `i` stands for in a row of `size` cells, or cell_beyond; i is at most one cell outside the first
+/// period.
 inline int wrapped(int i, int size, Wrap wrap) {
+    if (ends_at_edges(wrap)) return i < 0 || i >= size ? cell_beyond : i;
     if (wrap == Wrap::clamp) return std::clamp(i, 0, size - 1);
     if (wrap == Wrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
     if (i < 0) return -1 - i;

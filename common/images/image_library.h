@@ -33,8 +33,8 @@ public:
         void* handle;
         int tile_width;  ///< texels from one row of a tile to the next
     };
-    /// Adds a file; `raw` as for ImageLibrary::open_image(). Throws InputError as open_image() does.
-    virtual File add(const std::string& path, bool raw) = 0;
+    /// Adds a file; `raw` and `channel` as for ImageLibrary::open_image(). Throws InputError as open_image() does.
+    virtual File add(const std::string& path, bool raw, const std::string& channel) = 0;
     /// Writes the whole rows [begin, end) of an image that is `width` texels wide to `values`, interleaved.
     virtual void read_rows(void* file, int width, int begin, int end, float* values) = 0;
 
@@ -69,9 +69,11 @@ public:
     /// Opens an image file with one grey channel or with R, G and B. Alpha and other channels are left out, and colours
     /// are never multiplied by alpha. By Mitsuba's rule, 8- and 16-bit integers are decoded as sRGB whatever the file
     /// says, and floats are linear; if `raw` is true, integers become fractions of their range. The image is the file's
-    /// data window. Throws InputError with the file's name if the file is missing, is not an image, has several parts,
-    /// subsampled colour or primaries other than sRGB's.
-    virtual std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw) const = 0;
+    /// data window. If `channel` is not empty, the channel of this name, in capitals or not, is read as the grey one; "a"
+    /// or "A" is never decoded. Throws InputError with the file's name if the file is missing, is not an image, has several
+    /// parts, subsampled colour, primaries other than sRGB's or no such channel.
+    virtual std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw,
+                                                    const std::string& channel = {}) const = 0;
     /// A cache of `megabytes` MB, whose tiles have `tile_size` texels a side.
     virtual std::unique_ptr<TileCache> tile_cache(double megabytes, int tile_size) const = 0;
 };

@@ -13,13 +13,31 @@ struct Quad {
     float wx, wy;
 };
 
+/// The colour beyond the edges of a bitmap that ends there.
+float value_beyond(Wrap wrap) { return wrap == Wrap::one ? 1.f : 0.f; }
+
+Color texel_of(const BitmapTexture& texture, int x, int y) {
+    if (x == cell_beyond || y == cell_beyond) return Color::Constant(value_beyond(texture.wrap));
+    return texture.bitmap->texel(x, y);
+}
+
+Color minimum_of(const BitmapTexture& texture) {
+    const Color& texels = texture.bitmap->minimum();
+    return ends_at_edges(texture.wrap) ? Color(texels.min(value_beyond(texture.wrap))) : texels;
+}
+
+Color maximum_of(const BitmapTexture& texture) {
+    const Color& texels = texture.bitmap->maximum();
+    return ends_at_edges(texture.wrap) ? Color(texels.max(value_beyond(texture.wrap))) : texels;
+}
+
 Quad quad_at(const BitmapTexture& texture, const Vec2& uv) {
     const Bitmap& bitmap = *texture.bitmap;
     const Vec2 st = texture.to_uv(uv);
     const Neighbours x = neighbours(st.x(), bitmap.width(), texture.wrap);
     const Neighbours y = neighbours(st.y(), bitmap.height(), texture.wrap);
-    return {{bitmap.texel(x.first, y.first), bitmap.texel(x.second, y.first), bitmap.texel(x.first, y.second),
-             bitmap.texel(x.second, y.second)},
+    return {{texel_of(texture, x.first, y.first), texel_of(texture, x.second, y.first),
+             texel_of(texture, x.first, y.second), texel_of(texture, x.second, y.second)},
             x.weight,
             y.weight};
 }
@@ -28,14 +46,14 @@ Color color_of(const BitmapTexture& texture, const Vec2& uv) {
     const Bitmap& bitmap = *texture.bitmap;
     if (texture.filter == TextureFilter::nearest) {
         const Vec2 st = texture.to_uv(uv);
-        return bitmap.texel(nearest_cell(st.x(), bitmap.width(), texture.wrap),
-                            nearest_cell(st.y(), bitmap.height(), texture.wrap));
+        return texel_of(texture, nearest_cell(st.x(), bitmap.width(), texture.wrap),
+                        nearest_cell(st.y(), bitmap.height(), texture.wrap));
     }
     const Quad q = quad_at(texture, uv);
     const Color top = (1 - q.wx) * q.texels[0] + q.wx * q.texels[1];
     const Color bottom = (1 - q.wx) * q.texels[2] + q.wx * q.texels[3];
     // The clamp keeps rounding from lifting a reflectance above 1.
-    return ((1 - q.wy) * top + q.wy * bottom).max(bitmap.minimum()).min(bitmap.maximum());
+    return ((1 - q.wy) * top + q.wy * bottom).max(minimum_of(texture)).min(maximum_of(texture));
 }
 
 float number(const Color& c, bool grey) { return grey ? c[0] : luminance(c); }
@@ -161,7 +179,7 @@ double Texture::aspect() const {
 
 Color Texture::minimum() const {
     if (!varying_) return constant_;
-    if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->minimum();
+    if (const auto* bitmap = varying_->bitmap()) return minimum_of(*bitmap);
     if (const auto* attribute = varying_->attribute()) return attribute->minimum;
     if (const auto* scaled = varying_->scaled()) return scaled->texture.minimum() * scaled->scale;
     const auto& board = varying_->checkerboard();
@@ -170,7 +188,7 @@ Color Texture::minimum() const {
 
 Color Texture::maximum() const {
     if (!varying_) return constant_;
-    if (const auto* bitmap = varying_->bitmap()) return bitmap->bitmap->maximum();
+    if (const auto* bitmap = varying_->bitmap()) return maximum_of(*bitmap);
     if (const auto* attribute = varying_->attribute()) return attribute->maximum;
     if (const auto* scaled = varying_->scaled()) return scaled->texture.maximum() * scaled->scale;
     const auto& board = varying_->checkerboard();

@@ -26,14 +26,15 @@ TextureCache::~TextureCache() = default;
 
 TileCache& Bitmap::files() const { return *cache_->tiles_->files; }
 
-Bitmap::Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw) : cache_(std::move(cache)) {
-    const auto reader = image_library().open_image(path, raw);
+Bitmap::Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw, const std::string& channel)
+    : cache_(std::move(cache)) {
+    const auto reader = image_library().open_image(path, raw, channel);
     const ImageReader& file = *reader;
     width_ = file.width();
     height_ = file.height();
     channels_ = file.channels();
     tiles_across_ = (width_ + tile_size - 1) / tile_size;
-    const TileCache::File added = files().add(path, raw);
+    const TileCache::File added = files().add(path, raw, channel);
     file_ = added.handle;
     tile_width_ = added.tile_width;
     measure(file, path);

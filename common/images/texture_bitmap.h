@@ -29,9 +29,9 @@ private:
 /// An image of linear colours or greys. Safe to read from several threads.
 class Bitmap {
 public:
-    /// Opens a file; `raw` as for ImageLibrary::open_image(). Throws InputError with the file's name if open_image()
-    /// refuses the file or a value is not finite.
-    Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw);
+    /// Opens a file; `raw` and `channel` as for ImageLibrary::open_image(). Throws InputError with the file's name if
+    /// open_image() refuses the file or a value is not finite.
+    Bitmap(std::shared_ptr<TextureCache> cache, const std::string& path, bool raw, const std::string& channel = {});
     ~Bitmap();
     Bitmap(const Bitmap&) = delete;
     Bitmap& operator=(const Bitmap&) = delete;

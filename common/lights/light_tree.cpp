@@ -55,6 +55,15 @@ Ball ball_around(const Ball& a, const Ball& b) {
     return {a.center + between * ((radius - a.radius) / distance), radius * (1 + 1e-12)};
 }
 
+/// The emission at an angle of this cosine beyond the cone's spread, as a share of the peak: the cosine of a surface, or
+/// the fall of a spot, which is linear in the angle, as sin(angle / 2) / sin(fall / 2) nearly is.
+double share_of_peak(const EmissionCone& cone, double cosine) {
+    if (cosine < cone.cos_fall) return 0;
+    if (!(cone.cos_fall < 1)) return 1;
+    const double squared = std::max(1 - cosine, 0.0) / (1 - cone.cos_fall);
+    return cone.fall < 0.5 * std::numbers::pi ? 1 - std::sqrt(squared) : 1 - squared;
+}
+
 }  // namespace
 
 EmissionCone::EmissionCone(const Vec3d& along, double theta_o, double theta_e)
@@ -65,11 +74,15 @@ EmissionCone::EmissionCone(const Vec3d& along, double theta_o, double theta_e)
       sin_spread(std::sin(theta_o)),
       cos_fall(std::cos(theta_e)) {}
 
+/// With the spread s, the fall F and t the angle beyond s, this is 2 pi times
+///     1 - cos s + integral from 0 to e of sin(s + t) (cos t - cos F) / (1 - cos F) dt, e = min(F, pi - s).
+/// The integral is (sin s A + cos s B) / q, written here without cancellation, with q = 1 - cos F and p = 1 - cos e.
 double EmissionCone::solid_angle() const {
-    // The profile is 1 up to the spread, and from there to the end cos(theta - spread).
-    const double end = std::min(spread + fall, std::numbers::pi);
-    const double falling = 2 * (end - spread) * sin_spread - std::cos(spread - 2 * end) + cos_spread;
-    return 2 * std::numbers::pi * (1 - cos_spread) + 0.5 * std::numbers::pi * falling;
+    const auto one_minus_cos = [](double angle) { return 2 * sqr(std::sin(0.5 * angle)); };
+    const double q = one_minus_cos(fall), end = std::min(fall, std::numbers::pi - spread), p = one_minus_cos(end);
+    const double a = 0.5 * (end - std::sin(end) * std::cos(end)) + std::sin(end) * (q - p), b = p * (q - 0.5 * p);
+    const double falling = q > 0 ? (sin_spread * a + cos_spread * b) / q : 0;
+    return 2 * std::numbers::pi * (one_minus_cos(spread) + falling);
 }
 
 EmissionCone united(const EmissionCone& first, const EmissionCone& second) {
@@ -95,13 +108,19 @@ double LightBounds::importance(const LitPoint& at) const {
     const Angle to_axis{cosine, std::sqrt(1 - sqr(cosine))};
     const Angle of_ball{std::sqrt(1 - r2 / d2), std::sqrt(r2 / d2)};
     const Angle least = to_axis.minus(of_ball).minus({cone.cos_spread, cone.sin_spread});
-    return least.cosine < cone.cos_fall ? 0 : intensity * least.cosine / d2;
+    return intensity * share_of_peak(cone, least.cosine) / d2;
 }
 
 LightBounds bounds_of(const Light& light, const std::vector<Shape>& shapes) {
     const RayBundle rays = emission_bundle(light, shapes, EmissionBox());
     const double half = std::min(rays.cone.half_angle, std::numbers::pi), quarter_turn = 0.5 * std::numbers::pi;
     LightBounds bounds{rays.center, rays.radius, {}, 0};
+    if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        const double beam = std::min(spot->beam_width(), half);
+        bounds.cone = {rays.cone.axis, beam, half - beam};
+        bounds.intensity = power_of(light).mean() * spot->pdf_w(rays.cone.axis.cast<float>());
+        return bounds;
+    }
     // A surface emits with a cosine about its normals, which lie a quarter turn inside the cone of its rays.
     if (is_point(light)) bounds.cone = {rays.cone.axis, half, 0};
     else if (half >= std::numbers::pi) bounds.cone = {rays.cone.axis, std::numbers::pi, quarter_turn};

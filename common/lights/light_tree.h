@@ -4,10 +4,10 @@
 //
 // Every light has a bound: a ball from which it shines, a cone of directions, and a peak intensity [W/sr]. Its
 // importance at p is an irradiance [W/m^2] without regard to surfaces in between,
-//     I cos(theta') / max(d^2, r^2),
-// where d is the distance to the ball's centre, r the ball's radius, and theta' the least angle that the direction to p
-// can make with the light's cone, from anywhere in the ball. It is 0 if the ball lies behind the surface at p. Lights
-// at infinity have an importance that is the same everywhere, on surfaces that face them. The others are the leaves of a
+//     I f(theta') / max(d^2, r^2),
+// where d is the distance to the ball's centre, r the ball's radius, theta' the least angle that the direction to p can
+// make with the light's cone, from anywhere in the ball, and f the cone's fall: for surfaces the cosine. It is 0 if the
+// ball lies behind the surface at p. Lights at infinity have an importance that is the same everywhere, on surfaces that face them. The others are the leaves of a
 // binary tree, whose nodes bound those below. A node's child is chosen in proportion to its importance, so that a
 // choice costs the logarithm of the number of lights, as its probability does.
 //
@@ -34,10 +34,12 @@ struct EmissionCone {
 
     Vec3d axis = Vec3d(0, 0, 1);
     double spread = 0;  ///< theta_o [rad]: the axes of emission are within this angle of `axis`
-    double fall = 0;  ///< theta_e [rad]: emission falls as the cosine of the angle to its axis, and ends at this angle
+    /// theta_e [rad]: emission falls beyond the spread and ends at this angle. A right angle is that of a surface, whose
+    /// emission is the cosine; a smaller one is that of a spot, whose emission falls linearly in the angle.
+    double fall = 0;
     double cos_spread = 1, sin_spread = 0, cos_fall = 1;
 
-    /// The integral of this profile, whose peak is 1, over all directions [sr].
+    /// The integral over all directions [sr] of a profile that is 1 within the spread and falls linearly in the cosine.
     double solid_angle() const;
 };
 /// A cone that holds both.

@@ -19,6 +19,8 @@ public:
               std::optional<Texture> slide);
 
     const Vec3& position() const { return position_; }
+    /// The angle from the axis [rad] up to which the intensity is full.
+    double beam_width() const { return double{beam_}; }
     bool is_textured() const { return slide_.has_value(); }
     /// Intensity [W/sr] in the direction of the unit vector w.
     Color intensity(const Vec3& w) const;

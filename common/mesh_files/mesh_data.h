@@ -19,6 +19,12 @@ struct MeshAttribute {
     std::vector<Color> values;  ///< one for each vertex or for each triangle
 };
 
+/// A material that a mesh file names for its triangles from number `first` on, up to the next run.
+struct MaterialRun {
+    std::size_t first;
+    std::string name;
+};
+
 struct MeshData {
     std::vector<Vec3d> positions;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -26,11 +32,12 @@ struct MeshData {
         normals;  ///< per vertex, of any length, zero where the file has none; empty: the file has none at all
     std::vector<Vec2> uvs;  ///< per vertex or empty
     std::vector<MeshAttribute> attributes;
-    std::vector<std::string> warnings;  ///< about what the reader passed over, each with its place in the file
+    std::vector<MaterialRun> materials;  ///< in the order of the triangles; those before the first run have no name
+    std::vector<std::string> warnings;   ///< about what the reader passed over, each with its place in the file
 };
 
-/// Reads a Wavefront OBJ file: v, vt, vn and f. Other statements of the format are passed over, and so is any unknown
-/// one, with a warning at the first of each name. Faces are parted into triangles (polygon.h). The corners that name the
+/// Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Other statements of the format are passed over, and so is any
+/// unknown one, with a warning at the first of each name. A backslash at the end of a line joins the next one to it. Faces are parted into triangles (polygon.h). The corners that name the
 /// same v/vt/vn share a vertex. Throws InputError at the place in `file`.
 MeshData parse_obj(std::string_view text, const std::string& file);
 

@@ -21,18 +21,18 @@ struct Corner {
 
 constexpr std::uint32_t none = ~0u;
 
-/// Statements of the format that say nothing about the triangles: groups, materials, points, lines and how to show
-/// them.
-constexpr std::string_view passed_over[] = {"g",      "o",        "s",        "mg",         "usemtl",   "mtllib",
-                                            "usemap", "maplib",   "l",        "p",          "vp",       "lod",
-                                            "bevel",  "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+/// Statements of the format that say nothing about the triangles: groups, files of materials, points, lines and how to
+/// show them.
+constexpr std::string_view passed_over[] = {"g",        "o",        "s",          "mg",       "mtllib", "usemap",
+                                            "maplib",   "l",        "p",          "vp",       "lod",    "bevel",
+                                            "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
 /// The three bytes that some programs write before UTF-8 text.
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 class ObjParser {
 public:
-    ObjParser(std::string_view text, const std::string& file) : cursor_(text, file) {
+    ObjParser(std::string_view text, const std::string& file) : cursor_(text, file, Backslash::joins_lines) {
         // Short lines have 20 to 30 bytes. A guess that is too high only wastes address space.
         positions_.reserve(text.size() / 64);
         mesh_.triangles.reserve(text.size() / 64);
@@ -42,7 +42,7 @@ public:
     }
 
     MeshData parse() {
-        for (; !cursor_.at_end(); cursor_.next_line())
+        for (; !cursor_.at_end(); end_statement())
             parse_statement();
         if (mesh_.triangles.empty()) throw InputError(cursor_.location(), "the mesh is empty: it has no faces");
         collect_vertices();
@@ -73,6 +73,8 @@ private:
             uvs_.push_back(uv);
         } else if (keyword == "f") {
             parse_face();
+        } else if (keyword == "usemtl") {
+            mesh_.materials.push_back({mesh_.triangles.size(), rest_of_line()});
         } else if (std::ranges::find(passed_over, keyword) == std::end(passed_over) &&
                    unknown_.insert(keyword).second) {
             mesh_.warnings.push_back(
@@ -80,6 +82,21 @@ private:
                                                               "over",
                                                               keyword)));
         }
+    }
+
+    /// A name, which may have blanks in it.
+    std::string rest_of_line() {
+        std::string rest;
+        for (cursor_.skip_blanks(); !cursor_.at_line_end(); cursor_.skip_blanks())
+            rest += (rest.empty() ? "" : " ") + std::string(cursor_.word());
+        return rest;
+    }
+
+    /// Moves to the next line. What is left of a statement may go on there; a comment does not.
+    void end_statement() {
+        for (cursor_.skip_blanks(); !cursor_.at_line_end() && cursor_.peek() != '#'; cursor_.skip_blanks())
+            cursor_.word();
+        cursor_.next_line();
     }
 
     void parse_face() {
@@ -95,11 +112,12 @@ private:
         if (corners > 3) fans_.push_back({first_triangle, corners});
     }
 
-    /// Reads a corner: v, v/vt, v//vn or v/vt/vn.
+    /// Reads a corner: v, v/vt, v//vn or v/vt/vn. Some programs write v/ where there is no texture coordinate.
     Corner parse_corner() {
         Corner corner{parse_index(positions_.size(), "vertex"), none, none};
         if (cursor_.peek() != '/') return corner;
         cursor_.advance();
+        if (cursor_.at_blank() || cursor_.at_line_end()) return corner;
         if (cursor_.peek() != '/') corner.uv = parse_index(uvs_.size(), "texture coordinate");
         if (cursor_.peek() != '/') return corner;
         cursor_.advance();

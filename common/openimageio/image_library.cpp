@@ -24,7 +24,8 @@ public:
     bool open(const std::string&, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) override {
         return reported([&] {
             file_ = std::make_unique<LinearReader>(config.get_string_attribute("gib:path"),
-                                                   config.get_int_attribute("gib:raw") != 0);
+                                                   config.get_int_attribute("gib:raw") != 0,
+                                                   config.get_string_attribute("gib:channel"));
             m_spec = OIIO::ImageSpec(file_->width(), file_->height(), file_->channels(), OIIO::TypeDesc::FLOAT);
             spec = m_spec;
         });
@@ -69,11 +70,12 @@ public:
     OiioTileCache(const OiioTileCache&) = delete;
     OiioTileCache& operator=(const OiioTileCache&) = delete;
 
-    File add(const std::string& path, bool raw) override {
+    File add(const std::string& path, bool raw, const std::string& channel) override {
         OIIO::ImageSpec config;
         config.attribute("gib:path", path);
         config.attribute("gib:raw", raw ? 1 : 0);
-        const OIIO::ustring name(path + (raw ? " (raw)" : " (linear)"));
+        config.attribute("gib:channel", channel);
+        const OIIO::ustring name(path + (raw ? " (raw)" : " (linear)") + channel);
         images_->add_file(name, LinearInput::create, &config);
         OIIO::ImageCache::ImageHandle* file = images_->get_image_handle(name);
         OIIO::ImageSpec spec;
@@ -136,8 +138,9 @@ public:
         return png;
     }
 
-    std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw) const override {
-        return std::make_unique<LinearReader>(path, raw);
+    std::unique_ptr<ImageReader> open_image(const std::string& path, bool raw,
+                                            const std::string& channel) const override {
+        return std::make_unique<LinearReader>(path, raw, channel);
     }
     std::unique_ptr<TileCache> tile_cache(double megabytes, int tile_size) const override {
         return std::make_unique<OiioTileCache>(megabytes, tile_size);

@@ -4,6 +4,7 @@
 #include "common/core/reject.h"
 
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
@@ -40,6 +41,14 @@ std::vector<int> choose_channels(const OIIO::ImageSpec& spec, const SourceLocati
     reject(where, "no channels R,G,B or Y of one layer; the image has {}", fmt::join(names, ", "));
 }
 
+/// The index of the channel that a scene names, in capitals or not.
+int named_channel(const OIIO::ImageSpec& spec, const std::string& channel, const SourceLocation& where) {
+    const auto& names = spec.channelnames;
+    for (const std::string& name : {channel, std::string(OIIO::Strutil::upper(channel))})
+        if (const int found = find_channel(names, name); found >= 0) return found;
+    reject(where, "no channel '{}' of one layer; the image has {}", channel, fmt::join(names, ", "));
+}
+
 /// Throws InputError for primaries other than sRGB's: their colours would need a matrix and would be
 /// wrong without it.
 void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& where) {
@@ -73,17 +82,18 @@ void require_one_part(OIIO::ImageInput& file, const SourceLocation& where) {
     file.geterror();
 }
 
-LinearReader::LinearReader(const std::string& path, bool raw) : path_(path) {
+LinearReader::LinearReader(const std::string& path, bool raw, const std::string& channel) : path_(path) {
     const SourceLocation where{path, 0, 0};
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are stored, not multiplied by alpha
     file_ = open_file(path, &config);
     require_one_part(*file_, where);
     const OIIO::ImageSpec& spec = file_->spec();
-    channels_ = choose_channels(spec, where);
+    channels_ = channel.empty() ? choose_channels(spec, where) : std::vector<int>{named_channel(spec, channel, where)};
     require_srgb_primaries(spec, where);
     const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
-    srgb_ = !raw && (bytes || spec.format == OIIO::TypeDesc::UINT16);
+    const bool alpha = channel == "a" || channel == "A";
+    srgb_ = !raw && !alpha && (bytes || spec.format == OIIO::TypeDesc::UINT16);
     if (srgb_ && bytes)
         for (int i = 0; i < 256; ++i)
             decoded_.push_back(linear_from_srgb(static_cast<float>(i) / 255));

@@ -18,7 +18,7 @@ void require_one_part(OIIO::ImageInput& file, const SourceLocation& where);
 
 class LinearReader final : public ImageReader {
 public:
-    LinearReader(const std::string& path, bool raw);
+    LinearReader(const std::string& path, bool raw, const std::string& channel);
 
     int width() const override { return file_->spec().width; }
     int height() const override { return file_->spec().height; }
@@ -30,7 +30,7 @@ private:
 
     std::string path_;
     std::unique_ptr<OIIO::ImageInput> file_;
-    std::vector<int> channels_;   ///< indices of the channels to read: one grey or R, G, B
+    std::vector<int> channels_;   ///< indices of the channels to read: one as grey, or R, G, B
     std::vector<float> decoded_;  ///< the linear value of each byte, if the file holds bytes in sRGB
     bool srgb_ = false;
 };

@@ -2,6 +2,7 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
+#include "common/mesh_files/mesh_materials.h"
 #include "common/reader/medium_check.h"
 #include "common/reader/scene_bsdf.h"
 #include "common/reader/scene_displacement.h"
@@ -48,6 +49,8 @@ public:
             group_index(*object.element);
         } else if (is_shape(object, "instance")) {
             add_instance(object);
+        } else if (is_shape(object, "merge")) {
+            add_merged(object);
         } else {
             bounds_.extend(add_shapes(object, pending_));
         }
@@ -122,7 +125,8 @@ private:
     /// Appends the shapes of an element that has a surface to `to`. Returns their bounds.
     BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
         Properties properties(*object.element, ids_);
-        const auto bsdf = properties.object("bsdf"), emitter = properties.object("emitter");
+        const auto bsdfs = properties.objects("bsdf");
+        const auto emitter = properties.object("emitter");
         MediumSides media;
         for (const auto& [name, side] :
              {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
@@ -131,7 +135,10 @@ private:
                 media.boundary = true;
             }
         properties.number("silhouette_sampling_weight");  // for Mitsuba's derivatives; no effect here
-        ParsedShapes shapes = parse_shapes(properties, files_, hash_);
+        ParsedShapes shapes = parse_shapes(properties, bsdfs, files_, hash_);
+        const bool by_material = !shapes.parts.empty() && shapes.parts.front().material_name;
+        if (by_material) warn_of_materials(object, shapes, bsdfs);
+        else if (bsdfs.size() > 1) throw InputError(bsdfs[1].where, "<shape> can hold only one <bsdf>");
         displace_shapes(properties, shapes, textures_);
         properties.finish();
         for (const auto& warning : shapes.warnings)
@@ -142,7 +149,8 @@ private:
             radiance = parse_area_emitter(*emitter, textures_);
             area_emitters_.insert(emitter->element);
         }
-        const std::uint32_t material = bsdf ? material_index(*bsdf, mesh_of(shapes)) : 0;
+        const bool has_bsdf = !by_material && !bsdfs.empty();
+        const std::uint32_t material = has_bsdf ? material_index(bsdfs[0], mesh_of(shapes)) : 0;
         std::map<std::uint32_t, std::uint32_t> index_of_material;
         BoundsD bounds;
         for (auto& part : shapes.parts) {
@@ -155,8 +163,11 @@ private:
                             .media = media};
             if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
                 pending.radiance = Texture(shapes.materials[*part.material].emissive);
-            if (bsdf) {
+            if (has_bsdf) {
                 pending.material = material;
+            } else if (by_material) {
+                const NestedObject* bsdf = bsdf_of(*part.material_name, bsdfs);
+                pending.material = bsdf ? material_index(*bsdf, nullptr) : default_material(emitter.has_value());
             } else if (part.material) {
                 const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
                 if (is_new)
@@ -168,6 +179,31 @@ private:
             to.push_back(std::move(pending));
         }
         return bounds;
+    }
+
+    /// The bsdf of a material of an OBJ file: that of its name, else the last one without a name. Null if there is neither.
+    static const NestedObject* bsdf_of(const std::string& material, const std::vector<NestedObject>& bsdfs) {
+        const NestedObject *alike = nullptr, *unnamed = nullptr;
+        for (const NestedObject& bsdf : bsdfs) {
+            if (bsdf.name.empty()) unnamed = &bsdf;
+            else if (bsdf.name == material) return &bsdf;
+            else if (is_same_material(bsdf.name, material)) alike = &bsdf;
+        }
+        return alike ? alike : unnamed;
+    }
+
+    /// Warns of bsdfs whose name is no material of the OBJ file, and of materials without a bsdf.
+    void warn_of_materials(const NestedObject& object, const ParsedShapes& shapes,
+                           const std::vector<NestedObject>& bsdfs) const {
+        for (const NestedObject& bsdf : bsdfs)
+            if (!bsdf.name.empty() && std::none_of(shapes.parts.begin(), shapes.parts.end(), [&](const auto& part) {
+                    return is_same_material(bsdf.name, *part.material_name);
+                }))
+                ids_.warn(bsdf.where, fmt::format("no face of the OBJ file has the material '{}'", bsdf.name));
+        for (const auto& part : shapes.parts)
+            if (!bsdf_of(*part.material_name, bsdfs))
+                ids_.warn(object.where, fmt::format("the material '{}' of the OBJ file has no bsdf here: it is grey",
+                                                    *part.material_name));
     }
 
     /// The mesh of an element with one shape, for its attributes; null if the shape is none.
@@ -207,6 +243,17 @@ private:
         const std::uint32_t index = group_index(*group->element);
         bounds_.extend(transformed(to_world, groups_[index].bounds));
         instances_.push_back({object.where, index, to_world});
+    }
+
+    /// The meshes of a `merge` stay apart here, which changes no image.
+    void add_merged(const NestedObject& object) {
+        Properties properties(*object.element, ids_);
+        const auto members = properties.objects("shape");
+        properties.finish();
+        for (const auto& member : members) {
+            if (is_shape(member, "merge")) throw InputError(member.where, "a merge cannot hold a shape 'merge'");
+            add_shape(member);
+        }
     }
 
     Vec3d center(const XmlElement& root) const {

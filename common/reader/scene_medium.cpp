@@ -13,7 +13,9 @@ constexpr float highest_extinction = 1e9f;
 PhaseFunction parse_phase(const NestedObject& object, const XmlIds& ids) {
     Properties properties(*object.element, ids);
     PhaseFunction phase;
-    if (properties.plugin({"isotropic", "hg"}) == "hg") {
+    const std::string& type = properties.plugin({"isotropic", "hg", "rayleigh"});
+    if (type == "rayleigh") phase.model = PhaseFunction::Model::rayleigh;
+    if (type == "hg") {
         constexpr auto largest = static_cast<double>(PhaseFunction::largest_g);
         phase.g = static_cast<float>(properties.within("g", 0.8, -largest, largest));
     }

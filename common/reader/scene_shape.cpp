@@ -2,7 +2,10 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
+#include "common/mesh_files/mesh_materials.h"
 #include "common/mesh_files/smooth_angle.h"
+
+#include <algorithm>
 
 namespace gib {
 
@@ -145,9 +148,28 @@ ParsedMesh finished_mesh(MeshData data, const MeshOptions& options, const Mat4d&
     return mesh;
 }
 
+/// Whether the bsdfs of an element are those of the materials of its OBJ file.
+bool has_bsdf_by_material(const std::vector<NestedObject>& bsdfs, const MeshData& mesh) {
+    return bsdfs.size() > 1 || std::any_of(bsdfs.begin(), bsdfs.end(), [&](const NestedObject& bsdf) {
+               return std::any_of(mesh.materials.begin(), mesh.materials.end(), [&](const MaterialRun& run) {
+                   return !bsdf.name.empty() && is_same_material(run.name, bsdf.name);
+               });
+           });
+}
+
+/// An obj file, whole or, if it has bsdfs for its materials, in parts.
+ParsedShapes parse_obj_file(MeshData data, const std::vector<NestedObject>& bsdfs, const MeshOptions& options,
+                            const Mat4d& to_world) {
+    if (!has_bsdf_by_material(bsdfs, data)) return finished_mesh(std::move(data), options, to_world);
+    ParsedShapes shapes;
+    for (auto& part : parted_by_material(data))
+        shapes.parts.push_back({finished_mesh(std::move(part.mesh), options, to_world), {}, part.material});
+    return shapes;
+}
+
 /// Reads an obj, ply, serialized or ms3d file.
-ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const Mat4d& to_world,
-                             const FileFinder& files, ContentHash& hash) {
+ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const std::vector<NestedObject>& bsdfs,
+                             const Mat4d& to_world, const FileFinder& files, ContentHash& hash) {
     const bool is_serialized = type == "serialized";
     const std::string name = properties.required_string("filename");
     MeshOptions options{properties.boolean("face_normals", false), properties.boolean("flip_normals", false),
@@ -174,7 +196,8 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
     }
     MeshData data = type == "obj" ? parse_obj(content, path) : parse_ply(content, path);
     std::vector<std::string> warnings = std::move(data.warnings);
-    ParsedShapes shapes = finished_mesh(std::move(data), options, to_world);
+    ParsedShapes shapes = type == "obj" ? parse_obj_file(std::move(data), bsdfs, options, to_world)
+                                        : ParsedShapes(finished_mesh(std::move(data), options, to_world));
     shapes.warnings = std::move(warnings);
     return shapes;
 }
@@ -236,16 +259,17 @@ Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLoc
 
 }  // namespace
 
-ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash) {
+ParsedShapes parse_shapes(Properties& properties, const std::vector<NestedObject>& bsdfs, const FileFinder& files,
+                          ContentHash& hash) {
     const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply",
-                                                 "serialized", "ms3d", "shapegroup", "instance"});
+                                                 "serialized", "ms3d", "shapegroup", "instance", "merge"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);
     if (type == "sphere") return parse_sphere(properties, to_world);
     if (type == "disk") return parse_disk(properties, to_world);
     if (type == "cylinder") return parse_cylinder(properties, to_world);
-    return parse_mesh_file(type, properties, to_world, files, hash);
+    return parse_mesh_file(type, properties, bsdfs, to_world, files, hash);
 }
 
 BoundsD bounds_of(const ParsedShape& shape) {

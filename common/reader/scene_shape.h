@@ -32,6 +32,8 @@ struct ParsedShapes {
     struct Part {
         ParsedShape shape;
         std::optional<std::uint32_t> material;  ///< index into materials
+        std::optional<std::string>
+            material_name{};  ///< of an OBJ file whose element has a bsdf for each of its materials
     };
     std::vector<Part> parts;
     std::vector<Ms3dMaterial> materials;
@@ -47,9 +49,11 @@ struct ParsedShapes {
 using BoundsD = Eigen::AlignedBox3d;
 
 /// Reads a shape that has a surface, with the parameters of its own; the caller reads those that every shape takes.
-/// The bytes of mesh files are added to `hash`. Throws InputError, for an error inside a mesh file at its place in
+/// The bytes of mesh files are added to `hash`. An OBJ file is parted by its materials if the element has several `bsdfs`
+/// or one whose name is that of a material. Throws InputError, for an error inside a mesh file at its place in
 /// that file.
-ParsedShapes parse_shapes(Properties& properties, const FileFinder& files, ContentHash& hash);
+ParsedShapes parse_shapes(Properties& properties, const std::vector<NestedObject>& bsdfs, const FileFinder& files,
+                          ContentHash& hash);
 
 BoundsD bounds_of(const ParsedShape& shape);
 /// The box around a transformed box.

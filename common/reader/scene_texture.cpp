@@ -48,13 +48,23 @@ Texture parse_bitmap(Properties& properties, TextureFiles& files) {
     BitmapTexture texture;
     texture.filter = properties.chosen("filter_type", TextureFilter::bilinear,
                                        {{"nearest", TextureFilter::nearest}, {"bilinear", TextureFilter::bilinear}});
-    texture.wrap = properties.chosen("wrap_mode", Wrap::repeat, wrap_names);
+    // The last four are those of Mitsuba 0.6 and its forerunners.
+    texture.wrap = properties.chosen("wrap_mode", Wrap::repeat,
+                                     {{"repeat", Wrap::repeat},
+                                      {"mirror", Wrap::mirror},
+                                      {"clamp", Wrap::clamp},
+                                      {"zero", Wrap::zero},
+                                      {"one", Wrap::one},
+                                      {"black", Wrap::zero},
+                                      {"white", Wrap::one}});
     texture.to_uv = parse_to_uv(properties);
     const bool raw = properties.boolean("raw", false);
     // These options concern Mitsuba's memory and graphics processors. Texels are always 32-bit floats here.
     properties.choice("format", "auto", {"auto", "variant", "fp16", "float16"});
     properties.boolean("accel", true);
-    texture.bitmap = files.bitmap(name, properties.element_where("filename"), raw);
+    // Mitsuba 0.6 makes a grey texture of one channel.
+    const std::string channel = properties.string("channel").value_or("");
+    texture.bitmap = files.bitmap(name, properties.element_where("filename"), raw, channel);
     return Texture(std::move(texture));
 }
 
@@ -153,11 +163,12 @@ Texture TextureFiles::attribute(const std::string& name, float scale, const Sour
     return Texture(std::move(texture));
 }
 
-std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, const SourceLocation& where, bool raw) {
+std::shared_ptr<const Bitmap> TextureFiles::bitmap(const std::string& name, const SourceLocation& where, bool raw,
+                                                   const std::string& channel) {
     const std::string file = path(name, where);
-    auto& bitmap = bitmaps_[{file, raw}];
+    auto& bitmap = bitmaps_[{file, raw, channel}];
     if (!cache_) cache_ = std::make_shared<TextureCache>();
-    if (!bitmap) bitmap = std::make_shared<const Bitmap>(cache_, file, raw);
+    if (!bitmap) bitmap = std::make_shared<const Bitmap>(cache_, file, raw, channel);
     return bitmap;
 }
 

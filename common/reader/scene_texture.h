@@ -7,10 +7,11 @@
 
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace gib {
 
-/// The names of Wrap's values.
+/// The names of the values of Wrap that volumes take; bitmaps take more.
 inline const std::initializer_list<std::pair<std::string_view, Wrap>> wrap_names = {
     {"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}};
 
@@ -22,9 +23,10 @@ public:
         : finder_(finder), hash_(hash), ids_(ids) {}
 
     const XmlIds& ids() const { return ids_; }
-    /// The image of a file, which is loaded once. Throws InputError at `where` if there is no such file, and at the
-    /// file itself if its content is wrong.
-    std::shared_ptr<const Bitmap> bitmap(const std::string& name, const SourceLocation& where, bool raw);
+    /// The image of a file, or one channel of it, which is loaded once. Throws InputError at `where` if there is no such
+    /// file, and at the file itself if its content is wrong.
+    std::shared_ptr<const Bitmap> bitmap(const std::string& name, const SourceLocation& where, bool raw,
+                                         const std::string& channel = {});
     /// The texture of an attribute of the mesh in view, times `scale`. Throws InputError at `where` if the mesh lacks
     /// it.
     Texture attribute(const std::string& name, float scale, const SourceLocation& where);
@@ -38,7 +40,7 @@ private:
     ContentHash& hash_;
     const XmlIds& ids_;
     std::shared_ptr<TextureCache> cache_;  ///< made with the first bitmap
-    std::map<std::pair<std::string, bool>, std::shared_ptr<const Bitmap>> bitmaps_;
+    std::map<std::tuple<std::string, bool, std::string>, std::shared_ptr<const Bitmap>> bitmaps_;
     std::set<std::string> hashed_;
     std::set<const XmlElement*> open_;  ///< elements being parsed now, to find any that holds itself
     std::size_t parts_ = 0;             ///< of the outermost open element so far, one for each reference

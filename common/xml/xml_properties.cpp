@@ -230,7 +230,7 @@ std::vector<NestedObject> Properties::objects(const std::string& tag) {
     for (auto& property : properties_) {
         if (!property.is_object || property.element->tag != tag) continue;
         property.read = true;
-        found.push_back({property.element, property.where});
+        found.push_back({property.element, property.where, property.name});
     }
     return found;
 }
@@ -247,7 +247,7 @@ std::optional<NestedObject> Properties::named_object(const std::string& name, co
     for (auto& property : properties_) {
         if (property.name != name || !property.is_object || property.element->tag != tag) continue;
         property.read = true;
-        return NestedObject{property.element, property.where};
+        return NestedObject{property.element, property.where, property.name};
     }
     return std::nullopt;
 }

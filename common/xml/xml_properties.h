@@ -17,7 +17,8 @@ namespace gib {
 /// An object inside another one, or a reference to one.
 struct NestedObject {
     const XmlElement* element;
-    SourceLocation where;  ///< of the element or of the <ref>
+    SourceLocation where;   ///< of the element or of the <ref>
+    std::string name = {};  ///< by which the holder knows it; empty: none is given
 };
 
 /// The values that the channels of a colour may have. The range also decides how a spectrum

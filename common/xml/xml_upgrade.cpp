@@ -380,6 +380,7 @@ private:
 
     void upgrade_medium() {
         rename(e_, "density_multiplier", "scale");
+        if (is(e_, "medium", "homogeneous")) check_coefficients();
         if (!is(e_, "medium", "heterogeneous")) return;
         rename(e_, "density", "sigma_t");
         drop(e_, {"method", "step_size"});  // they choose how Mitsuba 0.6 samples
@@ -396,6 +397,21 @@ private:
         if (const XmlElement* extinction = property(e_, "sigma_t"))
             if (extinction->tag != "volume" && extinction->tag != "ref")
                 attribute_of(e_, "type")->value = "homogeneous";
+    }
+
+    /// What a homogeneous medium does not give is that of the preset skin1. The presets are refused when they are read.
+    void check_coefficients() {
+        if (property(e_, "material")) return;
+        bool has_any = false;
+        for (const auto& [one, other] : {std::pair("sigma_s", "sigma_a"), std::pair("sigma_t", "albedo")}) {
+            const bool has_one = property(e_, one), has_other = property(e_, other);
+            has_any = has_any || has_one || has_other;
+            if (has_one != has_other)
+                warnings_.add(e_.where, fmt::format("'{}' is not given: the default of version 3 stands in for the "
+                                                    "preset skin1",
+                                                    has_one ? other : one));
+        }
+        if (!has_any) e_.children.push_back(value_element("string", "material", "skin1", e_.where));
     }
 
     void upgrade_gridvolume() {

@@ -39,7 +39,8 @@ SceneVersion parse_version(const XmlAttribute& version);
 ///    alphaV alone stands beside alpha, or 0.1;
 ///  - the scale of a bumpmap stands in a texture around its own, and the texture of a normalmap has no name;
 ///  - a medium's density_multiplier is its scale, and the density of a heterogeneous one its sigma_t; a constvolume has no
-///    box, and a gridvolume has the one in its file;
+///    box, and a gridvolume has the one in its file; a homogeneous one without coefficients has those of the preset skin1,
+///    which is refused;
 ///  - a <blackbody> is a spectrum of this type;
 ///  - up is y for sunsky, sky and sun, whose east is x and north -z (the documentation has north at z, which would make
 ///    the sky the mirror image of the real one; Mitsuba 0.6 itself does as here);

@@ -57,6 +57,38 @@ void expect_mean(const std::array<Moments, 3>& found, const Colord& expected, co
     }
 }
 
+// Light scattered once in the cube [-1, 1]^3 of extinction s and albedo a, seen along -z through its middle, under a distant
+// light of irradiance E. Across the view it has come through 1 of the medium: a E p exp(-s) (1 - exp(-2 s)). Along the view,
+// light and path share the way: a E p 2 s exp(-2 s). The width of the film changes the first by less than 1e-3.
+TEST(RayleighMedium, ScattersTwiceAsMuchAheadAsAcross) {
+    constexpr double s = 0.5, a = 0.8, E = 40;
+    const std::string view =
+        "<integrator type='path'><integer name='max_depth' value='2'/></integrator><sensor "
+        "type='orthographic'><transform "
+        "name='to_world'><scale x='0.05' y='0.05'/><lookat origin='0, 0, 5' target='0, 0, 0' up='0, 1, "
+        "0'/></transform>" +
+        box_film(8) + "</sensor>";
+    const std::string cube =
+        "<shape type='cube'>" + no_surface +
+        interior("homogeneous", fmt::format("<float name='sigma_t' value='{}'/><float name='albedo' "
+                                            "value='{}'/><phase type='rayleigh'/>",
+                                            s, a)) +
+        "</shape>";
+    const auto lit_along = [&](const std::string& direction) {
+        return means_over_seeds(
+            scene_of(scene_xml(view + cube +
+                               fmt::format("<emitter type='directional'><vector name='direction' value='{}'/><rgb "
+                                           "name='irradiance' value='{}'/></emitter>",
+                                           direction, E))),
+            64, 16);
+    };
+    const double ahead = 6 / (16 * pi_d), across = 3 / (16 * pi_d);
+    expect_mean(lit_along("0, -1, 0"), Colord::Constant(a * E * across * std::exp(-s) * (1 - std::exp(-2 * s))),
+                "across");
+    expect_mean(lit_along("0, 0, 1"), Colord::Constant(a * E * ahead * 2 * s * std::exp(-2 * s)), "ahead");
+    expect_mean(lit_along("0, 0, -1"), Colord::Constant(a * E * ahead * 0.5 * (1 - std::exp(-4 * s))), "back");
+}
+
 // A medium that absorbs nothing is invisible under a sky of radiance 1, whatever its density, phase function and
 // boundary. The rough boundary is nearly smooth: light that is scattered twice between microfacets is not modelled;
 // it is some alpha^2 of all light, 1e-4 of the image with alpha = 0.01.

@@ -48,18 +48,19 @@ SamplerCase sphere_warp_case() {
 }
 
 /// The axis of the chart is the peak of the phase function.
-SamplerCase phase_case(float g) {
+SamplerCase phase_case(const std::string& name, const PhaseFunction& phase) {
     const Vec3 wo = Vec3(0.3f, -0.5f, 0.8f).normalized();
-    const PhaseFunction phase{g};
-    const Vec3 peak = g < 0.f ? wo : Vec3(-wo);
+    const Vec3 peak = phase.g < 0.f ? wo : Vec3(-wo);
     return sphere_case(
-        fmt::format("phase: hg g={}", g), SphereChart(peak.cast<double>()),
+        "phase: " + name, SphereChart(peak.cast<double>()),
         [=](const RandomNumbers& r) -> std::optional<SampledDirection> {
             const Vec3 wi = phase.sample(wo, r.u);
             return SampledDirection{wi, static_cast<double>(phase.value(wo, wi))};
         },
         [=](const Vec3& wi) { return static_cast<double>(phase.value(wo, wi)); });
 }
+
+SamplerCase phase_case(float g) { return phase_case(fmt::format("hg g={}", g), PhaseFunction{g}); }
 
 SamplerCase cone_case(double one_minus_cos_max) {
     const SphereChart chart;
@@ -156,6 +157,7 @@ std::vector<SamplerCase> warp_cases() {
         phase_case(-0.85f),
         phase_case(0.99f),
         phase_case(PhaseFunction::largest_g),
+        phase_case("rayleigh", PhaseFunction{.model = PhaseFunction::Model::rayleigh}),
         cone_case(1.9),
         cone_case(0.5),
         cone_case(1e-3),

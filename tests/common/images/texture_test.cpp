@@ -43,8 +43,9 @@ Picture picture(int width, int height, int channels, unsigned seed = 1) {
 
 class Bitmaps : public ::testing::Test {
 protected:
-    std::shared_ptr<const Bitmap> load(const std::string& path, bool raw = false) const {
-        return std::make_shared<const Bitmap>(cache_, path, raw);
+    std::shared_ptr<const Bitmap> load(const std::string& path, bool raw = false,
+                                       const std::string& channel = "") const {
+        return std::make_shared<const Bitmap>(cache_, path, raw, channel);
     }
     /// The texture of `p`, written to a float EXR file and read from it.
     BitmapTexture texture_of(const Picture& p, const test::FileFormat& format = {}) const {
@@ -54,6 +55,8 @@ protected:
     TemporaryFolder folder_;
     std::shared_ptr<TextureCache> cache_ = std::make_shared<TextureCache>();
 };
+
+constexpr Wrap every_wrap[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::zero, Wrap::one};
 
 /// The texel in [0, size) that stands for any index i, by the common definition of the modes, which is Mitsuba's.
 int texel_of(int i, int size, Wrap wrap) {
@@ -66,6 +69,9 @@ int texel_of(int i, int size, Wrap wrap) {
 /// The filtered colour at uv; uv * size - 0.5 counts texels from the centre of the first one.
 Colord filtered(const Picture& p, const Vec2d& uv, TextureFilter filter, Wrap wrap) {
     const auto texel = [&](int x, int y) {
+        const bool inside = x >= 0 && x < p.width && y >= 0 && y < p.height;
+        if (!inside && (wrap == Wrap::zero || wrap == Wrap::one))
+            return Colord(Colord::Constant(wrap == Wrap::one ? 1 : 0));
         return Colord(p.color(texel_of(x, p.width, wrap), texel_of(y, p.height, wrap)).cast<double>());
     };
     if (filter == TextureFilter::nearest)
@@ -101,7 +107,7 @@ TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
     std::mt19937 generator(7);
     std::uniform_real_distribution<float> uniform(-4, 5);
     for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
-        for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
+        for (const Wrap wrap : every_wrap) {
             bitmap.filter = filter;
             bitmap.wrap = wrap;
             const Texture texture(bitmap);
@@ -125,7 +131,7 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
     const Picture p = picture(5, 3, 3);
     BitmapTexture bitmap = texture_of(p);
     for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
-        for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
+        for (const Wrap wrap : every_wrap) {
             bitmap.filter = filter;
             bitmap.wrap = wrap;
             const Texture texture(bitmap);
@@ -142,7 +148,7 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
 TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
     const FloatTrapsPaused paused;
     BitmapTexture bitmap = texture_of(picture(5, 3, 3));
-    for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
+    for (const Wrap wrap : every_wrap) {
         bitmap.wrap = wrap;
         const Texture texture(bitmap);
         EXPECT_TRUE((texture.color(Vec2{infinity, infinity}) == texture.color(Vec2{0.f, 0.f})).all());
@@ -215,6 +221,21 @@ TEST_F(Bitmaps, IgnoreAlphaAndDoNotMultiplyByIt) {
     EXPECT_TRUE(grey->grey());
     EXPECT_NEAR(grey->texel(0, 0)[0], decoded(50 / 255.0), 1e-6);
     EXPECT_NEAR(grey->texel(0, 1)[2], decoded(80 / 255.0), 1e-6);
+}
+
+TEST_F(Bitmaps, OfOneChannelAreGreyAndAlphaIsNotDecoded) {
+    const std::string file = write_image(folder_ / "a.png", 1, 1, 4, {byte(200), byte(100), byte(50), byte(25)},
+                                         {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const auto value = [&](const std::string& channel, bool raw) {
+        const auto bitmap = load(file, raw, channel);
+        EXPECT_TRUE(bitmap->grey());
+        return double{bitmap->texel(0, 0)[1]};
+    };
+    EXPECT_NEAR(value("r", false), decoded(200 / 255.0), 1e-6);
+    EXPECT_NEAR(value("B", false), decoded(50 / 255.0), 1e-6);
+    EXPECT_NEAR(value("g", true), 100 / 255.0, 1e-6);
+    EXPECT_NEAR(value("a", false), 25 / 255.0, 1e-6);
+    EXPECT_NEAR(load(file)->texel(0, 0)[0], decoded(200 / 255.0), 1e-6);  // the cache keeps them apart
 }
 
 TEST_F(Bitmaps, OfOneGreyHaveTheirValueAsNumberAndOthersTheirLuminance) {
@@ -303,7 +324,7 @@ TEST_F(Bitmaps, HaveTheGradientOfTheirValue) {
     turned << 0.2f, -1.5f, 0.9f, 0.4f;
     std::mt19937 generator(11);
     std::uniform_real_distribution<float> uniform;
-    for (const auto wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp})
+    for (const Wrap wrap : every_wrap)
         for (const Eigen::Matrix2f& linear : {Eigen::Matrix2f(Eigen::Matrix2f::Identity()), turned}) {
             BitmapTexture wrapped_bitmap = bitmap;
             wrapped_bitmap.wrap = wrap;

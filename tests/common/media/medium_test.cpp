@@ -37,6 +37,20 @@ TEST(PhaseFunction, IsIsotropicWithoutAMeanCosine) {
     EXPECT_FLOAT_EQ(PhaseFunction{0.f}.value(Vec3::UnitX(), -Vec3::UnitX()), 0.25f * inv_pi);
 }
 
+TEST(PhaseFunction, OfSmallParticlesIsRayleighs) {
+    const PhaseFunction rayleigh{.model = PhaseFunction::Model::rayleigh};
+    const Vec3 wo = Vec3(1, 2, -2) / 3, across = Vec3(2, 1, 2) / 3;
+    EXPECT_NEAR(rayleigh.value(wo, across), 3 / (16 * pi_d), 1e-7);
+    EXPECT_NEAR(rayleigh.value(wo, wo), 6 / (16 * pi_d), 1e-7);
+    EXPECT_NEAR(rayleigh.value(wo, -wo), 6 / (16 * pi_d), 1e-7);
+    // The integral of 3 (1 + c^2) c^2 / 8 over the cosine c is 2/5.
+    Moments squared;
+    for (std::uint32_t i = 0; i < 100000; ++i)
+        squared.add(
+            static_cast<double>(sqr(wo.dot(rayleigh.sample(wo, Sampler(PointSet::independent, 1, i, 0).get_2d(0))))));
+    EXPECT_NEAR(squared.mean(), 0.4, sigmas * squared.standard_error());
+}
+
 TEST(PhaseFunction, PrefersToGoOnForwards) {
     const Vec3 wo = Vec3::UnitX();
     EXPECT_GT(PhaseFunction{0.5f}.value(wo, -wo), PhaseFunction{0.5f}.value(wo, wo));

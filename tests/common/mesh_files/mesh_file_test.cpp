@@ -2,6 +2,7 @@
 
 #include "common/core/error.h"
 #include "common/mesh_files/mesh_data.h"
+#include "common/mesh_files/mesh_materials.h"
 #include "tests/support/input_error.h"
 #include "tests/support/mesh_area.h"
 #include "tests/support/scene_text.h"
@@ -112,6 +113,46 @@ TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
               std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
 }
 
+TEST(ObjFile, TakesACornerWhoseTextureCoordinateIsMissingAfterItsSlash) {
+    const MeshData mesh = parse_obj("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1/ 2/ 3/ 4/\n", "m.obj");
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_TRUE(mesh.uvs.empty());
+    EXPECT_DOUBLE_EQ(area_of(mesh), 4);
+}
+
+TEST(ObjFile, JoinsLinesAfterABackslash) {
+    for (const std::string end : {"\n", "\r\n"}) {
+        const auto line = [&](const std::string& text) { return text + end; };
+        const MeshData mesh = parse_obj(line("# a comment ends with its line \\") + line("v 0 0 0") + line("v 2 \\") +
+                                            line("0 0") + line("v 2 2 0") + line("l 1 2 \\") + line("3") +
+                                            line("v 0 2 0") + line("f 1 2\\") + line("3 \\") + line(" 4"),
+                                        "m.obj");
+        EXPECT_TRUE(mesh.warnings.empty());
+        EXPECT_EQ(mesh.positions.size(), 4u);
+        EXPECT_DOUBLE_EQ(area_of(mesh), 4);
+    }
+}
+
+TEST(ObjFile, IsPartedByItsMaterials) {
+    const MeshData mesh = parse_obj(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 5\nvt 0.5 1\nvn 0 0 1\nf 5 1 2\nusemtl red wall\nf 1/1/1 2/1/1 "
+        "3/1/1\nusemtl blue\nf 1 2 4\nusemtl red wall \nf 1 3 4 2\n",
+        "m.obj");
+    const auto parts = parted_by_material(mesh);
+    ASSERT_EQ(parts.size(), 3u);
+    EXPECT_EQ(parts[0].material, "");
+    EXPECT_EQ(parts[1].material, "red wall");
+    EXPECT_EQ(parts[2].material, "blue");
+    EXPECT_EQ(parts[0].mesh.triangles.size(), 1u);
+    EXPECT_EQ(parts[0].mesh.positions[0], Vec3d(0, 0, 5));
+    ASSERT_EQ(parts[1].mesh.triangles.size(), 3u);
+    EXPECT_EQ(parts[1].mesh.positions.size(), 7u);  // three with a normal and four without
+    EXPECT_EQ(parts[1].mesh.uvs[0], Vec2(0.5f, 1));
+    EXPECT_EQ(parts[1].mesh.normals[2], Vec3(0, 0, 1));
+    EXPECT_EQ(parts[2].mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+    EXPECT_EQ(parts[2].mesh.positions[2], Vec3d(0, 1, 0));
+}
+
 TEST(ObjFile, ErrorsNameThePlace) {
     EXPECT_THAT(obj_error("v 0 0\nf 1 1 1\n"), StartsWith("m.obj:1:6: a number is missing"));
     EXPECT_THAT(obj_error("v 0 0 0\nv 0 x 0\n"), StartsWith("m.obj:2:5: bad number 'x'"));
@@ -123,8 +164,7 @@ TEST(ObjFile, ErrorsNameThePlace) {
     EXPECT_THAT(obj_error("v 0 0 0\nf 1/1 1 1\n"), StartsWith("m.obj:2:5: texture coordinate index 1 is out of range"));
     EXPECT_THAT(obj_error("v 0 0 0\nf 1 1\n"), StartsWith("m.obj:2:6: a face has only 2 vertices"));
     EXPECT_THAT(obj_error("v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n"), StartsWith("m.obj:3:6: a normal index is missing"));
-    EXPECT_THAT(obj_error("v 0 0 0\nvt 0 0\nf 1/ 1 1/ 1\n"),
-                StartsWith("m.obj:3:5: a texture coordinate index is missing"));
+    EXPECT_THAT(obj_error("v 0 0 0\nf 1 \\\n 1 x\n"), StartsWith("m.obj:3:4: bad number 'x'"));
     EXPECT_THAT(obj_error("v 0 0 0\nf 1 1 1//\r\n"), StartsWith("m.obj:2:10: a normal index is missing"));
     EXPECT_THAT(obj_error("v 0 0 0\n"), HasSubstr("the mesh is empty"));
     EXPECT_THAT(obj_error(""), StartsWith("m.obj:1:1: the mesh is empty"));

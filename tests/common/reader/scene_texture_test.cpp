@@ -101,6 +101,10 @@ TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"mirror\"/>", 1.3f), 1);
     EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", -5), 0);
     EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", 5), 1);
+    const std::string ends = "<string name=\"wrap_mode\" value=\"";
+    EXPECT_EQ(red(ends + "zero\"/>", 1.6f), 0);
+    EXPECT_EQ(red(ends + "white\"/>", -0.6f), 1);
+    EXPECT_NEAR(red("<string name=\"channel\" value=\"b\"/>", 0.75f), 0.0512695f, 1e-6);  // of byte 64
     const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
     EXPECT_NEAR(raw.color(Vec2{0.75f, 0.5f})[1], byte(128), 1e-6);
     EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,
@@ -230,6 +234,8 @@ TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
          "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},
         {bitmap("two.png", "\n<string name=\"filter_type\" value=\"cubic\"/>"), "4:28",
          "'filter_type' cannot be 'cubic'; it takes: nearest, bilinear"},
+        {bitmap("two.png", "\n<string name=\"wrap_mode_u\" value=\"zero\"/>"), "4:1",
+         "texture 'bitmap' does not take a parameter 'wrap_mode_u'"},
         {bitmap("two.png", "\n<string name=\"format\" value=\"fp8\"/>"), "4:23", "'format' cannot be 'fp8'"},
         {bitmap("two.png", "\n<boolean name=\"raw\" value=\"1\"/>"), "4:21", "'1' is neither true nor false"},
         {bitmap("two.png", "\n<float name=\"uscale\" value=\"2\"/>"), "4:1",

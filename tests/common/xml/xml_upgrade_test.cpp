@@ -278,6 +278,15 @@ std::vector<OldScene> lights_and_media() {
          new_sensor + sky +
              "<shape type='cube'><medium type='homogeneous' name='interior'><float name='sigma_t' value='0.7'/><rgb "
              "name='albedo' value='0.9,0.5,0.2'/><float name='scale' value='2'/></medium><bsdf type='null'/></shape>"},
+        {"medium without a scattering coefficient",
+         "0.6.0",
+         old_sensor + sky +
+             "<shape type='cube'><medium type='homogeneous' name='interior'><spectrum name='sigmaA' "
+             "value='0.5'/></medium><bsdf type='null'/></shape>",
+         new_sensor + sky +
+             "<shape type='cube'><medium type='homogeneous' name='interior'><rgb name='sigma_a' "
+             "value='0.5'/></medium><bsdf type='null'/></shape>",
+         {"'sigma_s' is not given"}},
         {"instances", "0.6.0",
          old_sensor + sky +
              "<shape type='shapegroup' id='g'><shape type='sphere'><float name='radius' "
@@ -373,6 +382,17 @@ TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
                                     "t.xml");
                     }),
                     HasSubstr("the bsdf '" + bsdf + "' is not supported"));
+}
+
+TEST(OldVersions, RefuseMediaThatArePresets) {
+    for (const std::string medium : {"", "<string name='material' value='Ketchup'/>"})
+        EXPECT_THAT(test::input_error_of([&] {
+                        parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
+                                        ball("<medium type='homogeneous' name='interior'>" + medium + "</medium>") +
+                                        "</scene>",
+                                    "t.xml");
+                    }),
+                    HasSubstr("medium 'homogeneous' does not take a parameter 'material'"));
 }
 
 TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
