@@ -19,11 +19,33 @@ struct PhotonSums {
     }
 };
 
+/// The last look-up of a thread in a map.
+struct LastLookUp {
+    const PhotonMap* map = nullptr;
+    std::size_t k = 0;
+    Vec3 p = Vec3::Zero();
+    float radius = 0.f;  ///< that held k photons
+};
+
+/// What a thread's look-ups share.
+struct Scratch {
+    std::vector<Neighbour> neighbours;  ///< memory that no look-up has to take for itself
+    /// For two maps, which the look-ups of one eye path take turns in.
+    std::array<LastLookUp, 2> last;
+
+    LastLookUp& last_in(const PhotonMap& map, std::size_t k) {
+        const auto same = [&](const LastLookUp& one) { return one.map == &map && one.k == k; };
+        if (!same(last[0]) && !same(last[1])) last[1] = {.map = &map, .k = k, .radius = infinity};
+        if (!same(last[0])) std::swap(last[0], last[1]);
+        return last[0];
+    }
+};
+
 /// One look-up: finds the photons around a hit and estimates the radiance that they cause (Jensen 2001, chapter 7).
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u, std::vector<Neighbour>& neighbours)
+           const Vec3& wo, const EyePath& eye, const Vec2& u, Scratch& scratch)
         : e_(estimator),
           map_(map),
           rays_(rays),
@@ -32,12 +54,16 @@ public:
           wo_local_(hit.shading.to_local(wo)),
           eye_(eye),
           transmits_(hit.bsdf->traits().transmission),
+          common_factor_(Colord::Constant(map.unit())),
           disc_(hit, normal_, u),
-          neighbours_(neighbours) {
+          scratch_(scratch),
+          neighbours_(scratch.neighbours) {
         neighbours_.clear();
         // All photons are lifted above the horizon, so that an ideal diffuse side has the same f for all of them.
-        if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z()))
-            same_f_ = hit.bsdf->f_local(wo_local_, wo_local_).diffuse.cast<double>();
+        if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z())) {
+            has_same_f_ = true;
+            common_factor_ *= hit.bsdf->f_local(wo_local_, wo_local_).diffuse.cast<double>();
+        }
     }
 
     Reflected radiance() {
@@ -100,7 +126,7 @@ private:
             any_off_plane |= disc_.off_plane(offset);
             return true;
         };
-        map_.nearest(hit_.p, e_.k, e_.max_radius, near_plane, neighbours_);
+        find_k(near_plane);
         if (e_.area != DiscArea::surface || neighbours_.empty()) return;
 
         const auto offset_of = [this](const Neighbour& n) -> Vec3 { return map_[n.index].p - hit_.p; };
@@ -124,6 +150,21 @@ private:
                 return counts(photon, offset, distance2) && disc_.contains(offset);
             },
             neighbours_);
+    }
+
+    /// Finds the k nearest photons that `accept` accepts. By the triangle inequality, the ball of the last look-up of this
+    /// thread lies within its radius and the distance to it. In the loop over pixels, the last look-up was mostly close
+    /// by, so that this ball holds hardly more than k photons; if it holds fewer, which other surfaces or limits may
+    /// cause, the search is repeated in the largest one. The result is the same in either case.
+    template <typename Accept>
+    void find_k(const Accept& accept) {
+        LastLookUp& last = scratch_.last_in(map_, e_.k);
+        const float near = last.radius + (hit_.p - last.p).norm();
+        if (near < e_.max_radius) map_.nearest(hit_.p, e_.k, near, accept, neighbours_);
+        if (!(near < e_.max_radius) || neighbours_.size() < e_.k)
+            map_.nearest(hit_.p, e_.k, e_.max_radius, accept, neighbours_);
+        last.p = hit_.p;
+        last.radius = neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity;
     }
 
     /// Whether nothing but the surface's plane lies as far from the centre as the rays of disc_ for this radius reach.
@@ -159,12 +200,14 @@ private:
         return L;
     }
 
-    /// f times the power of one photon [W/sr], its term of the sum without the kernel.
+    /// f times the power of one photon, its term of the sum without the kernel. Factors that all photons have in common
+    /// are left to normalised().
     Colord reflected(const Photon& photon) const {
         // In double: a bright photon's power times the factors may exceed the range of float before the
         // kernel lowers it.
-        const Colord arriving = map_.unit() * photon.power().cast<double>() * eye_.weight(photon).cast<double>();
-        if (same_f_) return *same_f_ * arriving;
+        Colord arriving = photon.power().cast<double>();
+        if (eye_.stratum) arriving *= eye_.weight(photon).cast<double>();
+        if (has_same_f_) return arriving;
         const Vec3 wi = photon.direction();
         if (!hit_.normals_agree_about(wi)) return Colord::Zero();
         const Vec3 wi_local =
@@ -173,10 +216,10 @@ private:
         return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 
-    /// The sums over the share phi of the disc that lies on the surface.
+    /// The sums times the factors of all photons, over the share phi of the disc that lies on the surface.
     Reflected normalised(const PhotonSums& sums, float r) {
-        Reflected L{.between_surfaces = sums.between_surfaces.cast<float>(),
-                    .through_media = sums.through_media.cast<float>(),
+        Reflected L{.between_surfaces = (common_factor_ * sums.between_surfaces).cast<float>(),
+                    .through_media = (common_factor_ * sums.through_media).cast<float>(),
                     .radius = r};
         if (e_.area == DiscArea::surface && !flat_ && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
             const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
@@ -215,7 +258,7 @@ private:
 
     void add(NestedDisc& disc, std::size_t end) const {
         for (; disc.photons < end; ++disc.photons) {
-            const double weight = reflected(map_[neighbours_[disc.photons].index]).sum();
+            const double weight = (common_factor_ * reflected(map_[neighbours_[disc.photons].index])).sum();
             disc.weight += weight;
             disc.squared_weight += weight * weight;
         }
@@ -228,20 +271,21 @@ private:
     Vec3 normal_;
     Vec3 wo_local_;
     const EyePath& eye_;
-    bool transmits_;                                     ///< the material scatters light from behind, too
-    std::optional<Colord> same_f_;                       ///< f of all photons [1/sr]; empty if it depends on wi
+    bool transmits_;           ///< the material scatters light from behind, too
+    bool has_same_f_ = false;  ///< f does not depend on the photon's direction
+    Colord common_factor_;     ///< the unit of power [W], times f [1/sr] if all photons have the same
     mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< normal code of the photon judged last; none at first
     mutable bool agrees_ = false;                        ///< the answer for that code
     bool near_obstacle_ = false;
     bool flat_ = false;  ///< the whole disc lies on the surface, with nothing near it
     SurfaceDisc disc_;
+    Scratch& scratch_;
     std::vector<Neighbour>& neighbours_;
 };
 
-/// The memory of a thread's look-ups, which none of them has to take for itself.
-std::vector<Neighbour>& neighbours_of_thread() {
-    static thread_local std::vector<Neighbour> neighbours;
-    return neighbours;
+Scratch& scratch_of_thread() {
+    static thread_local Scratch scratch;
+    return scratch;
 }
 
 }  // namespace
@@ -262,7 +306,7 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
                                                std::uint32_t dimension) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours_of_thread()).radiance();
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), scratch_of_thread()).radiance();
 }
 
 }  // namespace gib

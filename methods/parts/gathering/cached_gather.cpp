@@ -15,9 +15,7 @@ namespace {
 
 /// Passes multiply the reach of records by this factor, compared with the overture (Radiance's name for filling the
 /// cache ahead of rendering).
-constexpr float slack = 1.4f;
-/// The distance between the pixels of the overture's first grid, along and across.
-constexpr std::size_t coarsest_grid = 32;
+constexpr float slack = IrradianceCache::most_slack;
 /// Number of records made in parallel. They do not serve each other, so some of them turn out to be unnecessary.
 constexpr std::size_t records_at_once = 32;
 
@@ -51,26 +49,33 @@ CacheSettings cache_settings_of(const ParameterValues& values) {
     return s;
 }
 
-/// Collects the points of eye paths that the cache does not serve.
-class CachedGather::CandidateVisitor {
+/// Collects the points of eye paths, and those that the cache does not serve as candidates for records.
+class CachedGather::GridVisitor {
 public:
     static constexpr bool wants_emission = false;
     static constexpr int splits = 0;
 
-    CandidateVisitor(const CachedGather& gather, std::vector<RecordPlace>& candidates)
-        : gather_(gather), candidates_(candidates) {}
+    GridVisitor(const CachedGather& gather, std::size_t pixel, GridRow& row)
+        : gather_(gather), pixel_(pixel), row_(row) {}
 
     void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers&) {
         const auto surface = gather_.cached_surface(vertex, hit);
-        if (surface && !gather_.cache_.covers(hit.p, surface->normal))
-            candidates_.push_back(gather_.place_at(vertex, hit, *surface));
+        if (!surface) return;
+        const float cosine = std::max(surface->normal.dot(vertex.wo), least_cosine);
+        row_.seen.push_back({pixel_, hit.p, surface->normal, gather_.pixel_width_at(vertex.length) / cosine});
+        if (!gather_.cache_.covers(hit.p, surface->normal))
+            row_.candidates.push_back(gather_.place_at(vertex, hit, *surface));
     }
     void emitted(const Color&) {}  // called only if not finite: no record can be made there
     void scattered(const EyeVertex&, const Vec3&) {}
 
 private:
+    /// Pixels whose surface is seen at a smaller angle than this count as if it were seen at this one.
+    static constexpr float least_cosine = 0.05f;
+
     const CachedGather& gather_;
-    std::vector<RecordPlace>& candidates_;
+    std::size_t pixel_;
+    GridRow& row_;
 };
 
 CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings)
@@ -81,11 +86,12 @@ CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, const 
       next_pixel_(middle_ray(scene.sensor(), 1)),
       cache_(scene.bounds(), settings.accuracy) {}
 
+float CachedGather::pixel_width_at(float distance) const {
+    return ((next_pixel_.o + distance * next_pixel_.d) - (pixel_.o + distance * pixel_.d)).norm();
+}
+
 RecordSpacing CachedGather::spacing_at(float distance) const {
-    const auto width_of_pixel = [&] {
-        return ((next_pixel_.o + distance * next_pixel_.d) - (pixel_.o + distance * pixel_.d)).norm();
-    };
-    const float unit = settings_.unit == SpacingUnit::pixels ? width_of_pixel() : scene_.diagonal();
+    const float unit = settings_.unit == SpacingUnit::pixels ? pixel_width_at(distance) : scene_.diagonal();
     return {static_cast<float>(settings_.least) * unit, static_cast<float>(settings_.greatest) * unit};
 }
 
@@ -173,37 +179,68 @@ std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidat
     return traced;
 }
 
-std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t seed, StageProgress* progress) {
-    const auto width = static_cast<std::size_t>(scene_.sensor().width());
-    const auto height = static_cast<std::size_t>(scene_.sensor().height());
-    std::atomic<std::uint64_t> traced = 0;
-    for (std::size_t step = coarsest_grid; step > 0; step /= 2) {
-        std::vector<std::vector<RecordPlace>> rows(height);  // of the image
-        parallel_blocks(height, 1, [&](std::size_t begin, std::size_t end, std::size_t) {
-            RayQueries rays(scene_);
-            for (std::size_t y = begin; y < end; ++y) {
-                if (y % step != 0) continue;
-                for (std::size_t x = 0; x < width; x += step) {
-                    const bool seen_before = step < coarsest_grid && x % (2 * step) == 0 && y % (2 * step) == 0;
-                    if (seen_before) continue;
-                    const Sampler sampler(PointSet::sobol, seed, y * width + x, 0);
-                    TracedRay eye{scene_.sensor().sample_ray(static_cast<int>(x), static_cast<int>(y), sampler)};
-                    rays.trace_from_camera({&eye.ray, 1}, {&eye.found, 1});
-                    CandidateVisitor visitor(*this, rows[y]);
-                    follow_specular_path(rays, sampler, eye, nullptr, settings, visitor);
-                }
-            }
-            traced += rays.count();
-        });
-        std::vector<RecordPlace> candidates;
-        for (auto& row : rows)
-            candidates.insert(candidates.end(), row.begin(), row.end());
-        traced += add_records(candidates);
-        if (progress)
-            progress->add(width * height / (step * step) -
-                          (step < coarsest_grid ? width * height / (4 * step * step) : 0));
+CachedGather::GridRow CachedGather::look_at_row(const RefinedGrid& grid, std::size_t y, const WalkSettings& settings,
+                                                std::uint64_t seed) const {
+    GridRow row;
+    const Sensor& sensor = scene_.sensor();
+    RayQueries rays(scene_);
+    std::vector<std::size_t> columns;
+    for (std::size_t x = 0; x < grid.width(); x += grid.step())
+        if (grid.looks_at(x, y)) columns.push_back(x);
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    const auto sampler_of = [&](std::size_t x) { return Sampler(PointSet::sobol, seed, y * grid.width() + x, 0); };
+    for (std::size_t first = 0; first < columns.size(); first += packet.size()) {
+        const std::size_t count = std::min(packet.size(), columns.size() - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t x = columns[first + i];
+            packet[i] = sensor.sample_ray(static_cast<int>(x), static_cast<int>(y), sampler_of(x));
+        }
+        rays.trace_from_camera(std::span(packet).first(count), found);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t x = columns[first + i];
+            const Sampler sampler = sampler_of(x);
+            GridVisitor visitor(*this, y * grid.width() + x, row);
+            follow_specular_path(rays, sampler, TracedRay{packet[i], found[i], sensor.hides_emitters()}, nullptr,
+                                 settings, visitor);
+        }
     }
+    row.rays = rays.count();
+    return row;
+}
+
+std::uint64_t CachedGather::overture(const WalkSettings& settings, std::uint64_t seed, StageProgress* progress) {
+    RefinedGrid grid(static_cast<std::size_t>(scene_.sensor().width()),
+                     static_cast<std::size_t>(scene_.sensor().height()));
+    std::vector<SeenPoint> seen;
+    std::uint64_t traced = 0, done = 0;
+    do {
+        std::vector<GridRow> rows((grid.height() - 1) / grid.step() + 1);
+        parallel_blocks(rows.size(), 1, [&](std::size_t begin, std::size_t, std::size_t) {
+            rows[begin] = look_at_row(grid, begin * grid.step(), settings, seed);
+        });
+        for (const GridRow& row : rows)
+            traced += row.rays;
+        traced += add_records(joined(rows, &GridRow::candidates));
+        const auto of_rows = joined(rows, &GridRow::seen);
+        seen.insert(seen.end(), of_rows.begin(), of_rows.end());
+        if (grid.next_leaves_out()) settle(grid, seen);
+        const std::uint64_t pixels = grid.width() * grid.height() / (grid.step() * grid.step());
+        if (progress) progress->add(pixels - done);
+        done = pixels;
+    } while (grid.refine());
     return traced;
+}
+
+void CachedGather::settle(RefinedGrid& grid, const std::vector<SeenPoint>& seen) const {
+    // The pixels between four of the grid are at most this many steps away from the nearest one.
+    constexpr float half_diagonal = 0.71f;
+    const float around = half_diagonal * static_cast<float>(grid.step());
+    for (const SeenPoint& point : seen)
+        grid.settle(point.pixel, true);
+    for (const SeenPoint& point : seen)
+        if (!cache_.covers_around(point.p, point.normal, around * point.pixel_width, slack))
+            grid.settle(point.pixel, false);
 }
 
 }  // namespace gib

@@ -12,6 +12,7 @@
 
 #include "methods/parameters.h"
 #include "methods/parts/gathering/final_gather.h"
+#include "methods/parts/gathering/refined_grid.h"
 
 #include <mutex>
 
@@ -38,7 +39,8 @@ public:
     /// All arguments must outlive this.
     CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings);
 
-    /// Fills the cache by the paths of the first pass. Returns the number of rays traced.
+    /// Fills the cache by paths of the first pass: those of a grid of pixels, which becomes finer where neighbouring
+    /// pixels may not be served yet. Returns the number of rays traced.
     std::uint64_t overture(const WalkSettings& walk, std::uint64_t seed, StageProgress* progress);
 
     /// Indirect radiance [W/(sr m^2)] that an ideal diffuse surface sends back along the eye path that has reached
@@ -51,7 +53,19 @@ public:
     const IrradianceCache& cache() const { return cache_; }
 
 private:
-    class CandidateVisitor;
+    class GridVisitor;
+    /// A point that the path of a pixel of the grid has reached.
+    struct SeenPoint {
+        std::size_t pixel;
+        Vec3 p, normal;
+        float pixel_width;  ///< of a pixel's image on the surface, along its longer side [scene units]
+    };
+    /// What the paths of one row of the grid have found.
+    struct GridRow {
+        std::vector<RecordPlace> candidates;  ///< points that the cache does not serve
+        std::vector<SeenPoint> seen;
+        std::uint64_t rays = 0;
+    };
 
     struct CachedSurface {
         Vec3 normal;                    ///< on the side that is seen
@@ -62,6 +76,12 @@ private:
     RecordPlace place_at(const EyeVertex& vertex, const SurfaceHit& hit, const CachedSurface& surface) const;
     /// The spacing of records on a surface at this distance from the eye [scene units].
     RecordSpacing spacing_at(float distance) const;
+    /// The width of a pixel's image on a surface at this distance that faces the eye [scene units].
+    float pixel_width_at(float distance) const;
+    /// Follows the paths of the pixels of row y that the grid still has to look at.
+    GridRow look_at_row(const RefinedGrid& grid, std::size_t y, const WalkSettings& settings, std::uint64_t seed) const;
+    /// Settles those pixels whose points the cache serves together with what lies around them.
+    void settle(RefinedGrid& grid, const std::vector<SeenPoint>& seen) const;
     /// Makes and adds records at those candidates that the cache does not serve. Returns the number of rays traced.
     std::uint64_t add_records(const std::vector<RecordPlace>& candidates);
 

@@ -14,6 +14,9 @@ namespace {
 /// A point behind a record does not see what the record sees. Rounding and curved surfaces are allowed for by this
 /// share of R.
 constexpr float behind_tolerance = 0.01f;
+/// A record is stored in cubes of at most this size, in units of its reach. Smaller cubes hold fewer records that do not
+/// serve a point in them, and a record lies in more cubes.
+constexpr float size_by_reach = 1.f;
 /// Largest depth of the octree; deeper nodes would not hold fewer records.
 constexpr int deepest = 24;
 
@@ -72,11 +75,13 @@ void IrradianceCache::for_each_within(const Vec3& p, float radius, std::uint32_t
                         visit);
 }
 
-float IrradianceCache::error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const {
+float IrradianceCache::error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n, float a) {
     const Vec3 d = p - record.p;
+    const float d2 = d.squaredNorm();
+    if (d2 > sqr(a * record.distance)) return infinity;
     const float cosine = n.dot(record.n);
     if (cosine <= 0.f || d.dot(n + record.n) < -2.f * behind_tolerance * record.distance) return infinity;
-    return d.norm() / record.distance + safe_sqrt(1.f - cosine);
+    return std::sqrt(d2) / record.distance + safe_sqrt(1.f - cosine);
 }
 
 std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, float slack) const {
@@ -85,7 +90,7 @@ std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, 
     double weights = 0;
     for_each_near(p, [&](std::uint32_t i) {
         const IrradianceRecord& record = records_[i];
-        const float error = error_at(record, p, n);
+        const float error = error_at(record, p, n, a);
         if (error < a) {
             // At the record's own point e_i is 0; a large weight makes the other records irrelevant.
             const float weight = 1.f / std::max(error, 1e-6f * a) - 1.f / a;
@@ -102,7 +107,17 @@ std::optional<Color> IrradianceCache::interpolate(const Vec3& p, const Vec3& n, 
 bool IrradianceCache::covers(const Vec3& p, const Vec3& n) const {
     bool covered = false;
     for_each_near(p, [&](std::uint32_t i) {
-        covered = error_at(records_[i], p, n) < accuracy_;
+        covered = error_at(records_[i], p, n, accuracy_) < accuracy_;
+        return !covered;
+    });
+    return covered;
+}
+
+bool IrradianceCache::covers_around(const Vec3& p, const Vec3& n, float around, float slack) const {
+    const float a = slack * accuracy_;
+    bool covered = false;
+    for_each_near(p, [&](std::uint32_t i) {
+        covered = error_at(records_[i], p, n, a) + around / records_[i].distance < a;
         return !covered;
     });
     return covered;
@@ -165,7 +180,7 @@ std::uint32_t IrradianceCache::children_of(std::uint32_t node) {
 
 void IrradianceCache::place(std::uint32_t record, float reach, std::uint32_t node, const Cube& cube) {
     const float smallest = std::ldexp(root_.size, -deepest);
-    if (cube.size <= 2.f * reach || cube.size <= smallest) {
+    if (cube.size <= size_by_reach * reach || cube.size <= smallest) {
         nodes_[node].records.push_back(record);
         return;
     }

@@ -48,6 +48,9 @@ public:
     std::optional<Color> interpolate(const Vec3& p, const Vec3& n, float slack = 1.f) const;
     /// Whether any record serves the point.
     bool covers(const Vec3& p, const Vec3& n) const;
+    /// Whether some record also serves, with `slack` as for interpolate(), every point of its own plane within `around`
+    /// [scene units] of p.
+    bool covers_around(const Vec3& p, const Vec3& n, float around, float slack) const;
     /// The record nearest to p within `radius` [scene units] on the side of n, for display; null if there is none.
     const IrradianceRecord* nearest(const Vec3& p, const Vec3& n, float radius) const;
 
@@ -55,8 +58,8 @@ public:
     const std::vector<IrradianceRecord>& records() const { return records_; }
     /// Memory that the cache takes [bytes].
     std::size_t memory() const;
-    /// The largest value of `slack`.
-    static constexpr float most_slack = 2.f;
+    /// The largest value of `slack`, with which passes use records that were made with a.
+    static constexpr float most_slack = 1.4f;
 
 private:
     struct Node {
@@ -78,8 +81,8 @@ private:
     /// more than once.
     template <typename Visit>
     void for_each_within(const Vec3& p, float radius, std::uint32_t node, const Cube& cube, Visit& visit) const;
-    /// e_i; infinite where the point lies behind the record.
-    float error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n) const;
+    /// e_i; infinite where the point lies behind the record, and where it is so far away that e_i is not below a.
+    static float error_at(const IrradianceRecord& record, const Vec3& p, const Vec3& n, float a);
     /// Neighbour clamping (Krivanek et al. 2006, section 4); `least` is the least distance R of the new record.
     void limit_by_neighbours(IrradianceRecord& record, float least);
     void place(std::uint32_t record, float reach, std::uint32_t node, const Cube& cube);

@@ -17,9 +17,10 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t photons_per_block = 4096;
+/// Photons in a block of work: a share of all, so that few photons occupy all processors too, within these bounds.
+constexpr std::uint64_t blocks = 64, fewest_per_block = 256, most_per_block = 4096;
 /// Aimed photons have larger blocks: the more of them are sorted together, the closer together they lie.
-constexpr std::size_t aimed_photons_per_block = 16384;
+constexpr std::uint64_t most_aimed_per_block = 16384;
 /// Memory of a photon while the map is built: the photon itself and its 29 bytes in the map (see PhotonMap).
 constexpr double bytes_per_photon = sizeof(Photon) + 29;
 
@@ -245,7 +246,8 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     result.unit = photon_power_unit(scene.emitted_power(), count);
     const double share = 1 / (static_cast<double>(count) * result.unit);
 
-    const std::size_t per_block = aim ? aimed_photons_per_block : photons_per_block;
+    const std::uint64_t per_block =
+        std::clamp(count / blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
         RayQueries rays(scene);
         const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
@@ -260,11 +262,11 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
         block.rays = rays.count();
         if (progress) progress->add(end - begin);
     };
-    auto blocks = blocks_within_memory(count, per_block, &PhotonWalkResult::photons, bytes_per_photon,
-                                       std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
+    auto parts = blocks_within_memory(count, per_block, &PhotonWalkResult::photons, bytes_per_photon,
+                                      std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
 
-    result.photons = joined(blocks, &PhotonWalkResult::photons);
-    for (const PhotonWalkResult& block : blocks) {
+    result.photons = joined(parts, &PhotonWalkResult::photons);
+    for (const PhotonWalkResult& block : parts) {
         result.rays += block.rays;
         result.balance += block.balance;
     }

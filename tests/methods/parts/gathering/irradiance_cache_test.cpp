@@ -50,6 +50,19 @@ TEST(IrradianceCache, InterpolatesALinearFieldExactly) {
     EXPECT_EQ(served, 500);
 }
 
+// The record serves points of its plane whose distance from it is below 1.4 * 0.25 * 0.4 = 0.14.
+TEST(IrradianceCache, ServesWhatLiesAroundAPointIfOneRecordReachesBeyondIt) {
+    IrradianceCache cache(unit_box(), 0.25f);
+    const Vec3 n(0, 0, 1), p(0.5f, 0.5f, 0.5f);
+    cache.insert(linear_record(p, 0.4f), any_spacing);
+    const Vec3 beside = p + Vec3(0.09f, 0, 0);
+    EXPECT_TRUE(cache.covers(beside, n));
+    EXPECT_TRUE(cache.covers_around(beside, n, 0.049f, 1.4f));
+    EXPECT_FALSE(cache.covers_around(beside, n, 0.051f, 1.4f));
+    EXPECT_FALSE(cache.covers_around(beside, n, 0.049f, 1.f));
+    EXPECT_FALSE(cache.covers_around(beside, -n, 0.f, 1.4f));
+}
+
 // The octree serves a place exactly if a search through all records finds one whose error is below the accuracy.
 TEST(IrradianceCache, ServesWhereARecordsErrorIsSmallAndNowhereElse) {
     constexpr float accuracy = 0.2f;
@@ -74,7 +87,7 @@ TEST(IrradianceCache, ServesWhereARecordsErrorIsSmallAndNowhereElse) {
     for (std::uint64_t i = 5000; i < 9000; ++i) {
         const Vec3 p = point_of(i);
         for (const Vec3& n : {Vec3(0, 0, 1), Vec3(0, 0.1f, 1).normalized().eval(), Vec3(1, 0, 0)}) {
-            for (const float slack : {1.f, 2.f}) {
+            for (const float slack : {1.f, IrradianceCache::most_slack}) {
                 const bool served = std::any_of(records.begin(), records.end(),
                                                 [&](const auto& r) { return error(r, p, n) < slack * accuracy; });
                 EXPECT_EQ(cache.interpolate(p, n, slack).has_value(), served);
