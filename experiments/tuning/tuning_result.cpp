@@ -13,7 +13,6 @@ namespace gib {
 
 namespace {
 
-
 Estimate exponential(double mean, double half) {
     return {std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
 }
@@ -33,10 +32,13 @@ std::string change_along(const TuningAxis& axis, const MethodLabel& best, const 
 
 }  // namespace
 
-Estimate seconds_of(const FinalSetting& f) { return exponential(f.mean.value, half_width({f.mean.variance}, interval_tail)); }
+Estimate seconds_of(const FinalSetting& f) {
+    return exponential(f.mean.value, half_width({f.mean.variance}, interval_tail));
+}
 
 Estimate factor_between(const FinalSetting& other, const FinalSetting& best) {
-    return exponential(other.mean.value - best.mean.value, half_width({other.mean.variance, best.mean.variance}, interval_tail));
+    return exponential(other.mean.value - best.mean.value,
+                       half_width({other.mean.variance, best.mean.variance}, interval_tail));
 }
 
 std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult& result) {
