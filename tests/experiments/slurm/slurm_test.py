@@ -130,6 +130,7 @@ class SlurmTest(unittest.TestCase):
         self.wait()
         self.assertEqual(self.counts(cluster), {"references": "2 of 2", "done": "8", "running": "0", "waiting": "0",
                                                 "failed": "0", "missing": "0"})
+        self.assertEqual(len(self.images(local)), 8 + 2)
         self.assertEqual(self.images(local), self.images(cluster))
         self.assertEqual(self.table(local), self.table(cluster))
         self.assertTrue(os.path.exists(f"{cluster}/out/report.html"))
