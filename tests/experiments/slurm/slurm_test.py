@@ -152,6 +152,7 @@ class SlurmTest(unittest.TestCase):
                              if os.path.exists(f"{cluster}/out/cells/{name}/work/request.json")]) == 2
         self.cluster.wait_for(lambda: len(self.running()) == 2 and begun(), "two running cells", 120)
         self.assertEqual(self.counts(cluster)["running"], "2")
+        self.assertIn("jobs of Slurm are working", self.gibench(cluster, "run", "e.toml", "--out", "out", code=2))
         self.cluster.stop("slurmd")
         self.cluster.start_node()
         first, second = self.running()
