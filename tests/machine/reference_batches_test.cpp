@@ -158,7 +158,7 @@ TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
 // Several makers share the work of a unit, so that few units are enough, which only their shares tell.
 TEST(StoredReference, OfSeveralMakersIsNotToppedUpWithoutNeed) {
     const TemporaryFolder folder;
-    const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{16, 16}}, {}});
+    const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{24, 24}}, {}});
     const ReferenceWork work{.scene = scene,
                              .methods = reference_methods({"auto", {}}),
                              .label = {"auto", {}},
