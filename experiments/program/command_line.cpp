@@ -139,6 +139,7 @@ void add_executor(CLI::App* command, ExecutorOptions& executor) {
 int run_on(ExecutorOptions executor, const RunOptions& options) {
     if (executor.name == "local") {
         if (!executor.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
+        if (executor.slurm.most_tasks != SlurmOptions().most_tasks) throw InputError("--tasks is for --on slurm");
         require_no_jobs(options);
         return run_or_tune(options, std::cout);
     }

@@ -34,6 +34,7 @@ TEST_F(ExecutorTest, OptionsOfSlurmNeedSlurm) {
     const ProgramResult result = run_gibench("run e.toml --sbatch=--partition=short", path());
     EXPECT_EQ(result.code, 2);
     EXPECT_EQ(result.err, "--sbatch is for --on slurm\n");
+    EXPECT_EQ(run_gibench("run e.toml --tasks 2", path()).err, "--tasks is for --on slurm\n");
 }
 
 TEST_F(ExecutorTest, StatusCountsTheCellsOfALocalRun) {

@@ -7,7 +7,9 @@
 
 #include "common/images/image_digest.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/plan/reference_methods.h"
 #include "tests/support/driver_fixtures.h"
+#include "tests/support/source_path.h"
 
 #include <gmock/gmock.h>
 
@@ -151,6 +153,22 @@ TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
     };
     const double few = error_of(0, rounds), many = error_of(rounds, 4 * rounds);
     EXPECT_NEAR(2 * std::log(few / many), std::log(4), 0.212);
+}
+
+// Several makers share the work of a unit, so that few units are enough, which only their shares tell.
+TEST(StoredReference, OfSeveralMakersIsNotToppedUpWithoutNeed) {
+    const TemporaryFolder folder;
+    const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{24, 24}}, {}});
+    const ReferenceWork work{.scene = scene,
+                             .methods = reference_methods({"auto", {}}),
+                             .label = {"auto", {}},
+                             .goal = {0.3, std::nullopt},
+                             .epsilon = 0.01,
+                             .path = folder / "reference.exr"};
+    ProgressLine progress(false);
+    const FinishedReference first = make_reference(work, progress);
+    ASSERT_LT(std::stoul(first.reference.metadata.at("passes")), 8u);
+    EXPECT_EQ(make_reference(work, progress).rounds_added, 0u);
 }
 
 TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {

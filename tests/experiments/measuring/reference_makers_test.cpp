@@ -39,8 +39,7 @@ std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
 }
 
 MakerPilot pilot_of(const Made& made, std::uint64_t seed, double work_of_pass = 1) {
-    return {
-        .groups = groups_of(made, seed), .passes = 1, .work = reference_groups * work_of_pass, .unresolved = {}};
+    return {.groups = groups_of(made, seed), .passes = 1, .work = reference_groups * work_of_pass, .unresolved = {}};
 }
 double weight(const MakerPlan& plan, std::size_t maker, Component c) {
     return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];

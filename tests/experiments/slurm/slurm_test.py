@@ -130,6 +130,7 @@ class SlurmTest(unittest.TestCase):
         self.wait()
         self.assertEqual(self.counts(cluster), {"references": "2 of 2", "done": "8", "running": "0", "waiting": "0",
                                                 "failed": "0", "missing": "0"})
+        self.assertEqual(len(self.images(local)), 8 + 2)
         self.assertEqual(self.images(local), self.images(cluster))
         self.assertEqual(self.table(local), self.table(cluster))
         self.assertTrue(os.path.exists(f"{cluster}/out/report.html"))
@@ -151,6 +152,7 @@ class SlurmTest(unittest.TestCase):
                              if os.path.exists(f"{cluster}/out/cells/{name}/work/request.json")]) == 2
         self.cluster.wait_for(lambda: len(self.running()) == 2 and begun(), "two running cells", 120)
         self.assertEqual(self.counts(cluster)["running"], "2")
+        self.assertIn("jobs of Slurm are working", self.gibench(cluster, "run", "e.toml", "--out", "out", code=2))
         self.cluster.stop("slurmd")
         self.cluster.start_node()
         first, second = self.running()
