@@ -7,9 +7,10 @@
 //     I f(theta') / max(d^2, r^2),
 // where d is the distance to the ball's centre, r the ball's radius, theta' the least angle that the direction to p can
 // make with the light's cone, from anywhere in the ball, and f the cone's fall: for surfaces the cosine. It is 0 if the
-// ball lies behind the surface at p. Lights at infinity have an importance that is the same everywhere, on surfaces that face them. The others are the leaves of a
-// binary tree, whose nodes bound those below. A node's child is chosen in proportion to its importance, so that a
-// choice costs the logarithm of the number of lights, as its probability does.
+// ball lies behind the surface at p. Lights at infinity have an importance that is the same everywhere, on surfaces
+// that face them. The others are the leaves of a binary tree, whose nodes bound those below. A node's child is chosen
+// in proportion to its importance, so that a choice costs the logarithm of the number of lights, as its probability
+// does.
 //
 // Surfaces may hide what is important. A share of the choices is therefore even: among the lights at infinity and the
 // tree as a whole, and among the lights of the tree.

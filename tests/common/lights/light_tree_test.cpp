@@ -137,6 +137,14 @@ TEST(LightBounds, ImportanceFarAwayIsTheIrradiance) {
     }
 }
 
+TEST(LightBounds, ALampBehindTheSurfaceHasNoImportance) {
+    const LightBounds lamp{Vec3d(0, 0, -1), 0.5, EmissionCone(Vec3d(0, 0, 1), pi_d, 0), 1};
+    EXPECT_EQ(lamp.importance(LitPoint(Vec3(0, 0, 0), Vec3(0, 0, 1))), 0);
+    EXPECT_GT(lamp.importance(LitPoint(Vec3(0, 0, 0), Vec3(0, 0, -1))), 0);
+    EXPECT_GT(lamp.importance(LitPoint(Vec3(0, 0, 0))), 0) << "in a medium";
+    EXPECT_GT(lamp.importance(LitPoint(Vec3(0, 0, -0.6f), Vec3(0, 0, 1))), 0) << "part of the lamp is in front";
+}
+
 TEST(LightBounds, NoLightShinesWhereItsImportanceIsZero) {
     const auto loaded = load(mixed_lights());
     const Scene& scene = *loaded.scene;

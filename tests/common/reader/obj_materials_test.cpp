@@ -50,6 +50,7 @@ TEST_F(ObjMaterials, HaveTheBsdfOfTheirName) {
 }
 
 TEST_F(ObjMaterials, OfOlderScenesMayHaveCapitals) {
+    EXPECT_EQ(squares(load(diffuse("", 0.4) + diffuse("Wood_A", 0.2), "0.6.0")), (std::vector{0.2f, 0.4f, 0.2f}));
     EXPECT_EQ(squares(load(diffuse("glass", 0.1) + diffuse("Wood_A", 0.2), "0.6.0")), (std::vector{0.2f, 0.1f, 0.2f}));
 }
 
