@@ -3,8 +3,6 @@
 
 #include "tests/methods/parts/density/density_fixtures.h"
 
-#include <thread>
-
 namespace gib {
 namespace {
 
@@ -130,16 +128,16 @@ TEST(DensityEstimate, DoesNotDependOnTheLookUpsBefore) {
     const Ray eye = down_at(0, 0);
     const SurfaceHit hit = *few.scene.scene->intersect(eye);
     const DensityEstimator e{Kernel::uniform, 50, 0.9f, DiscArea::plain};
-    const auto radiance = [&](int max_edges) {
+    const auto radiance = [&](int max_edges, LastLookUp* last) {
         return e
             .reflected_radiance(map, few.rays, hit, -eye.d, EyePath{max_edges}, Sampler(PointSet::independent, 1, 0, 0),
-                                0)
+                                0, last)
             .between_surfaces[0];
     };
-    float first = 0.f;
-    std::thread([&] { first = radiance(2); }).join();  // a new thread has looked up nothing
-    EXPECT_GT(radiance(100), 1.5f * first);
-    EXPECT_EQ(radiance(2), first);
+    LastLookUp last;
+    EXPECT_GT(radiance(100, &last), 1.5f * radiance(2, nullptr));
+    EXPECT_LT(last.radius, 0.5f);
+    EXPECT_FLOAT_EQ(radiance(2, &last), radiance(2, nullptr));
 }
 
 // The photons within reach lie on the surface, on its underside, on a wall and on a ledge above. `plain` counts all
