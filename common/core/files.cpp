@@ -58,12 +58,12 @@ public:
             content.remove_prefix(static_cast<std::size_t>(written));
         }
     }
-    void move_to(const std::string& target) {
+    void move_to(const std::string& target, Flush flush) {
         // mkostemp() makes a private file; a result must be as readable as any other new file.
         const mode_t mask = ::umask(0);
         ::umask(mask);
         if (::fchmod(descriptor_->get(), 0666 & ~mask) != 0) fail(target, "cannot set its permissions");
-        if (::fsync(descriptor_->get()) != 0) fail(target, "cannot write");
+        if (flush == Flush::now && ::fsync(descriptor_->get()) != 0) fail(target, "cannot write");
         // The file is renamed before it is closed, because closing gives up the lock.
         if (::rename(path_.c_str(), target.c_str()) != 0) fail(target, "cannot write");
         path_.clear();
@@ -127,10 +127,11 @@ std::string read_file(const std::string& path) {
     return content;
 }
 
-void write_file(const std::string& path, std::string_view content) {
+void write_file(const std::string& path, std::string_view content, Flush flush) {
     TemporaryFile temporary(path);
     temporary.write(content, path);
-    temporary.move_to(path);
+    temporary.move_to(path, flush);
+    if (flush == Flush::later) return;
     // The new name is part of the folder, which has to reach the disk too. Not every file system can flush a folder,
     // so that a failure is ignored.
     const std::string folder = std::filesystem::path(path).parent_path().string();

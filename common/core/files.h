@@ -9,9 +9,12 @@ namespace gib {
 /// The content of a file. Throws InputError with the file's name if it cannot be read or needs more memory
 /// than there is.
 std::string read_file(const std::string& path);
-/// Writes `content` to a temporary file in the same folder, flushes it to disk and renames it to
+/// When a written file reaches the disk. `now` waits for it, about 10 ms: for results that a later run relies on even if the
+/// power has failed in between. `later` leaves it to the system.
+enum class Flush { now, later };
+/// Writes `content` to a temporary file in the same folder, flushes it to disk if asked to and renames it to
 /// `path`. Throws RunError.
-void write_file(const std::string& path, std::string_view content);
+void write_file(const std::string& path, std::string_view content, Flush flush = Flush::now);
 /// Removes the temporary files that write_file() left in `folder` when its process died, but not those in folders
 /// below. For folders to which only the bench writes.
 void remove_leftovers_in(const std::string& folder);

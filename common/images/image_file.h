@@ -1,6 +1,7 @@
 #pragma once
 // Images on disk. OpenEXR writes them; OpenImageIO reads them (image_library.h).
 
+#include "common/core/files.h"
 #include "common/images/image.h"
 
 #include <cstdint>
@@ -23,7 +24,7 @@ struct LayeredImage {
 
 /// Writes a one-part float32 EXR, compressed by run lengths without loss; the file appears whole or not at all. Throws
 /// RunError.
-void write_exr(const std::string& path, const LayeredImage& image);
+void write_exr(const std::string& path, const LayeredImage& image, Flush flush = Flush::now);
 
 /// Writes an EXR file that another process reads at once and that is then removed. The file is uncompressed and not
 /// flushed to disk, which is ten times as fast; a crash may leave a part of it. Throws RunError.

@@ -136,7 +136,7 @@ int render(const RenderOptions& options, std::ostream& out) {
                       {"program", program_version()}};
     for (const auto& [name, value] : measured.facts)
         image.metadata[name] = value;
-    write_exr(options.out, image);
+    write_exr(options.out, image, Flush::later);
     progress.message(fmt::format("{}: {} passes", options.out, last.passes));
     out << fmt::format("seconds: {:.4f}\nrays: {}\nrays per second: {:.4g}\n", last.seconds, last.counts.rays,
                        static_cast<double>(last.counts.rays) / last.seconds);

@@ -19,7 +19,8 @@ public:
     static constexpr bool wants_emission = true;
     static constexpr int splits = 2;
 
-    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
+    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, LastLookUps& last)
+        : maps_(maps), settings_(settings), last_(last) {}
 
     const BiasedSample& sample() const { return sample_; }
 
@@ -50,18 +51,18 @@ public:
     void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers& u) {
         if (settings_.samples_lights)
             sample_.light[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
-        look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc);
+        look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc, last_.caustic);
         if (maps_.final_gather) sample_.light[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
-        else look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc);
+        else look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc, last_.global);
     }
 
 private:
     /// Adds the radiance that the density of photons around the hit gives (Jensen 2001, chapter 7).
     void look_up(const PhotonMap& map, const DensityEstimator& estimator, const EyeVertex& vertex,
-                 const SurfaceHit& hit, Component component, std::uint32_t disc) {
+                 const SurfaceHit& hit, Component component, std::uint32_t disc, LastLookUp& last) {
         if (map.size() == 0) return;
         const Reflected light = estimator.reflected_radiance(map, vertex.walk.rays, hit, vertex.wo, eye_path(vertex),
-                                                             vertex.walk.sampler, disc);
+                                                             vertex.walk.sampler, disc, &last);
         sample_.light[component] += vertex.throughput() * light.between_surfaces;
         if (!is_black(light.through_media))
             sample_.light[Component::volume] += vertex.throughput() * light.through_media;
@@ -96,14 +97,15 @@ private:
 
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
+    LastLookUps& last_;
     BiasedSample sample_;
 };
 
 }  // namespace
 
 BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
-                             const TracedRay& eye, const Sampler& sampler) {
-    EyePathVisitor visitor(maps, settings);
+                             const TracedRay& eye, const Sampler& sampler, LastLookUps& last) {
+    EyePathVisitor visitor(maps, settings, last);
     follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
     return visitor.sample();
 }

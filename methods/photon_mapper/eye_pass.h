@@ -20,8 +20,13 @@ struct PhotonMaps {
     std::optional<LightVisibility> light_visibility;
 };
 
+/// The last look-ups of one block of pixels.
+struct LastLookUps {
+    LastLookUp caustic, global;
+};
+
 /// One sample of a pixel along the camera's ray `eye`, with the bias of estimators that are asked for it.
 BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
-                             const TracedRay& eye, const Sampler& sampler);
+                             const TracedRay& eye, const Sampler& sampler, LastLookUps& last);
 
 }  // namespace gib

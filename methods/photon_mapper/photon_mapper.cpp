@@ -91,9 +91,10 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-                return sample_eye_path(maps_, walk_, rays, eye, sampler).light;
-            };
+            return
+                [this, last = LastLookUps{}](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) mutable {
+                    return sample_eye_path(maps_, walk_, rays, eye, sampler, last).light;
+                };
         });
         if (cache_) cache_->end_pass();
         return Progress::more;

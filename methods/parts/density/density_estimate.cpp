@@ -19,33 +19,11 @@ struct PhotonSums {
     }
 };
 
-/// The last look-up of a thread in a map.
-struct LastLookUp {
-    const PhotonMap* map = nullptr;
-    std::size_t k = 0;
-    Vec3 p = Vec3::Zero();
-    float radius = 0.f;  ///< that held k photons
-};
-
-/// What a thread's look-ups share.
-struct Scratch {
-    std::vector<Neighbour> neighbours;  ///< memory that no look-up has to take for itself
-    /// For two maps, which the look-ups of one eye path take turns in.
-    std::array<LastLookUp, 2> last;
-
-    LastLookUp& last_in(const PhotonMap& map, std::size_t k) {
-        const auto same = [&](const LastLookUp& one) { return one.map == &map && one.k == k; };
-        if (!same(last[0]) && !same(last[1])) last[1] = {.map = &map, .k = k, .radius = infinity};
-        if (!same(last[0])) std::swap(last[0], last[1]);
-        return last[0];
-    }
-};
-
 /// One look-up: finds the photons around a hit and estimates the radiance that they cause (Jensen 2001, chapter 7).
 class LookUp {
 public:
     LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u, Scratch& scratch)
+           const Vec3& wo, const EyePath& eye, const Vec2& u, std::vector<Neighbour>& neighbours, LastLookUp* last)
         : e_(estimator),
           map_(map),
           rays_(rays),
@@ -56,8 +34,8 @@ public:
           transmits_(hit.bsdf->traits().transmission),
           common_factor_(Colord::Constant(map.unit())),
           disc_(hit, normal_, u),
-          scratch_(scratch),
-          neighbours_(scratch.neighbours) {
+          neighbours_(neighbours),
+          last_(last) {
         neighbours_.clear();
         // All photons are lifted above the horizon, so that an ideal diffuse side has the same f for all of them.
         if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z())) {
@@ -152,19 +130,16 @@ private:
             neighbours_);
     }
 
-    /// Finds the k nearest photons that `accept` accepts. By the triangle inequality, the ball of the last look-up of this
-    /// thread lies within its radius and the distance to it. In the loop over pixels, the last look-up was mostly close
-    /// by, so that this ball holds hardly more than k photons; if it holds fewer, which other surfaces or limits may
-    /// cause, the search is repeated in the largest one. The result is the same in either case.
+    /// Finds the k nearest photons that `accept` accepts. By the triangle inequality, the ball of the last look-up lies
+    /// within its radius and the distance to it. If the last look-up was close by, this ball holds hardly more than k
+    /// photons. If it holds fewer, which other surfaces or limits may cause, the search is repeated in the largest one.
     template <typename Accept>
     void find_k(const Accept& accept) {
-        LastLookUp& last = scratch_.last_in(map_, e_.k);
-        const float near = last.radius + (hit_.p - last.p).norm();
+        const float near = last_ ? last_->radius + (hit_.p - last_->p).norm() : infinity;
         if (near < e_.max_radius) map_.nearest(hit_.p, e_.k, near, accept, neighbours_);
         if (!(near < e_.max_radius) || neighbours_.size() < e_.k)
             map_.nearest(hit_.p, e_.k, e_.max_radius, accept, neighbours_);
-        last.p = hit_.p;
-        last.radius = neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity;
+        if (last_) *last_ = {hit_.p, neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity};
     }
 
     /// Whether nothing but the surface's plane lies as far from the centre as the rays of disc_ for this radius reach.
@@ -279,13 +254,14 @@ private:
     bool near_obstacle_ = false;
     bool flat_ = false;  ///< the whole disc lies on the surface, with nothing near it
     SurfaceDisc disc_;
-    Scratch& scratch_;
     std::vector<Neighbour>& neighbours_;
+    LastLookUp* last_;
 };
 
-Scratch& scratch_of_thread() {
-    static thread_local Scratch scratch;
-    return scratch;
+/// The memory of a thread's look-ups, which none of them has to take for itself.
+std::vector<Neighbour>& neighbours_of_thread() {
+    static thread_local std::vector<Neighbour> neighbours;
+    return neighbours;
 }
 
 }  // namespace
@@ -305,8 +281,8 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
-                                               std::uint32_t dimension) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), scratch_of_thread()).radiance();
+                                               std::uint32_t dimension, LastLookUp* last) const {
+    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours_of_thread(), last).radiance();
 }
 
 }  // namespace gib

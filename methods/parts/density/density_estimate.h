@@ -64,6 +64,14 @@ struct Reflected {
     bool near_obstacle = false;
 };
 
+/// The last of a sequence of look-ups in one map, with the same k, that mostly follow each other closely in space. It makes
+/// the next one faster. The photons found do not depend on it, but the order in which they are added does. A sequence
+/// therefore has to belong to one block of work, so that rounding is the same for any number of threads.
+struct LastLookUp {
+    Vec3 p = Vec3::Zero();
+    float radius = std::numeric_limits<float>::infinity();  ///< that held k photons; infinite: none is known
+};
+
 struct DensityEstimator {
     Kernel kernel;
     std::size_t k;
@@ -77,9 +85,10 @@ struct DensityEstimator {
     const FlatRegions* flat_regions = nullptr;
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
-    /// The sampler's numbers of `dimension` place the rays that probe the disc.
+    /// The sampler's numbers of `dimension` place the rays that probe the disc. `last` may be null.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
-                                 const EyePath& eye, const Sampler& sampler, std::uint32_t dimension) const;
+                                 const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
+                                 LastLookUp* last = nullptr) const;
 };
 
 /// wi_local, moved to just above the horizon if it lies below it. A photon that passed the test of its normal arrived

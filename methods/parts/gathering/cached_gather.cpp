@@ -205,6 +205,7 @@ CachedGather::GridRow CachedGather::look_at_row(const RefinedGrid& grid, std::si
                                  settings, visitor);
         }
     }
+    if (grid.step() == 1) row.seen = {};  // no finer grid follows, and there may be as many points as pixels
     row.rays = rays.count();
     return row;
 }

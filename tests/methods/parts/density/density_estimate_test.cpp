@@ -116,6 +116,30 @@ TEST(DensityEstimate, PhotonsOfTooLongPathsDoNotCount) {
         }
 }
 
+// A look-up begins with the ball that the one before has found. That one counted twice as many photons, so that the ball
+// holds too few for this one.
+TEST(DensityEstimate, DoesNotDependOnTheLookUpsBefore) {
+    std::vector<Photon> photons;
+    spread(photons, 1000, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 1.f, 1);
+    for (std::size_t i = 0; i < photons.size(); i += 2)
+        photons[i].edges = 5;
+    const PhotonMap map(photons, 1);
+    FewPhotons few;
+    const Ray eye = down_at(0, 0);
+    const SurfaceHit hit = *few.scene.scene->intersect(eye);
+    const DensityEstimator e{Kernel::uniform, 50, 0.9f, DiscArea::plain};
+    const auto radiance = [&](int max_edges, LastLookUp* last) {
+        return e
+            .reflected_radiance(map, few.rays, hit, -eye.d, EyePath{max_edges}, Sampler(PointSet::independent, 1, 0, 0),
+                                0, last)
+            .between_surfaces[0];
+    };
+    LastLookUp last;
+    EXPECT_GT(radiance(100, &last), 1.5f * radiance(2, nullptr));
+    EXPECT_LT(last.radius, 0.5f);
+    EXPECT_FLOAT_EQ(radiance(2, &last), radiance(2, nullptr));
+}
+
 // The photons within reach lie on the surface, on its underside, on a wall and on a ledge above. `plain` counts all
 // of them, as the textbooks' estimate does; `rejected` and `surface` count the first only.
 TEST(DensityEstimate, PlainCountsEveryPhotonInTheBall) {
