@@ -128,6 +128,7 @@ data looks_data(const Analysis& analysis, const std::string& scene) {
     for (const LookWords& words : look_words(analysis, scene))
         looks.push_back(object{{"method", words.look.method},
                                {"attribute", html_escape(words.look.method)},
+                               {"external", analysis.index.is_external(words.look.method)},
                                {"passes", std::to_string(words.look.passes)},
                                {"error", words.error},
                                {"percent", std::isdigit(static_cast<unsigned char>(words.error.back())) != 0},

@@ -22,10 +22,15 @@ std::string error_text(double relative_rmse) {
     return relative_rmse > 0 ? percent_text(relative_rmse) : "below the reference's";
 }
 
+/// The label of a method and, in brackets, that it is another renderer's.
+std::string marked(const Analysis& analysis, const std::string& method) {
+    return analysis.index.is_external(method) ? method + " (external)" : method;
+}
+
 /// The label of a row and, in brackets, that it is another renderer's, or the passes at which the labels that differ in
 /// `spp` alone stopped.
 std::string method_text(const Analysis& analysis, const TableRow& row) {
-    if (row.is_external) return row.method + " (external)";
+    if (row.is_external) return marked(analysis, row.method);
     const auto stops = analysis.stops.find({row.scene, row.method});
     if (stops == analysis.stops.end()) return row.method;
     return fmt::format("{} (stopped at spp = {} too)", row.method, fmt::join(stops->second, ", "));
@@ -41,8 +46,8 @@ Section look_section(const Analysis& analysis) {
     for (const auto& scene : scenes_of(analysis))
         for (const LookWords& words : look_words(analysis, scene))
             section.rows.push_back({scene,
-                                    {words.look.method, short_number(words.look.seconds), words.error, words.flip,
-                                     words.shown, words.kind, words.missing, words.energy}});
+                                    {marked(analysis, words.look.method), short_number(words.look.seconds), words.error,
+                                     words.flip, words.shown, words.kind, words.missing, words.energy}});
     return section;
 }
 
