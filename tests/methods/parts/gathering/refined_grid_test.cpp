@@ -38,7 +38,9 @@ TEST(RefinedGrid, LooksAtEveryFourthPixelIfAllAreServed) {
     for (std::size_t y = 0; y < 33; ++y)
         for (std::size_t x = 0; x < 67; ++x) {
             const int expected = x % 4 == 0 && y % 4 == 0 ? 1 : 0;
-            if (x < 65) EXPECT_EQ(count[y * 65 + x], expected) << x << ' ' << y;
+            if (x < 65) {
+                EXPECT_EQ(count[y * 65 + x], expected) << x << ' ' << y;
+            }
             EXPECT_EQ(wider[y * 67 + x], x == 66 && y % 2 == 0 ? 1 : expected) << x << ' ' << y;
         }
 }
