@@ -6,7 +6,7 @@
 
 namespace gib {
 
-/// What lies beyond the edges: the image again, its mirror image, its outermost cells, or 0 or 1 everywhere.
+/// The values beyond the edges: the image again, its mirror image, its outermost cells, or 0 or 1 everywhere.
 enum class Wrap { repeat, mirror, clamp, zero, one };
 
 /// The index that stands for every cell beyond the edges, where these have a value of their own.

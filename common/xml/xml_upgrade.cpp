@@ -399,7 +399,8 @@ private:
                 attribute_of(e_, "type")->value = "homogeneous";
     }
 
-    /// What a homogeneous medium does not give is that of the preset skin1. The presets are refused when they are read.
+    /// Coefficients that a homogeneous medium does not give are those of the preset skin1. Presets are refused when
+    /// they are read.
     void check_coefficients() {
         if (property(e_, "material")) return;
         bool has_any = false;

@@ -38,7 +38,7 @@ public:
 
     // A run of several processes (shared_run.cpp).
 
-    /// What the other processes have to know, without their tasks.
+    /// The plan for other processes, without their tasks.
     RunPlan plan() const;
     /// The selected cells, complete or not.
     std::vector<CellState> states();
@@ -99,7 +99,7 @@ private:
     /// Takes the reference with which the run that is repeated was measured. Returns false if no run is repeated or
     /// if that reference is not intact.
     bool take_reference_of(SceneState& scene);
-    /// What the reference of a scene that gibench makes consists of.
+    /// The scene, method and goal of a reference that gibench makes.
     ReferenceWork reference_work(const SceneState& scene, const LoadedScene& loaded) const;
     /// A cell; empty if the run that is repeated does not have it.
     std::optional<PlannedCell> cell_at(const CellPlace& place);

@@ -1,5 +1,5 @@
 #pragma once
-// What several processes that run one experiment together (`gibench run --on slurm`) have to know: the experiment as the
+// The plan of several processes that run one experiment together (`gibench run --on slurm`): the experiment as the
 // first one has read and checked it, and who does what. The plan is a file in the result folder, which is written once
 // and read by every task, so that a task loads only the scenes that it renders and another version of the experiment
 // file does not reach it.

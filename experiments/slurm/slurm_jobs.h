@@ -1,5 +1,5 @@
 #pragma once
-// What a result folder keeps about its jobs, in its folder slurm/: the plans that tasks read (plan-N.json), the numbers
+// The jobs of a result folder, as its folder slurm/ keeps them: the plans that tasks read (plan-N.json), the numbers
 // of the jobs (jobs.json), and what the tasks print.
 
 #include "experiments/run/run_plan.h"

@@ -21,7 +21,7 @@ struct TimeEstimate {
     /// Cost of a time beyond the horizon of estimated_time() [s]; empty below it.
     std::optional<double> beyond = {};
 
-    /// What the search minimises [s].
+    /// The time that the search minimises [s].
     double cost() const { return beyond.value_or(seconds); }
 };
 

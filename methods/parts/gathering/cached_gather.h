@@ -60,7 +60,7 @@ private:
         Vec3 p, normal;
         float pixel_width;  ///< of a pixel's image on the surface, along its longer side [scene units]
     };
-    /// What the paths of one row of the grid have found.
+    /// The finds of the paths of one row of the grid.
     struct GridRow {
         std::vector<RecordPlace> candidates;  ///< points that the cache does not serve
         std::vector<SeenPoint> seen;

@@ -201,7 +201,7 @@ std::vector<OldScene> materials() {
     };
 }
 
-std::vector<OldScene> lights_and_media() {
+std::vector<OldScene> lights() {
     return {
         {"lights", "0.6.0",
          old_sensor + ball("") +
@@ -259,6 +259,11 @@ std::vector<OldScene> lights_and_media() {
              "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate "
              "y='2'/></transform><emitter type='area'><rgb name='radiance' value='3'/></emitter></shape>" +
              ball("")},
+    };
+}
+
+std::vector<OldScene> media_and_instances() {
+    return {
         {"fog", "0.6.0",
          old_sensor + sky +
              "<shape type='cube'><medium type='homogeneous' name='interior'><spectrum name='sigmaS' "
@@ -335,7 +340,7 @@ protected:
 };
 
 TEST_F(OldScenes, AreThoseOfVersion3) {
-    for (const auto& group : {cameras(), materials(), lights_and_media()})
+    for (const auto& group : {cameras(), materials(), lights(), media_and_instances()})
         for (const OldScene& scene : group) {
             SCOPED_TRACE(scene.name);
             expect_same(scene);
