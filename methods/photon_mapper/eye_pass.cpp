@@ -13,10 +13,21 @@ constexpr std::uint32_t global_disc = caustic_disc + 1;
 /// The first of the dimensions that probe the ball of a look-up in a medium, which takes as many of them as it needs.
 constexpr std::uint32_t volume_ball = 0x60000000;
 
+/// The tag of the split that gives eye paths for direct light numbers of their own.
+constexpr std::uint64_t direct_tag = 0xd17ec7;
+
+/// Which light an eye path adds up.
+enum class EyeLight {
+    all,
+    straight,  ///< emission and direct light, which no map holds
+    stored     ///< all other light
+};
+
 /// Adds up the light that one eye path meets, as a sample of its pixel.
+template <EyeLight light>
 class EyePathVisitor {
 public:
-    static constexpr bool wants_emission = true;
+    static constexpr bool wants_emission = light != EyeLight::stored;
     static constexpr int splits = 2;
 
     EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, LastLookUps& last)
@@ -29,6 +40,7 @@ public:
     /// Adds the light that a scattering event at p in a medium sends towards wo: straight from a light, by light
     /// sampling, and all other from the volume map (Jensen and Christensen 1998; Jensen 2001, chapter 10).
     void scattered(const EyeVertex& vertex, const Vec3& p) {
+        if constexpr (light == EyeLight::straight) return;
         PathWalk& walk = vertex.walk;
         Color radiance = Color::Zero();
         if (settings_.samples_lights)
@@ -36,11 +48,11 @@ public:
                                             walk.surroundings(), LightTechniques::light_sampling_only);
         if (maps_.volume.size() > 0) {
             const Medium& medium = *walk.at.medium;
-            const Scattered light = maps_.volume_estimator.within(medium.mean_free_path_at(p))
+            const Scattered found = maps_.volume_estimator.within(medium.mean_free_path_at(p))
                                         .scattered_radiance(maps_.volume, walk.rays, p, medium.phase(), vertex.wo,
                                                             eye_path(vertex), walk.sampler, volume_ball);
-            radiance += light.radiance;
-            sample_.bias[Component::volume] += vertex.throughput() * light.bias;
+            radiance += found.radiance;
+            sample_.bias[Component::volume] += vertex.throughput() * found.bias;
         }
         sample_.light[Component::volume] += vertex.throughput() * radiance;
     }
@@ -49,8 +61,9 @@ public:
     /// 2001, section 9.2): straight from a light, by way of specular surfaces only (caustic), or
     /// after a diffuse reflection (indirect).
     void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers& u) {
-        if (settings_.samples_lights)
+        if (light != EyeLight::stored && settings_.samples_lights)
             sample_.light[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
+        if constexpr (light == EyeLight::straight) return;
         look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc, last_.caustic);
         if (maps_.final_gather) sample_.light[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
         else look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc, last_.global);
@@ -61,14 +74,14 @@ private:
     void look_up(const PhotonMap& map, const DensityEstimator& estimator, const EyeVertex& vertex,
                  const SurfaceHit& hit, Component component, std::uint32_t disc, LastLookUp& last) {
         if (map.size() == 0) return;
-        const Reflected light = estimator.reflected_radiance(map, vertex.walk.rays, hit, vertex.wo, eye_path(vertex),
+        const Reflected found = estimator.reflected_radiance(map, vertex.walk.rays, hit, vertex.wo, eye_path(vertex),
                                                              vertex.walk.sampler, disc, &last);
-        sample_.light[component] += vertex.throughput() * light.between_surfaces;
-        if (!is_black(light.through_media))
-            sample_.light[Component::volume] += vertex.throughput() * light.through_media;
+        sample_.light[component] += vertex.throughput() * found.between_surfaces;
+        if (!is_black(found.through_media))
+            sample_.light[Component::volume] += vertex.throughput() * found.through_media;
         if (!estimator.estimates_bias) return;
-        sample_.bias[component] += vertex.throughput() * light.bias_between_surfaces;
-        sample_.bias[Component::volume] += vertex.throughput() * light.bias_through_media;
+        sample_.bias[component] += vertex.throughput() * found.bias_between_surfaces;
+        sample_.bias[Component::volume] += vertex.throughput() * found.bias_through_media;
     }
 
     /// Indirect light by final gathering, from the irradiance cache where it has records and else by rays.
@@ -101,13 +114,47 @@ private:
     BiasedSample sample_;
 };
 
+template <EyeLight light>
+BiasedSample sample_of(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
+                       const Sampler& sampler, LastLookUps& last) {
+    EyePathVisitor<light> visitor(maps, settings, last);
+    follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
+    return visitor.sample();
+}
+
 }  // namespace
 
 BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
                              const TracedRay& eye, const Sampler& sampler, LastLookUps& last) {
-    EyePathVisitor visitor(maps, settings, last);
-    follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
-    return visitor.sample();
+    return sample_of<EyeLight::all>(maps, settings, rays, eye, sampler, last);
+}
+
+PixelSample sample_pixel(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
+                         const Sampler& sampler, LastLookUps& last, int x, int y, int direct_samples) {
+    if (direct_samples == 1) return sample_eye_path(maps, settings, rays, eye, sampler, last).light;
+    PixelSample sample = sample_of<EyeLight::stored>(maps, settings, rays, eye, sampler, last).light;
+    const Sensor& sensor = rays.scene().sensor();
+    const float share = 1.f / static_cast<float>(direct_samples);
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    const auto sampler_of = [&](int i) {
+        return sampler.split(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(direct_samples), direct_tag);
+    };
+    for (int first = 0; first < direct_samples; first += static_cast<int>(packet.size())) {
+        const int count = std::min(static_cast<int>(packet.size()), direct_samples - first);
+        for (int i = 0; i < count; ++i)
+            packet[static_cast<std::size_t>(i)] = sensor.sample_ray(x, y, sampler_of(first + i));
+        rays.trace_from_camera(std::span(packet).first(static_cast<std::size_t>(count)), found);
+        for (int i = 0; i < count; ++i) {
+            const auto n = static_cast<std::size_t>(i);
+            const TracedRay ray{packet[n], found[n], sensor.hides_emitters()};
+            const PixelSample straight =
+                sample_of<EyeLight::straight>(maps, settings, rays, ray, sampler_of(first + i), last).light;
+            for (const Component c : {Component::emission, Component::direct})
+                sample[c] += share * straight[c];
+        }
+    }
+    return sample;
 }
 
 }  // namespace gib

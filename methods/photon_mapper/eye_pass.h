@@ -29,4 +29,11 @@ struct LastLookUps {
 BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
                              const TracedRay& eye, const Sampler& sampler, LastLookUps& last);
 
+/// The same, but emission and direct light are the mean over `direct_samples` eye paths of their own through the pixel
+/// (x, y), which look up no photons and gather nothing; those of all passes take the points of one sequence. Where one path
+/// serves for all light, more of them are made for the sake of emission and direct light, and look up the same photons
+/// again.
+PixelSample sample_pixel(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
+                         const Sampler& sampler, LastLookUps& last, int x, int y, int direct_samples);
+
 }  // namespace gib

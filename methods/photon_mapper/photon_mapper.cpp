@@ -12,7 +12,7 @@
 // light from the volume map. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection; gather [rays], source, cache,
+// [fractions of the scene's diagonal], kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
 // (methods/photon_mapper/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
@@ -22,7 +22,8 @@
 // near small objects a record may be used up to min_spacing away although it has missed an object that a neighbouring
 // record sees. Where the length of paths is limited, stored light is rescaled for longer ways from the eye
 // (PhotonLengths). In scenes with media or dispersion nothing is gathered.
-// A pass: one sample of every pixel. The maps and the cache are filled at the start. Photons are aimed: a light emits
+// A pass: one sample of every pixel; with direct_samples > 1, emission and direct light are the mean over so many eye paths
+// of their own. The maps and the cache are filled at the start. Photons are aimed: a light emits
 // only where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h. The
 // number of photons is the same as without aiming; together they carry the power of the emission that is kept.
 // Fails: never; a map without photons near a point gives 0 there.
@@ -91,10 +92,12 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return
-                [this, last = LastLookUps{}](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) mutable {
-                    return sample_eye_path(maps_, walk_, rays, eye, sampler, last).light;
-                };
+            return [this, last = LastLookUps{}](RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                                                std::size_t pixel) mutable {
+                const auto width = static_cast<std::size_t>(scene_.sensor().width());
+                return sample_pixel(maps_, walk_, rays, eye, sampler, last, static_cast<int>(pixel % width),
+                                    static_cast<int>(pixel / width), settings_.direct_samples);
+            };
         });
         if (cache_) cache_->end_pass();
         return Progress::more;
@@ -255,6 +258,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.compensation = values.choice("compensation") == "on";
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
+    s.direct_samples = static_cast<int>(values.integer("direct_samples"));
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
     s.cache = values.choice("cache") == "on";
@@ -301,6 +305,10 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
+        tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
+                                "eye paths for emission and direct light, of each pixel in each pass, beside the one "
+                                "that looks up photons; 1: one path for all light"),
+              {1, 16}),
         tuned(integer_parameter("gather", "0", "rays", 0, 1e6,
                                 "final gather rays for each diffuse surface that the eye sees, or for each record of "
                                 "the cache; 0: indirect light comes from the global map"),

@@ -18,10 +18,11 @@ struct PhotonMapperSettings {
     double volume_radius;           ///< largest look-up radius in the volume map [scene diagonals]
     Kernel kernel;
     DiscArea area;
-    int max_edges;      ///< edges of the longest path
-    bool compensation;  ///< bias compensation: an estimate uses fewer than k photons where more would blur
-    bool projection;    ///< lights emit photons only where these can reach surfaces that matter
-    int gather = 0;     ///< rays of a final gather; 0: indirect light comes from the global map
+    int max_edges;           ///< edges of the longest path
+    int direct_samples = 1;  ///< eye paths for emission and direct light, of each pixel in each pass
+    bool compensation;       ///< bias compensation: an estimate uses fewer than k photons where more would blur
+    bool projection;         ///< lights emit photons only where these can reach surfaces that matter
+    int gather = 0;          ///< rays of a final gather; 0: indirect light comes from the global map
     GatherSource source = GatherSource::irradiance;
     bool cache = false;  ///< gathered irradiance is interpolated between the records of a cache
     CacheSettings records = {};

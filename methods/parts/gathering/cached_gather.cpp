@@ -18,6 +18,7 @@ namespace {
 constexpr float slack = IrradianceCache::most_slack;
 /// Number of records made in parallel. They do not serve each other, so some of them turn out to be unnecessary.
 constexpr std::size_t records_at_once = 32;
+constexpr std::size_t points_per_block = 256;
 
 /// The ray through the pixel `dx` pixels beside the middle of the image.
 Ray middle_ray(const Sensor& sensor, int dx) {
@@ -237,11 +238,15 @@ void CachedGather::settle(RefinedGrid& grid, const std::vector<SeenPoint>& seen)
     // The pixels between four of the grid are at most this many steps away from the nearest one.
     constexpr float half_diagonal = 0.71f;
     const float around = half_diagonal * static_cast<float>(grid.step());
+    std::vector<char> is_served(seen.size());
+    parallel_blocks(seen.size(), points_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            is_served[i] = cache_.covers_around(seen[i].p, seen[i].normal, around * seen[i].pixel_width, slack) ? 1 : 0;
+    });
     for (const SeenPoint& point : seen)
         grid.settle(point.pixel, true);
-    for (const SeenPoint& point : seen)
-        if (!cache_.covers_around(point.p, point.normal, around * point.pixel_width, slack))
-            grid.settle(point.pixel, false);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (!is_served[i]) grid.settle(seen[i].pixel, false);
 }
 
 }  // namespace gib
