@@ -66,7 +66,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         result.converged = progress == Progress::converged;
         const bool ends =
             result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
-        if (ends || is_checkpoint(passes)) {
+        if (ends || (!work.only_last && is_checkpoint(passes))) {
             // The peak is read before the image is taken and reset after the image is stored, because copies for the
             // driver are not the method's memory.
             peak = std::max(peak, peak_rss_mib());

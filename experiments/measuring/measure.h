@@ -28,6 +28,7 @@ struct CellWork {
     std::uint64_t seed;
     std::uint32_t spp;  ///< passes to make at most
     Budget budget;
+    bool only_last = false;  ///< the image at the end is the only checkpoint
 };
 
 struct Measurement {

@@ -113,19 +113,19 @@ int render(const RenderOptions& options, std::ostream& out) {
                         .method = *method,
                         .seed = options.seed,
                         .spp = last_pass(chosen.values, loaded.sample_count),
-                        .budget = {}};
+                        .budget = {},
+                        .only_last = true};
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
     warn_of_left_out(method->plan(*loaded.scene), chosen.label, progress);
-    // Every checkpoint is kept until the next one, because a method may converge and end at any of them.
-    const auto keep_last = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
+    const auto keep = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
         const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
         const std::optional<double> left = share > 0 ? std::optional(ongoing.seconds * (1 / share - 1)) : std::nullopt;
         progress.update(share, left, fmt::format("{}, {}: {}", loaded.name, options.method, ongoing.stage));
     };
-    with_threads(options.threads, [&] { measured = measure(work, keep_last, {}, show); });
+    with_threads(options.threads, [&] { measured = measure(work, keep, {}, show); });
     const Checkpoint& last = measured.checkpoints.back();
     image.metadata = {{"method", chosen.label.text()},
                       {"seed", std::to_string(options.seed)},
