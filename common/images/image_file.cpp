@@ -140,8 +140,10 @@ const Image* LayeredImage::find(const std::string& layer) const {
 
 void write_exr(const std::string& path, const LayeredImage& image, Flush flush) {
     // Noise leaves little to compress: for a render of the Cornell box with six layers of 256 x 256 pixels, ZIP takes
-    // 69 ms for 1.57 MB, and run lengths take 9 ms for 2.08 MB.
-    write_file(path, encoded_for(path, image, Imf::RLE_COMPRESSION), flush);
+    // 69 ms for 1.57 MB, and run lengths take 9 ms for 2.08 MB. Who does not wait for the disk does not wait for that
+    // either, and gets 4.72 MB.
+    const Imf::Compression compression = flush == Flush::now ? Imf::RLE_COMPRESSION : Imf::NO_COMPRESSION;
+    write_file(path, encoded_for(path, image, compression), flush);
 }
 
 void write_scratch_exr(const std::string& path, const LayeredImage& image) {

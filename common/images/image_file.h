@@ -22,8 +22,8 @@ struct LayeredImage {
     const Image* find(const std::string& layer) const;
 };
 
-/// Writes a one-part float32 EXR, compressed by run lengths without loss; the file appears whole or not at all. Throws
-/// RunError.
+/// Writes a one-part float32 EXR, compressed by run lengths without loss, or not at all with Flush::later, which is for a
+/// user who waits; the file appears whole or not at all. Throws RunError.
 void write_exr(const std::string& path, const LayeredImage& image, Flush flush = Flush::now);
 
 /// Writes an EXR file that another process reads at once and that is then removed. The file is uncompressed and not

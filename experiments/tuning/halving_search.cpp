@@ -90,25 +90,59 @@ MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, doubl
     }
 }
 
-/// The better one of the best label and its neighbours, after one step; empty if no step gains.
+/// The trials of `best` and of those of `labels` that are new, with the same seed and the same budget, the best first. Empty if
+/// none is new, if there is no time for all of them, or if there was none for `best`.
+std::vector<Trial> beside(Search& state, const MethodLabel& best, const std::vector<MethodLabel>& labels,
+                          double budget) {
+    std::vector<MethodLabel> around = {best};
+    for (const auto& label : labels)
+        if (!state.is_known(label)) around.push_back(label);
+    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return {};
+    auto trials = state.trials(around, budget);
+    const bool has_best =
+        std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
+    return has_best ? trials : std::vector<Trial>{};
+}
+
+/// Those of the trials that gain on `best`, which is among them.
+std::vector<MethodLabel> gaining(const std::vector<Trial>& trials, const MethodLabel& best) {
+    const auto own =
+        std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
+    std::vector<MethodLabel> labels;
+    for (auto trial = trials.begin(); trial != own && trial->time.cost() < least_gain * own->time.cost(); ++trial)
+        labels.push_back(trial->label);
+    return labels;
+}
+
+/// The better one of the best label and its neighbours, after one step; empty if no step gains. Where no single change
+/// gains, two may gain together, as half the photons and half of those in an estimate do: these are looked for around the
+/// change that loses least.
 std::optional<MethodLabel> step_from(Search& state, const MethodLabel& best, const std::vector<TuningAxis>& axes,
                                      double budget) {
-    // The best label runs again beside its neighbours: all of them have the same seed and the same budget.
-    std::vector<MethodLabel> around = {best};
-    for (const auto& label : neighbours(best, axes))
-        if (!state.is_known(label)) around.push_back(label);
-    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return std::nullopt;
-    const auto trials = state.trials(around, budget);
-    const auto again =
-        std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
-    if (again == trials.end() || !(trials.front().time.cost() < least_gain * again->time.cost())) return std::nullopt;
-    std::vector<MethodLabel> better;
-    for (auto trial = trials.begin(); trial->time.cost() < least_gain * again->time.cost(); ++trial)
-        better.push_back(trial->label);
+    const auto trials = beside(state, best, neighbours(best, axes), budget);
+    if (trials.empty()) return std::nullopt;
+    const auto better = gaining(trials, best);
+    if (better.empty()) {
+        const MethodLabel& least_loss = trials[trials.front().label.text() == best.text() ? 1 : 0].label;
+        const auto pairs = gaining(beside(state, best, neighbours(least_loss, axes), budget), best);
+        return pairs.empty() ? std::nullopt : std::optional(pairs.front());
+    }
     const MethodLabel all = with_all_changes(best, better, axes);
     if (state.is_known(all) || !state.has_time_for(2, budget, 1)) return better.front();
     const auto both = state.trials({better.front(), all}, budget);
     return both.empty() ? better.front() : both.front().label;
+}
+
+/// Goes on as far as the change from one label to the next, made again, gains (Hooke and Jeeves 1961, the pattern move).
+MethodLabel repeated_while_it_gains(Search& state, MethodLabel from, MethodLabel to,
+                                    const std::vector<TuningAxis>& axes, double budget) {
+    while (true) {
+        const MethodLabel next = with_change_repeated(from, to, axes);
+        const auto better = gaining(beside(state, to, {next}, budget), to);
+        if (better.empty()) return to;
+        from = to;
+        to = next;
+    }
 }
 
 }  // namespace
@@ -124,7 +158,7 @@ SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axe
     for (int step = 0; step < settings.most_steps; ++step) {
         const auto next = step_from(state, best, axes, budget);
         if (!next) break;
-        best = *next;
+        best = repeated_while_it_gains(state, best, *next, axes, budget);
     }
     SearchOutcome outcome{state.done(), state.is_cut()};
     if (outcome.trials.empty()) outcome.trials.push_back({base, {}});

@@ -53,8 +53,9 @@ struct SearchOutcome {
 
 /// Each round of halving keeps the better half and doubles the budget, and drops a label that the laws place `hopeless`
 /// times behind the best. No budget is larger than twice the best time measured so far, and no round begins that
-/// would take longer than what is left. The descent then goes to the best neighbour, and tries all changes together that
-/// gained one by one.
+/// would take longer than what is left. The descent then goes to the best neighbour, tries all changes together that
+/// gained one by one, and repeats a change as long as it gains (Hooke and Jeeves 1961, "Direct Search Solution of Numerical
+/// and Statistical Problems"). Where no change gains, it looks for a second one beside the one that loses least.
 SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
                      const MeasureTimes& measure);
 

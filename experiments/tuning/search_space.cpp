@@ -245,6 +245,18 @@ MethodLabel with_all_changes(const MethodLabel& label, const std::vector<MethodL
     return with_values(without_axes(label, axes), axes, values);
 }
 
+MethodLabel with_change_repeated(const MethodLabel& from, const MethodLabel& to, const std::vector<TuningAxis>& axes) {
+    auto values = values_of(to, axes);
+    for (std::size_t d = 0; d < axes.size(); ++d) {
+        if (!axes[d].words.empty()) continue;
+        const auto before = number_from<double>(effective_value(from, axes[d]));
+        const auto after = number_from<double>(effective_value(to, axes[d]));
+        if (before && after && *before > 0 && *before != *after)
+            values[d] = axes[d].text_of(*after * (*after / *before));
+    }
+    return with_values(without_axes(to, axes), axes, values);
+}
+
 std::string effective_value(const MethodLabel& label, const TuningAxis& axis) {
     if (const std::string* own = value_in(label, axis.name)) return *own;
     // A parameter whose default is set where it has no effect is refused.

@@ -59,6 +59,9 @@ std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<
 MethodLabel with_all_changes(const MethodLabel& label, const std::vector<MethodLabel>& better,
                              const std::vector<TuningAxis>& axes);
 
+/// `to` with each number that differs from that of `from` changed by the same factor again, as far as its range allows.
+MethodLabel with_change_repeated(const MethodLabel& from, const MethodLabel& to, const std::vector<TuningAxis>& axes);
+
 /// The value of an axis that counts for this label: its own, else the default; empty if the method would refuse one.
 std::string effective_value(const MethodLabel& label, const TuningAxis& axis);
 

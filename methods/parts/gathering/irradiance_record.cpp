@@ -115,7 +115,8 @@ bool IrradianceRecord::is_finite() const {
 }
 
 Color IrradianceRecord::at(const Vec3& position, const Vec3& normal) const {
-    return irradiance + dot(rotation, n.cross(normal)) + dot(translation, position - p);
+    const Color turned = normal == n ? irradiance : Color(irradiance + dot(rotation, n.cross(normal)));
+    return turned + dot(translation, position - p);
 }
 
 }  // namespace gib

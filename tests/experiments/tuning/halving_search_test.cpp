@@ -65,6 +65,34 @@ TEST(HalvingSearch, FindsSettingsNearTheBest) {
         EXPECT_GE(time_of(trial.label), 2) << "no setting is better than the optimum";
 }
 
+/// A narrow valley along photons = 1000 k, which falls towards few photons.
+double time_in_valley(const MethodLabel& label) {
+    const double photons = std::log2(value_of(label, "photons", 1e6)), k = std::log2(value_of(label, "k", 50));
+    const double across = photons - k - std::log2(1000.), along = photons + k;
+    return std::exp(std::abs(across) + 0.1 * along);
+}
+
+// In a valley every single change loses; from its upper end only two changes together lead down. There is one step, which is
+// repeated.
+TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
+    const MethodLabel upper = MethodLabel::parse("photon_mapper photons=400000 k=400");
+    SearchSettings settings{.seconds = 3000, .most_steps = 1};
+    const auto measure = [](const auto& labels, double, int) {
+        std::vector<std::optional<TimeEstimate>> times;
+        for (const auto& label : labels)
+            times.emplace_back(TimeEstimate{time_in_valley(label)});
+        return times;
+    };
+    auto start = axes();
+    for (TuningAxis& axis : start) {  // all candidates but the defaults, which are worse, lie at the upper end
+        const double value = value_of(upper, axis.name, 0);
+        axis.span = {value, 1.01 * value, axis.span.is_logarithmic};
+        axis.has_default_apart = false;
+    }
+    const auto trials = search(base(), start, settings, measure).trials;
+    EXPECT_LT(time_in_valley(trials.front().label), 0.3 * time_in_valley(upper)) << trials.front().label.text();
+}
+
 TEST(HalvingSearch, HalvesTheSettingsAndDoublesTheBudget) {
     KnownTimes known;
     known.search_photon_mapper(60);

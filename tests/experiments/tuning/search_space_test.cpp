@@ -30,13 +30,26 @@ TEST(SearchSpace, IsWhatTheParametersDeclare) {
     std::vector<std::string> names;
     for (const auto& axis : axes)
         names.push_back(axis.name);
-    EXPECT_THAT(names, ElementsAre("photons", "k", "area", "gather", "cache", "accuracy"));
+    EXPECT_THAT(names, ElementsAre("photons", "k", "area", "direct_samples", "gather", "cache", "accuracy"));
     EXPECT_EQ(axes[0].at(0), "10000");
     EXPECT_EQ(axes[0].at(0.25), "32000") << "the logarithm grows evenly; two digits";
     EXPECT_EQ(axes[0].at(1), "1000000");
     EXPECT_THAT(axis_named(axes, "cache").words, ElementsAre("off", "on"));
     EXPECT_TRUE(tuning_axes(MethodLabel::parse("path"), {}).empty());
-    EXPECT_EQ(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {}).size(), 5u) << "a given parameter stays";
+    EXPECT_EQ(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {}).size(), 6u) << "a given parameter stays";
+}
+
+TEST(SearchSpace, AChangeIsRepeatedByItsFactor) {
+    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
+    const auto repeated = [&](const char* from, const char* to) {
+        return with_change_repeated(MethodLabel::parse(from), MethodLabel::parse(to), axes).text();
+    };
+    EXPECT_EQ(repeated("photon_mapper photons=8000 k=80", "photon_mapper photons=4000 k=40 area=plain"),
+              "photon_mapper photons=2000 k=20 area=plain");
+    EXPECT_EQ(repeated("photon_mapper", "photon_mapper photons=500000"), "photon_mapper photons=250000")
+        << "a value that is not given is the default";
+    EXPECT_EQ(repeated("photon_mapper k=20", "photon_mapper k=2"), "photon_mapper k=2") << "the range ends at 2";
+    EXPECT_EQ(repeated("photon_mapper gather=9", "photon_mapper gather=9 cache=on"), "photon_mapper gather=9 cache=on");
 }
 
 TEST(SearchSpace, ADefaultApartFromItsSpanHasAQuarter) {
@@ -76,7 +89,7 @@ TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
 }
 
 TEST(SearchSpace, NeighboursAreHalfAndDouble) {
-    const auto base = MethodLabel::parse("photon_mapper area=plain gather=64");
+    const auto base = MethodLabel::parse("photon_mapper area=plain direct_samples=1 gather=64");
     const auto axes = tuning_axes(base, {});
     EXPECT_THAT(
         texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5"), axes)),
@@ -90,7 +103,7 @@ TEST(SearchSpace, NeighboursAreHalfAndDouble) {
                             base.text() + " photons=2e5 k=100 cache=on accuracy=0.3", base.text() + " photons=2e5",
                             base.text() + " photons=2e5 cache=on", base.text() + " photons=2e5 cache=on accuracy=0.6"));
     // The range of k begins at 2.
-    const auto few = MethodLabel::parse("photon_mapper photons=10 area=plain gather=64 cache=off");
+    const auto few = MethodLabel::parse("photon_mapper photons=10 area=plain direct_samples=1 gather=64 cache=off");
     EXPECT_THAT(texts(neighbours(MethodLabel::parse(few.text() + " k=2"), tuning_axes(few, {}))),
                 ElementsAre(few.text() + " k=4"));
 }
