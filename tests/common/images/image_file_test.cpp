@@ -60,19 +60,21 @@ TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
     written.layers[0].second.rgb[5] = std::numeric_limits<float>::infinity();
     written.metadata = {{"gibench:method", "path spp=64"}, {"scene_hash", "00ff"}, {"unresolved", "caustic;volume"}};
     const std::string path = temporary("roundtrip.exr");
-    write_exr(path, written);
-    const LayeredImage read = read_image(path);
-    ASSERT_EQ(read.layers.size(), written.layers.size());
-    EXPECT_EQ(read.layers[0].first, "");
-    for (const auto& [name, image] : written.layers) {
-        const Image* found = read.find(name);
-        ASSERT_NE(found, nullptr) << name;
-        ASSERT_TRUE(found->same_size(image));
-        EXPECT_EQ(std::memcmp(found->rgb.data(), image.rgb.data(), image.rgb.size() * sizeof(float)), 0) << name;
-    }
-    for (const auto& [key, value] : written.metadata) {
-        ASSERT_TRUE(read.metadata.count(key)) << key;
-        EXPECT_EQ(read.metadata.at(key), value);
+    for (const Flush flush : {Flush::now, Flush::later}) {
+        write_exr(path, written, flush);
+        const LayeredImage read = read_image(path);
+        ASSERT_EQ(read.layers.size(), written.layers.size());
+        EXPECT_EQ(read.layers[0].first, "");
+        for (const auto& [name, image] : written.layers) {
+            const Image* found = read.find(name);
+            ASSERT_NE(found, nullptr) << name;
+            ASSERT_TRUE(found->same_size(image));
+            EXPECT_EQ(std::memcmp(found->rgb.data(), image.rgb.data(), image.rgb.size() * sizeof(float)), 0) << name;
+        }
+        for (const auto& [key, value] : written.metadata) {
+            ASSERT_TRUE(read.metadata.count(key)) << key;
+            EXPECT_EQ(read.metadata.at(key), value);
+        }
     }
     std::filesystem::remove(path);
 }

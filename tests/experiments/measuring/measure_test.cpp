@@ -33,6 +33,13 @@ TEST_F(MeasureTest, CheckpointsAreLogSpacedAndEndWithTheLastPass) {
     EXPECT_THAT(seen_, ::testing::ElementsAre(1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 50));
 }
 
+TEST_F(MeasureTest, TheLastImageMayBeTheOnlyOne) {
+    const FakeMethod method({});
+    const auto see = [&](const Checkpoint& c, const ComponentImages&) { seen_.push_back(c.passes); };
+    measure({.scene = *scene_.scene, .method = method, .seed = 1, .spp = 50, .budget = {}, .only_last = true}, see);
+    EXPECT_THAT(seen_, ::testing::ElementsAre(50));
+}
+
 TEST_F(MeasureTest, CheckpointsAreTheSameInEveryReplicate) {
     run({}, 20);
     const auto first = seen_;

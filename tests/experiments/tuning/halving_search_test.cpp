@@ -80,7 +80,7 @@ TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
     const auto measure = [](const auto& labels, double, int) {
         std::vector<std::optional<TimeEstimate>> times;
         for (const auto& label : labels)
-            times.emplace_back(TimeEstimate{time_in_valley(label)});
+            times.emplace_back(TimeEstimate{time_in_valley(label), true});
         return times;
     };
     auto start = axes();
