@@ -91,7 +91,7 @@ MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, doubl
 }
 
 /// The trials of `best` and of those of `labels` that are new, with the same seed and the same budget, the best first. Empty if
-/// none is new, if there is no time for all of them, or if there was none for `best`.
+/// none is new, if there is no time for all of them, or if there was time for `best` or for the others only.
 std::vector<Trial> beside(Search& state, const MethodLabel& best, const std::vector<MethodLabel>& labels,
                           double budget) {
     std::vector<MethodLabel> around = {best};
@@ -101,7 +101,7 @@ std::vector<Trial> beside(Search& state, const MethodLabel& best, const std::vec
     auto trials = state.trials(around, budget);
     const bool has_best =
         std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
-    return has_best ? trials : std::vector<Trial>{};
+    return has_best && trials.size() > 1 ? trials : std::vector<Trial>{};
 }
 
 /// Those of the trials that gain on `best`, which is among them.

@@ -139,6 +139,13 @@ TEST(HalvingSearch, EndsWhereNoTimeIsLeft) {
     ASSERT_EQ(nothing.trials.size(), 1u);
     EXPECT_EQ(nothing.trials.front().label.text(), base().text());
     EXPECT_FALSE(KnownTimes().search_photon_mapper(6000).is_cut);
+    // Wherever time runs out, in the middle of a step too, the search ends.
+    KnownTimes whole;
+    whole.search_photon_mapper(60);
+    for (double end = 0.25; end < whole.spent; end += 0.25) {
+        KnownTimes cut{.end = end};
+        ASSERT_FALSE(cut.search_photon_mapper(60).trials.empty()) << end;
+    }
 }
 
 TEST(HalvingSearch, DropsWhatCannotWin) {
