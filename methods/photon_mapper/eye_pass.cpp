@@ -1,6 +1,7 @@
 #include "methods/photon_mapper/eye_pass.h"
 
 #include "methods/parts/transport/direct_light.h"
+#include "methods/parts/transport/pixel_samples.h"
 
 namespace gib {
 
@@ -124,37 +125,30 @@ BiasedSample sample_of(const PhotonMaps& maps, const WalkSettings& settings, Ray
 
 }  // namespace
 
-BiasedSample sample_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays,
-                             const TracedRay& eye, const Sampler& sampler, LastLookUps& last) {
-    return sample_of<EyeLight::all>(maps, settings, rays, eye, sampler, last);
+BiasedSample EyePass::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+    return sample_of<EyeLight::all>(maps_, settings_, rays, eye, sampler, last_);
 }
 
-PixelSample sample_pixel(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
-                         const Sampler& sampler, LastLookUps& last, int x, int y, int direct_samples) {
-    if (direct_samples == 1) return sample_eye_path(maps, settings, rays, eye, sampler, last).light;
-    PixelSample sample = sample_of<EyeLight::stored>(maps, settings, rays, eye, sampler, last).light;
+PixelSample EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
+                                  int direct_samples) {
+    if (direct_samples == 1) return sample(rays, eye, sampler).light;
+    PixelSample light = sample_of<EyeLight::stored>(maps_, settings_, rays, eye, sampler, last_).light;
     const Sensor& sensor = rays.scene().sensor();
+    const auto width = static_cast<std::size_t>(sensor.width());
+    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+    const auto paths = static_cast<std::uint32_t>(direct_samples);
     const float share = 1.f / static_cast<float>(direct_samples);
-    std::array<Ray, Accelerator::packet_size> packet;
-    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
-    const auto sampler_of = [&](int i) {
-        return sampler.split(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(direct_samples), direct_tag);
+    const auto sampler_of = [&](std::size_t i) {
+        return sampler.split(static_cast<std::uint32_t>(i), paths, direct_tag);
     };
-    for (int first = 0; first < direct_samples; first += static_cast<int>(packet.size())) {
-        const int count = std::min(static_cast<int>(packet.size()), direct_samples - first);
-        for (int i = 0; i < count; ++i)
-            packet[static_cast<std::size_t>(i)] = sensor.sample_ray(x, y, sampler_of(first + i));
-        rays.trace_from_camera(std::span(packet).first(static_cast<std::size_t>(count)), found);
-        for (int i = 0; i < count; ++i) {
-            const auto n = static_cast<std::size_t>(i);
-            const TracedRay ray{packet[n], found[n], sensor.hides_emitters()};
-            const PixelSample straight =
-                sample_of<EyeLight::straight>(maps, settings, rays, ray, sampler_of(first + i), last).light;
-            for (const Component c : {Component::emission, Component::direct})
-                sample[c] += share * straight[c];
-        }
-    }
-    return sample;
+    const auto ray_of = [&](std::size_t i) { return sensor.sample_ray(x, y, sampler_of(i)); };
+    for_each_camera_ray(rays, paths, ray_of, [&](std::size_t i, const TracedRay& ray) {
+        const PixelSample straight =
+            sample_of<EyeLight::straight>(maps_, settings_, rays, ray, sampler_of(i), last_).light;
+        for (const Component c : {Component::emission, Component::direct})
+            light[c] += share * straight[c];
+    });
+    return light;
 }
 
 }  // namespace gib

@@ -92,11 +92,9 @@ public:
         passes_ = pass + 1;
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return [this, last = LastLookUps{}](RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
-                                                std::size_t pixel) mutable {
-                const auto width = static_cast<std::size_t>(scene_.sensor().width());
-                return sample_pixel(maps_, walk_, rays, eye, sampler, last, static_cast<int>(pixel % width),
-                                    static_cast<int>(pixel / width), settings_.direct_samples);
+            return [this, block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                                                         std::size_t pixel) mutable {
+                return block.sample_split(rays, eye, sampler, pixel, settings_.direct_samples);
             };
         });
         if (cache_) cache_->end_pass();

@@ -64,10 +64,10 @@ public:
         trace_maps(combine_keys(seed_, pass));
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
-            return
-                [this, last = LastLookUps{}](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) mutable {
-                    return sample_eye_path(maps_, walk_, rays, eye, sampler, last);
-                };
+            return [block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
+                                                   const Sampler& sampler) mutable {
+                return block.sample(rays, eye, sampler);
+            };
         });
         return Progress::more;
     }

@@ -188,24 +188,16 @@ CachedGather::GridRow CachedGather::look_at_row(const RefinedGrid& grid, std::si
     std::vector<std::size_t> columns;
     for (std::size_t x = 0; x < grid.width(); x += grid.step())
         if (grid.looks_at(x, y)) columns.push_back(x);
-    std::array<Ray, Accelerator::packet_size> packet;
-    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
-    const auto sampler_of = [&](std::size_t x) { return Sampler(PointSet::sobol, seed, y * grid.width() + x, 0); };
-    for (std::size_t first = 0; first < columns.size(); first += packet.size()) {
-        const std::size_t count = std::min(packet.size(), columns.size() - first);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t x = columns[first + i];
-            packet[i] = sensor.sample_ray(static_cast<int>(x), static_cast<int>(y), sampler_of(x));
-        }
-        rays.trace_from_camera(std::span(packet).first(count), found);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t x = columns[first + i];
-            const Sampler sampler = sampler_of(x);
-            GridVisitor visitor(*this, y * grid.width() + x, row);
-            follow_specular_path(rays, sampler, TracedRay{packet[i], found[i], sensor.hides_emitters()}, nullptr,
-                                 settings, visitor);
-        }
-    }
+    const auto pixel_of = [&](std::size_t i) { return y * grid.width() + columns[i]; };
+    const auto sampler_of = [&](std::size_t i) { return Sampler(PointSet::sobol, seed, pixel_of(i), 0); };
+    const auto ray_of = [&](std::size_t i) {
+        return sensor.sample_ray(static_cast<int>(columns[i]), static_cast<int>(y), sampler_of(i));
+    };
+    for_each_camera_ray(rays, columns.size(), ray_of, [&](std::size_t i, const TracedRay& eye) {
+        const Sampler sampler = sampler_of(i);
+        GridVisitor visitor(*this, pixel_of(i), row);
+        follow_specular_path(rays, sampler, eye, nullptr, settings, visitor);
+    });
     if (grid.step() == 1) row.seen = {};  // no finer grid follows, and there may be as many points as pixels
     row.rays = rays.count();
     return row;

@@ -14,30 +14,42 @@
 
 namespace gib {
 
+/// Calls body(i, TracedRay) for the rays ray_of(i) of the camera, 0 <= i < count. They are traced as packets, so up to
+/// Accelerator::packet_size calls of ray_of() come before those of body().
+template <typename RayOf, typename Body>
+void for_each_camera_ray(RayQueries& rays, std::size_t count, RayOf&& ray_of, Body&& body) {
+    const bool hides_emitters = rays.scene().sensor().hides_emitters();
+    std::array<Ray, Accelerator::packet_size> packet;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    for (std::size_t first = 0; first < count; first += packet.size()) {
+        const std::size_t in_packet = std::min(packet.size(), count - first);
+        for (std::size_t i = 0; i < in_packet; ++i)
+            packet[i] = ray_of(first + i);
+        rays.trace_from_camera(std::span(packet).first(in_packet), found);
+        for (std::size_t i = 0; i < in_packet; ++i)
+            body(first + i, TracedRay{packet[i], found[i], hides_emitters});
+    }
+}
+
 /// Calls body(pixel, TracedRay, Sampler) for the pixels [begin, end) in one pass, each with a ray from the camera.
-/// Rays of neighbouring pixels are traced together as a packet.
 template <typename Body>
 void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::uint32_t pass, std::size_t begin,
                     std::size_t end, Body&& body) {
     const Sensor& sensor = rays.scene().sensor();
     const auto width = static_cast<std::size_t>(sensor.width());
     int x = static_cast<int>(begin % width), y = static_cast<int>(begin / width);
-    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;
-    std::array<Ray, Accelerator::packet_size> packet;
-    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
-    for (std::size_t first = begin; first < end; first += packet.size()) {
-        const std::size_t count = std::min(packet.size(), end - first);
-        for (std::size_t i = 0; i < count; ++i) {
-            packet[i] = sensor.sample_ray(x, y, samplers[i].emplace(points, seed, first + i, pass));
-            if (++x == sensor.width()) {
-                x = 0;
-                ++y;
-            }
+    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;  // of the packet's pixels
+    const auto ray_of = [&](std::size_t i) {
+        const Ray ray = sensor.sample_ray(x, y, samplers[i % samplers.size()].emplace(points, seed, begin + i, pass));
+        if (++x == sensor.width()) {
+            x = 0;
+            ++y;
         }
-        rays.trace_from_camera(std::span(packet).first(count), found);
-        for (std::size_t i = 0; i < count; ++i)
-            body(first + i, TracedRay{packet[i], found[i], sensor.hides_emitters()}, *samplers[i]);
-    }
+        return ray;
+    };
+    for_each_camera_ray(rays, end - begin, ray_of, [&](std::size_t i, const TracedRay& eye) {
+        body(begin + i, eye, *samplers[i % samplers.size()]);
+    });
 }
 
 /// Adds one sample of every pixel to the film and returns the number of rays traced. The time and the progress are
