@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
 #include "common/sampling/warp.h"
+#include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/path/path.h"
 #include "tests/bench/paired_ratio.h"
@@ -158,6 +159,25 @@ void BM_PathTracerOverBareEmbreeOnMesh(benchmark::State& state, const std::strin
     if (is_there(state, mesh)) BM_PathTracerOverBareEmbree(state, file);
 }
 
+/// The photon walk for the global map beside the rays of its photons, each on one thread.
+void BM_PhotonWalkOverBareEmbree(benchmark::State& state, const std::string& file) {
+    constexpr std::uint64_t photons = 200000;
+    const LoadedScene scene = load_scene(path_of(file));
+    const auto trace = [&](RayLog* log) {
+        benchmark::DoNotOptimize(
+            trace_photons(*scene.scene, PhotonMapKind::global, photons, scene.max_edges, 1, nullptr, nullptr, log));
+    };
+    RayLog log;
+    with_threads(1, [&] { trace(&log); });
+    const auto bare = static_cast<RTCScene>(scene.scene->accelerator().native_handle());
+    std::vector<double> ratios;
+    for (auto _ : state) {
+        const double time = seconds([&] { with_threads(1, [&] { trace(nullptr); }); });
+        ratios.push_back(seconds([&] { replay(bare, log); }) / time);
+    }
+    report_median(state, std::move(ratios));
+}
+
 /// Traces closest-hit rays from random points in the box of the scene into random directions. Figures that were
 /// measured on other machines are scaled by this rate.
 void BM_BareEmbreeIncoherent(benchmark::State& state) {
@@ -194,6 +214,8 @@ BENCHMARK_CAPTURE(BM_PathTracerOverBareEmbree, cornell_glass, "cornell-glass.xml
 BENCHMARK_CAPTURE(BM_PathTracerOverBareEmbreeOnMesh, ten_million, "ten-million.xml", "meshes/generated/ten-million.ply")
     ->UseRealTime()
     ->Iterations(15);
+BENCHMARK_CAPTURE(BM_PhotonWalkOverBareEmbree, cornell_box, "cornell-box.xml")->UseRealTime()->Iterations(15);
+BENCHMARK_CAPTURE(BM_PhotonWalkOverBareEmbree, cornell_glass, "cornell-glass.xml")->UseRealTime()->Iterations(15);
 BENCHMARK(BM_BareEmbreeIncoherent)->Name("BM_BareEmbree/incoherent")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace gib

@@ -235,7 +235,7 @@ PowerBalance& PowerBalance::operator*=(double factor) {
 }
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress) {
+                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log) {
     PhotonWalkResult result;
     result.emitted = count;
     if (count == 0 || !scene.has_light() || (aim && aim->empty())) return result;
@@ -249,7 +249,7 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     const std::uint64_t per_block =
         std::clamp(count / blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
-        RayQueries rays(scene);
+        RayQueries rays(scene, log);
         const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
             const Color power = (share * start.power).cast<float>();
             // Such a photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in
