@@ -90,44 +90,53 @@ MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, doubl
     }
 }
 
-/// The trials of `best` and of those of `labels` that are new, with the same seed and the same budget, the best first. Empty if
-/// none is new, if there is no time for all of them, or if there was time for `best` or for the others only.
-std::vector<Trial> beside(Search& state, const MethodLabel& best, const std::vector<MethodLabel>& labels,
-                          double budget) {
+/// Trials with the same seed and the same budget, the best first: one of the best label so far, and others.
+struct Comparison {
+    std::vector<Trial> trials;
+    double best_cost;  ///< of the best label so far
+};
+
+/// Compares `best` with those of `labels` that are new. Empty if none is new, if there is no time for all of them, or if
+/// there was time for `best` or for the others only.
+std::optional<Comparison> beside(Search& state, const MethodLabel& best, const std::vector<MethodLabel>& labels,
+                                 double budget) {
     std::vector<MethodLabel> around = {best};
     for (const auto& label : labels)
         if (!state.is_known(label)) around.push_back(label);
-    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return {};
+    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return std::nullopt;
     auto trials = state.trials(around, budget);
-    const bool has_best =
-        std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
-    return has_best && trials.size() > 1 ? trials : std::vector<Trial>{};
-}
-
-/// Those of the trials that gain on `best`, which is among them.
-std::vector<MethodLabel> gaining(const std::vector<Trial>& trials, const MethodLabel& best) {
     const auto own =
         std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
+    if (own == trials.end() || trials.size() < 2) return std::nullopt;
+    const double best_cost = own->time.cost();
+    return Comparison{std::move(trials), best_cost};
+}
+
+/// The labels that take less than `share` of the cost of the best one so far, the best first.
+std::vector<MethodLabel> gaining(const std::optional<Comparison>& comparison, double share = least_gain) {
     std::vector<MethodLabel> labels;
-    for (auto trial = trials.begin(); trial != own && trial->time.cost() < least_gain * own->time.cost(); ++trial)
-        labels.push_back(trial->label);
+    if (comparison)
+        for (const Trial& trial : comparison->trials)
+            if (trial.time.cost() < share * comparison->best_cost) labels.push_back(trial.label);
     return labels;
 }
 
-/// The better one of the best label and its neighbours, after one step; empty if no step gains. Where no single change
-/// gains, two may gain together, as half the photons and half of those in an estimate do: these are looked for around the
-/// change that loses least.
+/// The better one of the best label and its neighbours, after one step; empty if no step gains. The step may take all changes
+/// together that gain anything, so that several small gains make one that is taken. Where nothing gains, two changes may gain
+/// together; these are looked for around the change that loses least.
 std::optional<MethodLabel> step_from(Search& state, const MethodLabel& best, const std::vector<TuningAxis>& axes,
                                      double budget) {
-    const auto trials = beside(state, best, neighbours(best, axes), budget);
-    if (trials.empty()) return std::nullopt;
-    const auto better = gaining(trials, best);
+    const auto comparison = beside(state, best, neighbours(best, axes), budget);
+    if (!comparison) return std::nullopt;
+    const auto better = gaining(comparison), slightly_better = gaining(comparison, 1);
+    const MethodLabel all = with_all_changes(best, slightly_better, axes);
     if (better.empty()) {
+        if (slightly_better.size() > 1 && !gaining(beside(state, best, {all}, budget)).empty()) return all;
+        const auto& trials = comparison->trials;
         const MethodLabel& least_loss = trials[trials.front().label.text() == best.text() ? 1 : 0].label;
-        const auto pairs = gaining(beside(state, best, neighbours(least_loss, axes), budget), best);
+        const auto pairs = gaining(beside(state, best, neighbours(least_loss, axes), budget));
         return pairs.empty() ? std::nullopt : std::optional(pairs.front());
     }
-    const MethodLabel all = with_all_changes(best, better, axes);
     if (state.is_known(all) || !state.has_time_for(2, budget, 1)) return better.front();
     const auto both = state.trials({better.front(), all}, budget);
     return both.empty() ? better.front() : both.front().label;
@@ -138,7 +147,7 @@ MethodLabel repeated_while_it_gains(Search& state, MethodLabel from, MethodLabel
                                     const std::vector<TuningAxis>& axes, double budget) {
     while (true) {
         const MethodLabel next = with_change_repeated(from, to, axes);
-        const auto better = gaining(beside(state, to, {next}, budget), to);
+        const auto better = gaining(beside(state, to, {next}, budget));
         if (better.empty()) return to;
         from = to;
         to = next;

@@ -219,6 +219,23 @@ std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<T
     return labels;
 }
 
+namespace {
+
+/// Changes the numbers that follow that of axis `leader`, which has changed from `own`, by its factor.
+void follow(std::size_t leader, const std::vector<std::string>& own, const std::vector<TuningAxis>& axes,
+            std::vector<std::string>& values) {
+    const auto number_of = [&](std::size_t d) {
+        return number_from<double>(own[d].empty() ? axes[d].initial : own[d]);
+    };
+    const auto before = number_of(leader), after = number_from<double>(values[leader]);
+    if (!before || !after || !(*before > 0) || !(*after > 0)) return;
+    for (std::size_t d = 0; d < axes.size(); ++d)
+        if (const auto number = number_of(d); number && axes[d].span.follows == axes[leader].name)
+            values[d] = axes[d].text_of(*number * (*after / *before));
+}
+
+}  // namespace
+
 std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
     const MethodLabel base = without_axes(label, axes);
     const auto own = values_of(label, axes);
@@ -227,6 +244,7 @@ std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<
         for (const auto& step : steps_from(axes[d], own[d].empty() ? axes[d].initial : own[d])) {
             auto values = own;
             values[d] = step;
+            follow(d, own, axes, values);
             MethodLabel changed = with_values(base, axes, values);
             if (changed.text() != label.text()) labels.push_back(std::move(changed));
         }

@@ -50,9 +50,9 @@ MethodLabel with_value(MethodLabel label, const std::string& parameter, const st
 /// parameter of the cache where the cache is off.
 std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<TuningAxis>& axes, int count);
 
-/// The labels in which one number is half or twice as large, as far as its range allows, and those with another
-/// word; values that the method then refuses are left out. A value that `label` lacks is the default; a parameter
-/// without a default number has no neighbours there.
+/// The labels in which one number, and those that follow it (TuningSpan), is half or twice as large, as far as its range
+/// allows, and those with another word; values that the method then refuses are left out. A value that `label` lacks is the
+/// default; a parameter without a default number has no neighbours there.
 std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes);
 
 /// `label` with the first change of each axis among `better`, which differ from it by one step each, the best first.

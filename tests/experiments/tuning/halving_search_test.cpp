@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace gib {
 namespace {
@@ -25,12 +26,13 @@ double time_of(const MethodLabel& label) {
 }
 
 MethodLabel base() { return {"photon_mapper", {}}; }
-/// Only photons and k vary.
-std::vector<TuningAxis> axes() {
+std::vector<TuningAxis> axes_named(const std::set<std::string>& names) {
     auto all = tuning_axes(base(), {});
-    std::erase_if(all, [](const TuningAxis& axis) { return axis.name != "photons" && axis.name != "k"; });
+    std::erase_if(all, [&](const TuningAxis& axis) { return !names.contains(axis.name); });
     return all;
 }
+/// Only photons and k vary.
+std::vector<TuningAxis> axes() { return axes_named({"photons", "k"}); }
 
 struct KnownTimes {
     double spent = 0;
@@ -65,17 +67,17 @@ TEST(HalvingSearch, FindsSettingsNearTheBest) {
         EXPECT_GE(time_of(trial.label), 2) << "no setting is better than the optimum";
 }
 
-/// A narrow valley along photons = 1000 k, which falls towards few photons.
+/// A narrow valley along k = 10 direct_samples, which falls towards few of both.
 double time_in_valley(const MethodLabel& label) {
-    const double photons = std::log2(value_of(label, "photons", 1e6)), k = std::log2(value_of(label, "k", 50));
-    const double across = photons - k - std::log2(1000.), along = photons + k;
-    return std::exp(std::abs(across) + 0.1 * along);
+    const double k = std::log2(value_of(label, "k", 50)), paths = std::log2(value_of(label, "direct_samples", 1));
+    const double across = k - paths - std::log2(10.), along = k + paths;
+    return std::exp(std::abs(across) + 0.2 * along);
 }
 
 // In a valley every single change loses; from its upper end only two changes together lead down. There is one step, which is
 // repeated.
 TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
-    const MethodLabel upper = MethodLabel::parse("photon_mapper photons=400000 k=400");
+    const MethodLabel upper = MethodLabel::parse("photon_mapper k=1600 direct_samples=160");
     SearchSettings settings{.seconds = 3000, .most_steps = 1};
     const auto measure = [](const auto& labels, double, int) {
         std::vector<std::optional<TimeEstimate>> times;
@@ -83,7 +85,7 @@ TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
             times.emplace_back(TimeEstimate{time_in_valley(label), true});
         return times;
     };
-    auto start = axes();
+    auto start = axes_named({"k", "direct_samples"});
     for (TuningAxis& axis : start) {  // all candidates but the defaults, which are worse, lie at the upper end
         const double value = value_of(upper, axis.name, 0);
         axis.span = {value, 1.01 * value, axis.span.is_logarithmic};
@@ -91,6 +93,29 @@ TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
     }
     const auto trials = search(base(), start, settings, measure).trials;
     EXPECT_LT(time_in_valley(trials.front().label), 0.3 * time_in_valley(upper)) << trials.front().label.text();
+}
+
+/// Each step of an axis away from the start gains 4 %, too little to be taken alone.
+double time_of_small_gains(const MethodLabel& label) {
+    return std::exp(0.04 *
+                    (std::log2(value_of(label, "photons", 1e6) / 1e4) + std::log2(value_of(label, "k", 50) / 20) -
+                     std::log2(value_of(label, "direct_samples", 1))));
+}
+
+TEST(HalvingSearch, SmallGainsAreTakenTogether) {
+    auto three = axes_named({"photons", "k", "direct_samples"});
+    const std::map<std::string, double> start = {{"photons", 4e5}, {"k", 400}, {"direct_samples", 2}};
+    for (TuningAxis& axis : three)
+        axis.span = {start.at(axis.name), 1.01 * start.at(axis.name)};
+    const auto measure = [](const auto& labels, double, int) {
+        std::vector<std::optional<TimeEstimate>> times;
+        for (const auto& label : labels)
+            times.emplace_back(TimeEstimate{time_of_small_gains(label), true});
+        return times;
+    };
+    const auto best = search(base(), three, {.seconds = 3000, .most_steps = 1}, measure).trials.front().label;
+    for (const auto& [name, value] : start)
+        EXPECT_NE(value_of(best, name, value), value) << name << " in " << best.text();
 }
 
 TEST(HalvingSearch, HalvesTheSettingsAndDoublesTheBudget) {

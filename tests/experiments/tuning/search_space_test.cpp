@@ -91,14 +91,14 @@ TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
 TEST(SearchSpace, NeighboursAreHalfAndDouble) {
     const auto base = MethodLabel::parse("photon_mapper area=plain direct_samples=1 gather=64");
     const auto axes = tuning_axes(base, {});
-    EXPECT_THAT(
-        texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5"), axes)),
-        ElementsAre(base.text() + " photons=100000", base.text() + " photons=400000", base.text() + " photons=2e5 k=25",
-                    base.text() + " photons=2e5 k=100", base.text() + " photons=2e5 cache=on"))
-        << "without the cache, its accuracy has no effect";
+    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5"), axes)),
+                ElementsAre(base.text() + " photons=100000 k=25", base.text() + " photons=400000 k=100",
+                            base.text() + " photons=2e5 k=25", base.text() + " photons=2e5 k=100",
+                            base.text() + " photons=2e5 cache=on"))
+        << "k follows the photons; without the cache, its accuracy has no effect";
     EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5 cache=on accuracy=0.3"), axes)),
-                ElementsAre(base.text() + " photons=100000 cache=on accuracy=0.3",
-                            base.text() + " photons=400000 cache=on accuracy=0.3",
+                ElementsAre(base.text() + " photons=100000 k=25 cache=on accuracy=0.3",
+                            base.text() + " photons=400000 k=100 cache=on accuracy=0.3",
                             base.text() + " photons=2e5 k=25 cache=on accuracy=0.3",
                             base.text() + " photons=2e5 k=100 cache=on accuracy=0.3", base.text() + " photons=2e5",
                             base.text() + " photons=2e5 cache=on", base.text() + " photons=2e5 cache=on accuracy=0.6"));
@@ -106,6 +106,14 @@ TEST(SearchSpace, NeighboursAreHalfAndDouble) {
     const auto few = MethodLabel::parse("photon_mapper photons=10 area=plain direct_samples=1 gather=64 cache=off");
     EXPECT_THAT(texts(neighbours(MethodLabel::parse(few.text() + " k=2"), tuning_axes(few, {}))),
                 ElementsAre(few.text() + " k=4"));
+    EXPECT_THAT(
+        texts(neighbours(MethodLabel::parse("photon_mapper photons=2e5 k=auto area=plain direct_samples=1 gather=64"),
+                         tuning_axes(MethodLabel::parse("photon_mapper k=auto area=plain direct_samples=1 gather=64 "
+                                                        "cache=on accuracy=0.3"),
+                                     {}))),
+        ElementsAre("photon_mapper k=auto area=plain direct_samples=1 gather=64 photons=100000",
+                    "photon_mapper k=auto area=plain direct_samples=1 gather=64 photons=400000"))
+        << "a word does not follow";
 }
 
 TEST(SearchSpace, StepsLeadToADefaultApartAndBack) {
