@@ -128,6 +128,24 @@ std::vector<std::string> steps_from(const TuningAxis& axis, const std::string& v
     return steps;
 }
 
+/// The values of all axes of a label, the defaults where it has none.
+std::vector<std::string> values_or_defaults(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
+    auto values = values_of(label, axes);
+    for (std::size_t d = 0; d < axes.size(); ++d)
+        if (values[d].empty()) values[d] = axes[d].initial;
+    return values;
+}
+
+/// Changes the numbers that follow that of axis `leader` by its factor from `before` to `values`.
+void follow(std::size_t leader, const std::vector<std::string>& before, const std::vector<TuningAxis>& axes,
+            std::vector<std::string>& values) {
+    const auto from = number_from<double>(before[leader]), to = number_from<double>(values[leader]);
+    if (!from || !to || !(*from > 0) || !(*to > 0)) return;
+    for (std::size_t d = 0; d < axes.size(); ++d)
+        if (const auto number = number_from<double>(before[d]); number && axes[d].span.follows == axes[leader].name)
+            values[d] = axes[d].text_of(*number * (*to / *from));
+}
+
 }  // namespace
 
 std::string TuningAxis::text_of(double value) const {
@@ -219,32 +237,15 @@ std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<T
     return labels;
 }
 
-namespace {
-
-/// Changes the numbers that follow that of axis `leader`, which has changed from `own`, by its factor.
-void follow(std::size_t leader, const std::vector<std::string>& own, const std::vector<TuningAxis>& axes,
-            std::vector<std::string>& values) {
-    const auto number_of = [&](std::size_t d) {
-        return number_from<double>(own[d].empty() ? axes[d].initial : own[d]);
-    };
-    const auto before = number_of(leader), after = number_from<double>(values[leader]);
-    if (!before || !after || !(*before > 0) || !(*after > 0)) return;
-    for (std::size_t d = 0; d < axes.size(); ++d)
-        if (const auto number = number_of(d); number && axes[d].span.follows == axes[leader].name)
-            values[d] = axes[d].text_of(*number * (*after / *before));
-}
-
-}  // namespace
-
 std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
     const MethodLabel base = without_axes(label, axes);
-    const auto own = values_of(label, axes);
+    const auto own = values_of(label, axes), effective = values_or_defaults(label, axes);
     std::vector<MethodLabel> labels;
     for (std::size_t d = 0; d < axes.size(); ++d)
-        for (const auto& step : steps_from(axes[d], own[d].empty() ? axes[d].initial : own[d])) {
+        for (const auto& step : steps_from(axes[d], effective[d])) {
             auto values = own;
             values[d] = step;
-            follow(d, own, axes, values);
+            follow(d, effective, axes, values);
             MethodLabel changed = with_values(base, axes, values);
             if (changed.text() != label.text()) labels.push_back(std::move(changed));
         }
