@@ -30,17 +30,17 @@ Colord zenith_values(double t, double s) {
 
 // Tables of the sun's spectrum (Preetham et al. 1999, table 2): 380 to 750 nm in steps of 10 nm.
 constexpr double first_wavelength = 380, last_wavelength = 750, wavelength_step = 10;
-using Table = std::array<double, 38>;
+using SunTable = std::array<double, 38>;
 
 /// Radiance of the sun outside of the atmosphere [W/(m^2 sr nm)].
-constexpr Table outer_radiance = {
+constexpr SunTable outer_radiance = {
     16559.0, 16233.7, 21127.5, 25888.2, 25829.1, 24232.3, 26760.5, 29658.3, 30545.4, 30057.5, 30663.7, 28830.4, 28712.1,
     27825.0, 27100.6, 27233.6, 26361.3, 25503.8, 25060.2, 25311.6, 25355.9, 25134.2, 24631.5, 24173.2, 23685.3, 23212.1,
     22827.7, 22339.8, 21970.2, 21526.7, 21097.9, 20728.3, 20240.4, 19870.8, 19427.2, 19072.4, 18628.9, 18259.2};
 /// Absorption by ozone [1/cm].
-constexpr Table ozone = {0,     0,     0,     0,     0,     0,     0,     0.003, 0.006, 0.009, 0.014, 0.021, 0.030,
-                         0.040, 0.048, 0.063, 0.075, 0.085, 0.103, 0.120, 0.120, 0.115, 0.125, 0.120, 0.105, 0.090,
-                         0.079, 0.067, 0.057, 0.048, 0.036, 0.028, 0.023, 0.018, 0.014, 0.011, 0.010, 0.009};
+constexpr SunTable ozone = {0,     0,     0,     0,     0,     0,     0,     0.003, 0.006, 0.009, 0.014, 0.021, 0.030,
+                            0.040, 0.048, 0.063, 0.075, 0.085, 0.103, 0.120, 0.120, 0.115, 0.125, 0.120, 0.105, 0.090,
+                            0.079, 0.067, 0.057, 0.048, 0.036, 0.028, 0.023, 0.018, 0.014, 0.011, 0.010, 0.009};
 /// Absorption by water vapour [1/cm]; 0 below 690 nm.
 constexpr std::size_t first_of_vapour = 31;
 constexpr std::array<double, 7> water_vapour = {0.016, 0.024, 0.0125, 1, 0.87, 0.061, 0.001};

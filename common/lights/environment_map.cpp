@@ -10,8 +10,6 @@ namespace {
 
 constexpr float uniform_share = 0.1f;
 constexpr double largest_disc_share = 0.75;
-/// Rounding error [rad] of a direction in float.
-constexpr double rounding = 4e-6;
 constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
 
 /// The luminance in double, so that its product with a small solid angle does not underflow.
@@ -185,7 +183,7 @@ DirectionCone EnvironmentMap::cone_of(const Vec2& lower, const Vec2& upper) cons
     if (!disc_) return cone_of_map(lower, upper);
     if (upper.x() <= disc_share_) {
         const double half_angle = 2 * std::asin(std::sqrt(0.5 * static_cast<double>(disc_->one_minus_cos)));
-        return {disc_->axis.cast<double>().normalized(), half_angle + rounding};
+        return {disc_->axis.cast<double>().normalized(), half_angle + direction_rounding};
     }
     if (lower.x() < disc_share_) return {};
     return cone_of_map(beyond_disc(lower), beyond_disc(upper));

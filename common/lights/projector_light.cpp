@@ -8,9 +8,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::uint32_t power_samples = 1u << 16;
-/// Rounding error [rad] of a direction in float.
-constexpr double rounding = 4e-6;
+constexpr std::uint32_t projector_samples = 1u << 16;
 
 }  // namespace
 
@@ -26,10 +24,10 @@ ProjectorLight::ProjectorLight(const Vec3& position, const Frame& axes, const Te
     power_ = per_image * image_.mean().cast<double>();
     if (image_.constant()) return;
     Colord sum = Colord::Zero();
-    for (std::uint32_t i = 0; i < power_samples; ++i)
+    for (std::uint32_t i = 0; i < projector_samples; ++i)
         sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power;
     // If all samples met dark parts of the image, its mean colour gives the power, so that the light can be chosen.
-    if (sum.maxCoeff() > 0) power_ = sum / power_samples;
+    if (sum.maxCoeff() > 0) power_ = sum / projector_samples;
 }
 
 /// The point of the plane at distance 1, in the light's frame: columns run to the right (-x), rows downwards (-y).
@@ -58,7 +56,7 @@ double ProjectorLight::pdf_w(const Vec3& w) const {
     if (!(local.z() > 0)) return 0;
     const Vec2d c = local.head<2>().cwiseAbs() / local.z();
     // The edge is widened by the rounding of a direction that sample() finds there.
-    const bool inside = ((c - half_size_).array() <= rounding * (1 + c.squaredNorm())).all();
+    const bool inside = ((c - half_size_).array() <= direction_rounding * (1 + c.squaredNorm())).all();
     return inside ? 1 / (area_ * local.z() * sqr(local.z())) : 0;
 }
 
@@ -74,7 +72,7 @@ DirectionCone ProjectorLight::cone_of(const Vec2& lower, const Vec2& upper) cons
     if (half_angle >= 0.5 * std::numbers::pi) return {};
     const Vec3d world =
         axis.x() * axes_.s.cast<double>() + axis.y() * axes_.t.cast<double>() + axis.z() * axes_.n.cast<double>();
-    return {world.normalized(), half_angle + rounding};
+    return {world.normalized(), half_angle + direction_rounding};
 }
 
 }  // namespace gib

@@ -9,7 +9,7 @@ namespace {
 /// 1 - cos(theta) without cancellation.
 double one_minus_cos(double theta) { return 2 * sqr(std::sin(0.5 * theta)); }
 
-constexpr std::uint32_t power_samples = 1u << 16;
+constexpr std::uint32_t slide_samples = 1u << 16;
 
 }  // namespace
 
@@ -30,11 +30,11 @@ SpotLight::SpotLight(const Vec3& position, const Frame& axes, const Color& inten
     if (!slide_) return;
     slide_scale_ = static_cast<float>(0.5 / std::tan(cutoff_angle));
     Colord sum = Colord::Zero();
-    for (std::uint32_t i = 0; i < power_samples; ++i)
+    for (std::uint32_t i = 0; i < slide_samples; ++i)
         sum += sample(Sampler(PointSet::sobol, 0, 0, i).get_2d(0)).power;
     // If all samples met dark parts of the slide, its mean colour gives the power, so that the light can
     // still be chosen.
-    power_ = sum.maxCoeff() > 0 ? Colord(sum / power_samples) : Colord(power_ * slide_->mean().cast<double>());
+    power_ = sum.maxCoeff() > 0 ? Colord(sum / slide_samples) : Colord(power_ * slide_->mean().cast<double>());
 }
 
 float SpotLight::falloff(float theta) const {

@@ -6,8 +6,6 @@ namespace gib {
 
 namespace {
 
-Vec3 mirrored(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
-
 /// cos^n of the angle between two unit vectors, 0 beyond a right angle. 1 - cos is half their squared distance: this
 /// keeps the digits of a small angle, on which a high power depends.
 float cosine_power(const Vec3& a, const Vec3& b, float n) {

@@ -18,8 +18,6 @@ constexpr float coat_alpha_dull = 0.1f, coat_alpha_glossy = 1e-3f, coat_masking_
 constexpr float coat_f0 = 0.04f;
 constexpr float coat_share = 0.25f;
 
-Vec3 on_side(const Vec3& w, bool below) { return below ? Vec3(w.x(), w.y(), -w.z()) : w; }
-
 /// Smith's masking of GGX (Walter et al. 2007, equation 34), multiplied out by the cosine.
 float coat_masking(float cosine) {
     return 2.f * cosine / (cosine + std::sqrt(sqr(cosine) + sqr(coat_masking_alpha) * (1.f - sqr(cosine))));

@@ -23,8 +23,6 @@ ScatteringCoefficients of_kind(LobeKind kind, const Color& coefficient) {
     return c;
 }
 
-Vec3 on_side(const Vec3& w, bool below) { return below ? Vec3(w.x(), w.y(), -w.z()) : w; }
-
 }  // namespace
 
 LobeTraits RoughConductor::traits() const {

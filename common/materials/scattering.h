@@ -27,6 +27,11 @@ constexpr bool includes(Lobes which, LobeKind kind) {
     return which == Lobes::all || (which == Lobes::diffuse) == (kind == LobeKind::diffuse);
 }
 
+/// The direction in which an ideal mirror reflects `w`, in local coordinates.
+inline Vec3 mirrored(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
+/// `w`, mirrored at the surface if `below`, in local coordinates.
+inline Vec3 on_side(const Vec3& w, bool below) { return below ? Vec3(w.x(), w.y(), -w.z()) : w; }
+
 /// The lobes of a model, on either side.
 struct LobeTraits {
     bool diffuse = false;       ///< counts as D; never a delta

@@ -6,8 +6,6 @@ namespace gib {
 
 namespace {
 
-Vec3 mirrored(const Vec3& w) { return {-w.x(), -w.y(), w.z()}; }
-
 /// A delta lobe that takes `weight` of the light and is chosen with `probability`.
 BsdfSample delta_sample(const Vec3& wi, const Color& weight, float probability, float eta) {
     return {.wi = wi,

@@ -7,17 +7,17 @@ namespace gib {
 
 namespace {
 
-constexpr std::uint32_t none = ~0u;
+constexpr std::uint32_t not_placed = ~0u;
 
 /// The triangles of `mesh` whose numbers are given, with the vertices that they use. All of `place`, one for each vertex of
-/// the mesh, are `none` before and after.
+/// the mesh, are `not_placed` before and after.
 MeshData part_of(const MeshData& mesh, const std::vector<std::size_t>& triangles, std::vector<std::uint32_t>& place) {
     MeshData part;
     std::vector<std::uint32_t> vertices;
     for (const std::size_t i : triangles) {
         auto triangle = mesh.triangles[i];
         for (std::uint32_t& vertex : triangle) {
-            if (place[vertex] == none) {
+            if (place[vertex] == not_placed) {
                 place[vertex] = static_cast<std::uint32_t>(vertices.size());
                 vertices.push_back(vertex);
             }
@@ -29,7 +29,7 @@ MeshData part_of(const MeshData& mesh, const std::vector<std::size_t>& triangles
         part.positions.push_back(mesh.positions[vertex]);
         if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[vertex]);
         if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[vertex]);
-        place[vertex] = none;
+        place[vertex] = not_placed;
     }
     return part;
 }
@@ -57,7 +57,7 @@ std::vector<MaterialPart> parted_by_material(const MeshData& mesh) {
     for (std::size_t i = 0; i < runs; ++i)
         add_run(mesh.materials[i].name, mesh.materials[i].first, i + 1 < runs ? mesh.materials[i + 1].first : count);
     std::vector<MaterialPart> result;
-    std::vector<std::uint32_t> place(mesh.positions.size(), none);
+    std::vector<std::uint32_t> place(mesh.positions.size(), not_placed);
     for (const auto& [material, triangles] : parts)
         result.push_back({material, part_of(mesh, triangles, place)});
     return result;

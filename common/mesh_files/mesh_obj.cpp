@@ -12,14 +12,14 @@ namespace gib {
 
 namespace {
 
-/// The indices, from 0, of a corner's position, texture coordinate and normal; `none` where the corner has
+/// The indices, from 0, of a corner's position, texture coordinate and normal; `no_index` where the corner has
 /// no such index.
 struct Corner {
     std::uint32_t position, uv, normal;
     bool operator==(const Corner&) const = default;
 };
 
-constexpr std::uint32_t none = ~0u;
+constexpr std::uint32_t no_index = ~0u;
 
 /// Statements of the format that say nothing about the triangles: groups, files of materials, points, lines and how to
 /// show them.
@@ -114,7 +114,7 @@ private:
 
     /// Reads a corner: v, v/vt, v//vn or v/vt/vn. Some programs write v/ where there is no texture coordinate.
     Corner parse_corner() {
-        Corner corner{parse_index(positions_.size(), "vertex"), none, none};
+        Corner corner{parse_index(positions_.size(), "vertex"), no_index, no_index};
         if (cursor_.peek() != '/') return corner;
         cursor_.advance();
         if (cursor_.at_blank() || cursor_.at_line_end()) return corner;
@@ -140,17 +140,17 @@ private:
     /// The vertex of a corner, which is added to the mesh if it is new. Vertices with the same position form a chain;
     /// in meshes chains are short and then quicker than a hash table.
     std::uint32_t vertex_of(const Corner& corner) {
-        if (first_of_position_.size() < positions_.size()) first_of_position_.resize(positions_.capacity(), none);
+        if (first_of_position_.size() < positions_.size()) first_of_position_.resize(positions_.capacity(), no_index);
         std::uint32_t* link = &first_of_position_[corner.position];
-        while (*link != none && !(corners_[*link] == corner))
+        while (*link != no_index && !(corners_[*link] == corner))
             link = &next_[*link];
-        if (*link != none) return *link;
+        if (*link != no_index) return *link;
         const auto vertex = static_cast<std::uint32_t>(corners_.size());
         *link = vertex;
         corners_.push_back(corner);
-        next_.push_back(none);
-        has_uvs_ |= corner.uv != none;
-        has_normals_ |= corner.normal != none;
+        next_.push_back(no_index);
+        has_uvs_ |= corner.uv != no_index;
+        has_normals_ |= corner.normal != no_index;
         return vertex;
     }
 
@@ -161,8 +161,8 @@ private:
         if (has_normals_) mesh_.normals.resize(size, Vec3::Zero());
         for (std::size_t i = 0; i < size; ++i) {
             mesh_.positions[i] = positions_[corners_[i].position];
-            if (corners_[i].uv != none) mesh_.uvs[i] = uvs_[corners_[i].uv];
-            if (corners_[i].normal != none) mesh_.normals[i] = normals_[corners_[i].normal];
+            if (corners_[i].uv != no_index) mesh_.uvs[i] = uvs_[corners_[i].uv];
+            if (corners_[i].normal != no_index) mesh_.normals[i] = normals_[corners_[i].normal];
         }
     }
 

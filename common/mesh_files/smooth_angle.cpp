@@ -9,15 +9,15 @@ namespace gib {
 
 namespace {
 
-struct Corner {
+struct FaceCorner {
     std::size_t face, index;  ///< the index is 0, 1 or 2
     Vec3d normal;             ///< of the face, unit or zero
     double angle;             ///< at the corner [radians]
 };
 
 /// The corners of all faces, by place.
-std::map<std::array<double, 3>, std::vector<Corner>> corners_by_place(const MeshData& mesh) {
-    std::map<std::array<double, 3>, std::vector<Corner>> corners;
+std::map<std::array<double, 3>, std::vector<FaceCorner>> corners_by_place(const MeshData& mesh) {
+    std::map<std::array<double, 3>, std::vector<FaceCorner>> corners;
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         Vec3d v[3];
         for (std::size_t i = 0; i < 3; ++i)
@@ -46,9 +46,9 @@ void compute_normals_between_creases(MeshData& mesh, double angle) {
     for (const auto& [place, corners] : corners_by_place(mesh)) {
         // A vertex of the new mesh: its normal, and the old vertex, whose uv it has.
         std::map<std::pair<std::uint32_t, std::array<float, 3>>, std::uint32_t> vertices;
-        for (const Corner& corner : corners) {
+        for (const FaceCorner& corner : corners) {
             Vec3d sum = Vec3d::Zero();
-            for (const Corner& other : corners)
+            for (const FaceCorner& other : corners)
                 if (other.normal.dot(corner.normal) > least_cosine || &other == &corner)
                     sum += other.angle * other.normal;
             const Vec3 normal = (sum.isZero(0) ? sum : Vec3d(sum.stableNormalized())).cast<float>();

@@ -10,8 +10,7 @@ namespace gib {
 
 namespace {
 
-constexpr double largest_coordinate = 1e18;  ///< of a light's position, as for cameras (scene_sensor.cpp)
-constexpr double rigid_tolerance = 1e-3;     ///< of squared lengths and of dot products, as for cameras
+constexpr double rigid_tolerance = 1e-3;  ///< of squared lengths and of dot products, as for cameras
 
 /// Checks Mitsuba's relative share of the light samples. It changes no image, except that 0 switches light sampling
 /// off; this is refused.
@@ -19,7 +18,7 @@ void check_sampling_weight(Properties& properties) { properties.positive("sampli
 
 Vec3 recentred_position(const Properties& properties, const Vec3d& position, const Vec3d& origin) {
     const Vec3d p = position - origin;
-    if (!(p.lpNorm<Eigen::Infinity>() <= largest_coordinate))
+    if (!(p.lpNorm<Eigen::Infinity>() <= largest_position))
         throw InputError(properties.element().where, "the emitter is too far away");
     return p.cast<float>();
 }

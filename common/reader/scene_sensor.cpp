@@ -12,8 +12,7 @@ namespace gib {
 namespace {
 
 constexpr double most_pixels = 1e9;
-constexpr double largest_coordinate = 1e18;  ///< of the camera's position and axes
-constexpr int deepest_integrator = 8;        ///< an integrator that refers to itself must not recurse for ever
+constexpr int deepest_integrator = 8;  ///< an integrator that refers to itself must not recurse for ever
 
 ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
     Properties properties(*filter.element, ids);
@@ -200,7 +199,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     Sensor::Parameters parameters;
     parameters.to_world = properties.transform("to_world");
     for (const double x : parameters.to_world.reshaped())
-        if (!(std::abs(x) <= largest_coordinate)) properties.reject("to_world", "the sensor is too far away");
+        if (!(std::abs(x) <= largest_position)) properties.reject("to_world", "the sensor is too far away");
     const std::string& type = properties.plugin({"perspective", "thinlens", "orthographic"});
     if (type == "orthographic") {
         parameters.projection = Sensor::Projection::orthographic;

@@ -7,6 +7,9 @@
 
 namespace gib {
 
+/// The largest coordinate of a camera's or a light's position, and of their axes.
+inline constexpr double largest_position = 1e18;
+
 struct ParsedSensor {
     Sensor sensor;
     std::optional<int> sample_count;     ///< samples per pixel, as the sampler gives them

@@ -12,7 +12,7 @@ namespace gib {
 namespace {
 
 /// Embree takes geometry up to this coordinate (its FLT_LARGE).
-constexpr double largest_coordinate = 1.8e18;
+constexpr double largest_of_embree = 1.8e18;
 
 bool mirrors(const Mat4d& to_world) { return unit_columns(to_world).determinant() < 0; }
 
@@ -204,8 +204,8 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
 
 void check_range(const Vec3d& p, const SourceLocation& where) {
     // Each coordinate is compared by itself, because the largest coefficient may leave out NaN.
-    if (!(p.array().abs() <= largest_coordinate).all())
-        reject(where, "the shape has coordinates above {:g}", largest_coordinate);
+    if (!(p.array().abs() <= largest_of_embree).all())
+        reject(where, "the shape has coordinates above {:g}", largest_of_embree);
 }
 
 Mesh recentred(ParsedMesh&& mesh, const Vec3d& origin, const SourceLocation& where) {

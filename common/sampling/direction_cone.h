@@ -5,6 +5,9 @@
 
 namespace gib {
 
+/// Rounding error [rad] of a direction in float.
+inline constexpr double direction_rounding = 4e-6;
+
 /// All unit vectors within `half_angle` [rad] of the unit vector `axis`; all directions if half_angle >= pi.
 struct DirectionCone {
     Vec3d axis = Vec3d(0, 0, 1);

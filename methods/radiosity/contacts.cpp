@@ -8,7 +8,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t leaves_per_block = 64;
+constexpr std::size_t patches_per_block = 64;
 /// The height of rays over a patch, in radii of the patch.
 constexpr float lift = 0.02f;
 /// How far inside a patch the rays between its corners start and end, as a share of the way to its middle: walls
@@ -43,7 +43,7 @@ void halve_at_contacts(PatchMesh& mesh, double least, std::uint64_t& rays) {
     for (std::size_t first = 0; first < mesh.nodes().size();) {
         const std::size_t end = mesh.nodes().size();
         std::vector<std::uint8_t> touched(end - first, 0);
-        parallel_blocks(end - first, leaves_per_block, [&](std::size_t from, std::size_t to, std::size_t) {
+        parallel_blocks(end - first, patches_per_block, [&](std::size_t from, std::size_t to, std::size_t) {
             RayQueries queries(mesh.charts().scene());
             for (std::size_t i = from; i < to; ++i) {
                 const PatchNode& node = mesh.nodes()[first + i];

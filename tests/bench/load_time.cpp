@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace gib {
+namespace gib::load_time {
 namespace {
 
 /// Builds Embree's scene of the mesh with Embree's default settings.
@@ -68,4 +68,4 @@ BENCHMARK_CAPTURE(BM_LoadOverReadAndBuild, ten_million, "ten-million.xml", "mesh
     ->Iterations(5)
     ->Unit(benchmark::kSecond);
 
-}  // namespace gib
+}  // namespace gib::load_time

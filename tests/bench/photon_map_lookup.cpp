@@ -13,7 +13,7 @@
 #include <memory>
 #include <stdexcept>
 
-namespace gib {
+namespace gib::photon_map_lookup {
 namespace {
 
 constexpr int build_threads = 2;
@@ -124,4 +124,4 @@ BENCHMARK(BM_PhotonMapBuildOverNanoflann)
     ->Iterations(5)
     ->Unit(benchmark::kSecond);
 
-}  // namespace gib
+}  // namespace gib::photon_map_lookup

@@ -22,7 +22,7 @@
 #include <string>
 #include <thread>
 
-namespace gib {
+namespace gib::ray_rate {
 namespace {
 
 /// Queries are recorded and replayed in chunks of this many pixels, each by one thread, as the path tracer does.
@@ -218,4 +218,4 @@ BENCHMARK_CAPTURE(BM_PhotonWalkOverBareEmbree, cornell_box, "cornell-box.xml")->
 BENCHMARK_CAPTURE(BM_PhotonWalkOverBareEmbree, cornell_glass, "cornell-glass.xml")->UseRealTime()->Iterations(15);
 BENCHMARK(BM_BareEmbreeIncoherent)->Name("BM_BareEmbree/incoherent")->UseRealTime()->Unit(benchmark::kMillisecond);
 
-}  // namespace gib
+}  // namespace gib::ray_rate

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace gib::test {
+namespace gib::test::cache_test {
 namespace {
 
 const Vec3 up(0, 0, 1);
@@ -243,4 +243,4 @@ TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::cache_test

@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-namespace gib::test {
+namespace gib::test::patches_test {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
@@ -367,4 +367,4 @@ TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::patches_test

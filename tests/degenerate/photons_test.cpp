@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace gib::test {
+namespace gib::test::photons_test {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
@@ -383,4 +383,4 @@ TEST(DegeneratePlaces, OfRadiusZeroAreBlack) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::photons_test

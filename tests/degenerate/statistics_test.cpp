@@ -23,7 +23,7 @@
 #include <random>
 #include <sstream>
 
-namespace gib::test {
+namespace gib::test::statistics_test {
 namespace {
 
 using testing::HasSubstr;
@@ -354,4 +354,4 @@ TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::statistics_test

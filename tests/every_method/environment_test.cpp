@@ -4,7 +4,7 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::environment_test {
 namespace {
 
 using test::box_film;
@@ -186,4 +186,4 @@ TEST_P(EveryMethodUnderTheSky, PlatesHideLightsAtInfinity) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::environment_test

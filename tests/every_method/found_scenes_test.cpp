@@ -9,7 +9,7 @@
 
 #include <array>
 
-namespace gib {
+namespace gib::found_scenes_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST_P(FoundScenes, LoadAndLookAlikeToPathTracingAndPhotonMapping) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::found_scenes_test

@@ -1,7 +1,7 @@
 // Laws of `hide_emitters` for every method: the camera's own rays see no emitter, and lighting does not change.
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::hidden_emitters_test {
 namespace {
 
 using test::mean_of;
@@ -96,4 +96,4 @@ TEST(HiddenEmittersBehindMasks, StayHidden) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::hidden_emitters_test

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace gib {
+namespace gib::materials_test {
 namespace {
 
 using test::mean_of;
@@ -190,4 +190,4 @@ TEST(PerturbedNormals, LookAlikeToPathsAndPhotons) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::materials_test

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-namespace gib {
+namespace gib::medium_test {
 namespace {
 
 using test::box_film;
@@ -245,4 +245,4 @@ TEST(MediumAbsorption, ActsOnDirectLight) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::medium_test

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace gib {
+namespace gib::medium_volume_test {
 namespace {
 
 using test::box_film;
@@ -119,4 +119,4 @@ TEST(MediumAlbedo, OfAHomogeneousMediumMayVary) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::medium_volume_test

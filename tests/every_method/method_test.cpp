@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace gib {
+namespace gib::method_test {
 namespace {
 
 using test::mean_of;
@@ -270,4 +270,4 @@ TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::method_test

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace gib::test {
+namespace gib::test::scene_library_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -284,4 +284,4 @@ TEST(SceneLibrary, TheRingsCuspIsBrightest) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::scene_library_test

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-namespace gib {
+namespace gib::thin_sheet_test {
 namespace {
 
 using test::box_film;
@@ -108,4 +108,4 @@ TEST(ThinSheet, AllMethodsAgree) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::thin_sheet_test

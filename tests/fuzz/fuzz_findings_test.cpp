@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace gib {
+namespace gib::fuzz_findings_test {
 namespace {
 
 using test::scene_with;
@@ -282,4 +282,4 @@ TEST_F(ExperimentFindings, NamesThatNoFileCanHave) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::fuzz_findings_test

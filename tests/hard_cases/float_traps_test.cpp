@@ -14,7 +14,7 @@
 #include <limits>
 #include <thread>
 
-namespace gib::test {
+namespace gib::test::float_traps_test {
 namespace {
 
 /// Operands that are volatile, so that the compiler cannot evaluate the invalid operations beforehand.
@@ -101,4 +101,4 @@ TEST_F(FloatTraps, LetPassWhatIsPausedAndWhatIsExact) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::float_traps_test

@@ -13,7 +13,7 @@
 #include <numbers>
 #include <ostream>
 
-namespace gib::test {
+namespace gib::test::hard_case_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST(HardCaseVerdicts, NeitherNanNorNegativeNorRefusedScenesPass) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::hard_case_test

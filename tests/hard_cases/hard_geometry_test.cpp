@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace gib {
+namespace gib::hard_geometry_test {
 namespace {
 
 using namespace test;
@@ -210,4 +210,4 @@ TEST(CameraOnASurface, IsOutsideOfGlass) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::hard_geometry_test

@@ -15,7 +15,7 @@
 #include "tests/invariance/scene_transforms.h"
 #include "tests/support/hard_cases.h"
 
-namespace gib {
+namespace gib::exact_invariance_test {
 namespace {
 
 using namespace test;
@@ -117,4 +117,4 @@ INSTANTIATE_TEST_SUITE_P(Random, ExactInvariances, testing::ValuesIn(exact_cases
                          [](const auto& pair) { return pair.param.first->name + "_" + pair.param.second->name; });
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::exact_invariance_test

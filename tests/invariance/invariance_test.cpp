@@ -25,7 +25,7 @@
 #include "tests/invariance/scene_transforms.h"
 #include "tests/support/image_samples.h"
 
-namespace gib {
+namespace gib::invariance_test {
 namespace {
 
 using namespace test;
@@ -181,4 +181,4 @@ INSTANTIATE_TEST_SUITE_P(Random, Invariances, testing::ValuesIn(cases()),
                          [](const auto& pair) { return pair.param.first->name + "_" + pair.param.second->name; });
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::invariance_test

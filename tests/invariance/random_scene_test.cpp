@@ -5,7 +5,7 @@
 
 #include <map>
 
-namespace gib {
+namespace gib::random_scene_test {
 namespace {
 
 using namespace test;
@@ -62,4 +62,4 @@ TEST_P(RandomScenes, AreFiniteAndNotNegative) {
 INSTANTIATE_TEST_SUITE_P(Parts, RandomScenes, testing::Range<std::uint64_t>(0, 8));
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::random_scene_test

@@ -25,7 +25,7 @@
 
 #include <fmt/format.h>
 
-namespace gib {
+namespace gib::reciprocity_test {
 namespace {
 
 using namespace test;
@@ -176,4 +176,4 @@ INSTANTIATE_TEST_SUITE_P(Random, Reciprocity, testing::ValuesIn(methods()),
                          [](const auto& method) { return method.param.name; });
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::reciprocity_test

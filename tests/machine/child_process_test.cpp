@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace gib::test {
+namespace gib::test::child_process_test {
 namespace {
 
 /// The lines that a shell script prints. The parent is busy with the first line for `first_takes` [us].
@@ -45,4 +45,4 @@ TEST(ChildProcess, OneThatCannotStartIsAnError) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::child_process_test

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-namespace gib::test {
+namespace gib::test::clock_test {
 namespace {
 
 class ClockTest : public ::testing::Test, protected ExperimentFolder {
@@ -64,4 +64,4 @@ TEST_F(ClockTest, DurationsAreThoseOfASteadyClock) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::clock_test

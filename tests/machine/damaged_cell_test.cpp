@@ -8,7 +8,7 @@
 
 #include <fstream>
 
-namespace gib::test {
+namespace gib::test::damaged_cell_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::damaged_cell_test

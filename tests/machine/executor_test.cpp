@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-namespace gib::test {
+namespace gib::test::executor_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,4 +59,4 @@ TEST_F(ExecutorTest, StatusCountsTheCellsOfALocalRun) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::executor_test

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::file_lock_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ TEST_F(FileLockTest, WaitingEndsOnCtrlC) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::file_lock_test

@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <set>
 
-namespace gib::test {
+namespace gib::test::full_disk_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ TEST_F(FullDiskTest, UnwritableFoldersAreRefusedBeforeAnyWork) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::full_disk_test

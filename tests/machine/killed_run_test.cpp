@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-namespace gib::test {
+namespace gib::test::killed_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -124,4 +124,4 @@ TEST_F(KilledRunTest, ACellWithoutItsRunEndsAtOnce) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::killed_run_test

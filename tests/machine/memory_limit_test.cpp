@@ -17,7 +17,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace gib::test {
+namespace gib::test::memory_limit_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -214,4 +214,4 @@ TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::memory_limit_test

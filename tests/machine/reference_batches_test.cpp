@@ -16,7 +16,7 @@
 #include <fstream>
 #include <limits>
 
-namespace gib::test {
+namespace gib::test::reference_batches_test {
 namespace {
 
 /// A pass takes so many milliseconds.
@@ -205,4 +205,4 @@ TEST(SharedOut, PartsAreEvenAndKeepTheOrder) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::reference_batches_test

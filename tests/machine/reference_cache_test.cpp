@@ -16,7 +16,7 @@
 #include <random>
 #include <set>
 
-namespace gib::test {
+namespace gib::test::reference_cache_test {
 namespace {
 
 MethodDescription fake_description() {
@@ -272,4 +272,4 @@ TEST(HeavyTails, OneGroupThatCarriesTheScatterIsSeen) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::reference_cache_test

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-namespace gib::test {
+namespace gib::test::repeat_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -178,4 +178,4 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::repeat_test

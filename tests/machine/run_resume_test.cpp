@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-namespace gib::test {
+namespace gib::test::run_resume_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST_F(RunResumeTest, AFreshRunThatWaitsForItsReferenceHasForgottenItsCells) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::run_resume_test

@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-namespace gib {
+namespace gib::start_test {
 namespace {
 
 // OpenImageIO's libraries take 25 MiB and, on a slow machine, 0.1 s to initialise their tables of strings.
@@ -22,4 +22,4 @@ TEST(ProgramStart, LoadsNoLibraryOfImages) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::start_test

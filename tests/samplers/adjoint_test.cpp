@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::adjoint_test {
 namespace {
 
 /// The hit of a ray that comes from w, as Scene::surface_hit() makes it.
@@ -71,4 +71,4 @@ TEST(AdjointTransport, HoldsForAnyModelAndNormals) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::adjoint_test

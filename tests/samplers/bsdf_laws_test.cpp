@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::test {
+namespace gib::test::bsdf_laws_test {
 namespace {
 
 Vec3 random_direction(const Vec2& u) {
@@ -119,4 +119,4 @@ TEST(BsdfLaws, ScatteringIsNeverNegative) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::bsdf_laws_test

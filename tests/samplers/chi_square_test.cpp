@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace gib::test {
+namespace gib::test::chi_square_test {
 namespace {
 
 // With 2 m degrees of freedom the chi-square tail is a sum of m Poisson probabilities; with one degree, it is the
@@ -82,4 +82,4 @@ TEST(AdaptiveQuadrature, SaysWhenItGaveUpAndRefusesWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::chi_square_test

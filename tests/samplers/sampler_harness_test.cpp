@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 
-namespace gib::test {
+namespace gib::test::sampler_harness_test {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
@@ -239,4 +239,4 @@ TEST(SamplerHarness, CatchesSamplesWithoutDensityWeightOrPlace) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::sampler_harness_test

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <set>
 
-namespace gib::test {
+namespace gib::test::sampler_suite_test {
 namespace {
 
 /// The probability, over the choice of the seeds, that any p-value of the whole family fails a correct program.
@@ -90,4 +90,4 @@ TEST(SamplerSuite, ChiSquareFamily) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::sampler_suite_test

@@ -5,6 +5,7 @@
 #include "common/reader/scene_file.h"
 #include "common/scene/scene.h"
 #include "methods/method.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/source_path.h"
 
 #include <gtest/gtest.h>
@@ -67,19 +68,6 @@ inline Colord mean_of(const Image& image) {
     for (std::size_t i = 0; i < image.pixels(); ++i)
         sum += image.at(i).cast<double>();
     return sum / static_cast<double>(image.pixels());
-}
-
-/// The <film> of a square image of `size` x `size` pixels with a box filter.
-inline std::string box_film(int size) {
-    return "<film type='hdrfilm'><integer name='width' value='" + std::to_string(size) +
-           "'/><integer name='height' value='" + std::to_string(size) + "'/><rfilter type='box'/></film>";
-}
-
-inline std::string scene_xml(const std::string& body) { return "<scene version='3.0.0'>" + body + "</scene>"; }
-
-inline std::string diffuse(double reflectance) {
-    const std::string r = std::to_string(reflectance);
-    return "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='" + r + "'/></bsdf></bsdf>";
 }
 
 }  // namespace gib::test

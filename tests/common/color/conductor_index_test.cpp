@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::conductor_index_test {
 namespace {
 
 using test::load;
@@ -58,4 +58,4 @@ TEST(ConductorIndex, WrongMaterialsAreErrors) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::conductor_index_test

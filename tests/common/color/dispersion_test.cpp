@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <numbers>
 
-namespace gib {
+namespace gib::dispersion_test {
 namespace {
 
 using test::box_film;
@@ -277,4 +277,4 @@ TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::dispersion_test

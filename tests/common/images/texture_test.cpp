@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <cmath>
 
-namespace gib {
+namespace gib::texture_test {
 namespace {
 
 using test::byte;
@@ -432,4 +432,4 @@ TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::texture_test

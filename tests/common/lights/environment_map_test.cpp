@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace gib {
+namespace gib::environment_map_test {
 namespace {
 
 using test::envmap_direction;
@@ -171,4 +171,4 @@ TEST(EnvironmentMap, RadianceOfAnyMagnitudeIsSampled) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::environment_map_test

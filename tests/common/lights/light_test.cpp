@@ -6,7 +6,7 @@
 #include "common/scene/scene.h"
 #include "tests/support/light_fixtures.h"
 
-namespace gib {
+namespace gib::light_test {
 namespace {
 
 using test::envmap_xml;
@@ -476,4 +476,4 @@ TEST(PolarRamp, SamplesInvertTheIntegral) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::light_test

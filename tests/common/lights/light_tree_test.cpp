@@ -8,7 +8,7 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::light_tree_test {
 namespace {
 
 using test::load;
@@ -263,4 +263,4 @@ TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::light_tree_test

@@ -4,7 +4,7 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::projector_light_test {
 namespace {
 
 using test::load;
@@ -113,4 +113,4 @@ TEST_P(ProjectedLight, IsTheImageOnAScreenAndAgreesBeyondIt) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::projector_light_test

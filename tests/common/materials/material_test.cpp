@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::material_test {
 namespace {
 
 Vec3 direction(float degrees, float phi) {
@@ -262,4 +262,4 @@ TEST(Material, TooManyModelsAreRefused) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::material_test

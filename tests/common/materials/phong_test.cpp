@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::phong_test {
 namespace {
 
 Phong glossy(float exponent) { return {Color::Zero(), Color::Ones(), exponent}; }
@@ -120,4 +120,4 @@ TEST(Phong, NothingIsEverNaN) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::phong_test

@@ -11,7 +11,7 @@
 #include <atomic>
 #include <numbers>
 
-namespace gib {
+namespace gib::medium_test {
 namespace {
 
 using test::Moments;
@@ -262,4 +262,4 @@ TEST(Medium, OfAFarGridIsThatOfANearOne) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::medium_test

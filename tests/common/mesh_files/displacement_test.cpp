@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <map>
 
-namespace gib {
+namespace gib::displacement_test {
 namespace {
 
 using test::area_of;
@@ -281,4 +281,4 @@ TEST(DisplacedShape, ErrorsNameThePlace) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::displacement_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::mesh_attribute_test {
 namespace {
 
 using test::input_error_of;
@@ -216,4 +216,4 @@ TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::mesh_attribute_test

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <bit>
 
-namespace gib {
+namespace gib::mesh_file_test {
 namespace {
 
 using test::area_of;
@@ -281,4 +281,4 @@ TEST(MeshNormals, OnlyThoseThatAreMissingAreComputed) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::mesh_file_test

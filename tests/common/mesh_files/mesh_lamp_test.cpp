@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace gib {
+namespace gib::mesh_lamp_test {
 namespace {
 
 /// The irradiance [W/m^2] at a point of the floor, by a midpoint rule over the light's samples.
@@ -58,4 +58,4 @@ TEST(LampMesh, TheLightOfASquareDoesNotDependOnItsFaces) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::mesh_lamp_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::mesh_ms3d_test {
 namespace {
 
 using test::scene_with;
@@ -277,4 +277,4 @@ TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::mesh_ms3d_test

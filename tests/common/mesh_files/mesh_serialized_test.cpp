@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace gib {
+namespace gib::mesh_serialized_test {
 namespace {
 
 using test::scene_with;
@@ -264,4 +264,4 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::mesh_serialized_test

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace gib {
+namespace gib::polygon_test {
 namespace {
 
 using Corners = std::vector<Vec3d>;
@@ -146,4 +146,4 @@ TEST(Polygon, BothFileFormatsPartNonConvexFaces) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::polygon_test

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::bsdf_error_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -440,4 +440,4 @@ TEST(BsdfErrors, PrincipledThinTakesTwiceTheTransmittedShare) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::bsdf_error_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::daylight_test {
 namespace {
 
 using test::load;
@@ -203,4 +203,4 @@ TEST(DaylightEmitters, Errors) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::daylight_test

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace gib {
+namespace gib::emitter_error_test {
 namespace {
 
 using test::image_of;
@@ -203,4 +203,4 @@ TEST(EmitterFiles, OldScenesKeepLoading) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::emitter_error_test

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::medium_check_test {
 namespace {
 
 using test::load;
@@ -105,4 +105,4 @@ TEST(OpenBoundaries, AreMeshesWithEdgesOfOneTriangle) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::medium_check_test

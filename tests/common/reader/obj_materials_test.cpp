@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::obj_materials_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -103,4 +103,4 @@ TEST(MergedShapes, AreThoseInTheMerge) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::obj_materials_test

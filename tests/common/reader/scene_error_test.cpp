@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::scene_error_test {
 namespace {
 
 using test::scene_with;
@@ -341,4 +341,4 @@ TEST(SceneErrors, StandInTheFileThatCausedThem) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_error_test

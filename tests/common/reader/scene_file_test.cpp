@@ -7,7 +7,7 @@
 
 #include <climits>
 
-namespace gib {
+namespace gib::scene_file_test {
 namespace {
 
 using test::load;
@@ -458,4 +458,4 @@ TEST(ContentHash, PiecesDoNotRunIntoEachOther) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_file_test

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::scene_medium_test {
 namespace {
 
 using test::load;
@@ -172,4 +172,4 @@ TEST(MediumReader, TakesReferences) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_medium_test

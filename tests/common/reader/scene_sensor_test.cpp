@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <climits>
 
-namespace gib {
+namespace gib::scene_sensor_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -262,4 +262,4 @@ TEST(SceneSensor, WarnsOnce) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_sensor_test

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::scene_texture_test {
 namespace {
 
 using test::byte;
@@ -382,4 +382,4 @@ TEST_F(SceneTextures, ScaleErrors) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_texture_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::coincident_shapes_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -194,4 +194,4 @@ TEST(CoincidentShapes, TrianglesWithoutAreaAreNoLampTwice) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::coincident_shapes_test

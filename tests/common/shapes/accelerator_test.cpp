@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::accelerator_test {
 namespace {
 
 /// A mesh, every other kind of shape, and instances of both around and beside each other.
@@ -117,4 +117,4 @@ TEST(Accelerator, FindsTheSameInAnyUnits) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::accelerator_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::cylinder_test {
 namespace {
 
 using test::load;
@@ -228,4 +228,4 @@ TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::cylinder_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <fstream>
 
-namespace gib {
+namespace gib::instance_test {
 namespace {
 
 using test::load;
@@ -339,4 +339,4 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::instance_test

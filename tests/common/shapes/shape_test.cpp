@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::shape_test {
 namespace {
 
 using test::load;
@@ -388,4 +388,4 @@ TEST(Spheres, HaveANormalWhereTheirRadiusIsLost) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::shape_test

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::scene_spectrum_test {
 namespace {
 
 using test::scene_with;
@@ -293,4 +293,4 @@ TEST(SpectrumErrors, Plugins) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_spectrum_test

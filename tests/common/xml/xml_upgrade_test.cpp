@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::xml_upgrade_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -429,4 +429,4 @@ TEST(OldVersions, WarnOfWhatNothingRefersTo) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::xml_upgrade_test

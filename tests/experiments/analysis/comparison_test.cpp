@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace gib {
+namespace gib::comparison_test {
 namespace {
 
 /// A run whose rel_mse is c / seconds, with checkpoints at first, 2 first, 4 first, ... up to `seconds`.
@@ -125,4 +125,4 @@ TEST(BiasLaws, SayNothingOfTwoPoints) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::comparison_test

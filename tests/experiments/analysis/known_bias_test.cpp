@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::known_bias_test {
 namespace {
 
 TableRow row_of(const std::string& method, const std::string& component) {
@@ -67,4 +67,4 @@ TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::known_bias_test

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace gib {
+namespace gib::price_test {
 namespace {
 
 using ::testing::AllOf;
@@ -224,4 +224,4 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::price_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::processors_test {
 namespace {
 
 Cell cell_of(const std::string& scene, const std::string& method, const std::string& cpu) {
@@ -32,4 +32,4 @@ TEST(Processors, OfARow) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::processors_test

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib {
+namespace gib::same_method_test {
 namespace {
 
 using ::testing::AllOf;
@@ -75,4 +75,4 @@ TEST(SameMethod, NoTableComparesItWithItself) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::same_method_test

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace gib {
+namespace gib::scene_light_test {
 namespace {
 
 Image constant(float value) {
@@ -69,4 +69,4 @@ TEST(Judgement, HasNoTotalWhereNothingIsJudged) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scene_light_test

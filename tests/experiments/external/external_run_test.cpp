@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace gib::test {
+namespace gib::test::external_run_test {
 namespace {
 
 using ::testing::AllOf;
@@ -153,4 +153,4 @@ TEST_F(ExternalRun, WhatPovrayCannotExpressStopsBeforeAnythingIsRendered) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::external_run_test

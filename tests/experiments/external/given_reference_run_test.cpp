@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace gib::test {
+namespace gib::test::given_reference_run_test {
 namespace {
 
 using ::testing::AllOf;
@@ -94,4 +94,4 @@ TEST_F(GivenReferenceRun, AReferenceOfGibenchCountsWithItsGroups) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::given_reference_run_test

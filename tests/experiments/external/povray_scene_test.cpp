@@ -13,7 +13,7 @@
 #include <numbers>
 #include <regex>
 
-namespace gib::test {
+namespace gib::test::povray_scene_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST(PovrayRun, DirectLightAgreesWithPathTracing) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::povray_scene_test

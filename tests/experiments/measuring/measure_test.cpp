@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::measure_test {
 namespace {
 
 class MeasureTest : public ::testing::Test {
@@ -93,4 +93,4 @@ TEST(LastPass, IsTheLabelsElseTheScenesElse16) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::measure_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::reference_makers_test {
 namespace {
 
 using testing::HasSubstr;
@@ -168,4 +168,4 @@ TEST(ReferenceMaker, TakesTheRemainder) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::reference_makers_test

@@ -10,7 +10,7 @@
 
 #include <random>
 
-namespace gib {
+namespace gib::epsilon_test {
 namespace {
 
 constexpr int size = 16;
@@ -120,4 +120,4 @@ TEST(RelativeEpsilon, GivesMakersTheSameSharesInAnyUnitOfLight) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::epsilon_test

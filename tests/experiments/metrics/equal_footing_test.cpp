@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace gib {
+namespace gib::equal_footing_test {
 namespace {
 
 Image noisy(std::mt19937_64& random, double mean, double deviation) {
@@ -87,4 +87,4 @@ TEST(EqualFooting, MeasuresFaintComponentsAgainstTheWhole) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::equal_footing_test

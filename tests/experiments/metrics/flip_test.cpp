@@ -15,7 +15,7 @@
 #include <limits>
 #include <random>
 
-namespace gib::test {
+namespace gib::test::flip_test {
 namespace {
 
 using ::testing::Each;
@@ -325,4 +325,4 @@ TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::flip_test

@@ -10,7 +10,7 @@
 
 #include <random>
 
-namespace gib {
+namespace gib::reference_bias_test {
 namespace {
 
 constexpr int size = 32;
@@ -75,4 +75,4 @@ TEST(ReferenceBias, WidensEveryInterval) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::reference_bias_test

@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace gib {
+namespace gib::spectrum_test {
 namespace {
 
 /// White noise after a convolution with a Gaussian (periodic), or, if `blue`, the white noise less the result.
@@ -240,4 +240,4 @@ TEST(BiasSpectrum, FindsAPatternBelowTheNoiseAtItsFrequency) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::spectrum_test

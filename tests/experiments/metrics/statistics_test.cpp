@@ -13,7 +13,7 @@
 #include <limits>
 #include <random>
 
-namespace gib {
+namespace gib::statistics_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -310,4 +310,4 @@ TEST(TimeToError, HasTheWiderIntervalOnTheSideOfTheLongerTail) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::statistics_test

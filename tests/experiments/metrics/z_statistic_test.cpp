@@ -12,7 +12,7 @@
 #include <limits>
 #include <random>
 
-namespace gib {
+namespace gib::z_statistic_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -345,4 +345,4 @@ TEST(ZTest, ReplicatesTellNoiseThatPixelsShare) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::z_statistic_test

@@ -9,7 +9,7 @@
 
 #include <cstring>
 
-namespace gib::test {
+namespace gib::test::page_test {
 namespace {
 
 using nlohmann::json;
@@ -171,4 +171,4 @@ TEST(Photons, ReportLinksThePages) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::page_test

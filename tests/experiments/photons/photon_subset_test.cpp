@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::photon_subset_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -89,4 +89,4 @@ TEST(PhotonSubset, CountsPowersThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::photon_subset_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace gib::test {
+namespace gib::test::surfaces_test {
 namespace {
 
 const std::string camera = "<sensor type='perspective'>" + box_film(4) + "</sensor>";
@@ -68,4 +68,4 @@ TEST(SurfaceTriangles, SayWhatIsOpaqueAndHowManyAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::surfaces_test

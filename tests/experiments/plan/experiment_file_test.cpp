@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace gib::test {
+namespace gib::test::experiment_file_test {
 namespace {
 
 using ::testing::AllOf;
@@ -142,4 +142,4 @@ TEST(ShippedExperiments, AreValid) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::experiment_file_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::external_method_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -107,4 +107,4 @@ TEST_F(ExternalMethodTest, ReferenceImagesAreOneForEachScene) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::external_method_test

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::tune_file_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -71,4 +71,4 @@ TEST_F(TuneFileTest, LeavesNoRoomForCells) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::tune_file_test

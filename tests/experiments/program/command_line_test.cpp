@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::command_line_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -285,4 +285,4 @@ TEST_F(CommandLineTest, ListsNameFirst) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::command_line_test

@@ -18,7 +18,7 @@
 #include <random>
 #include <sstream>
 
-namespace gib {
+namespace gib::compare_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::compare_test

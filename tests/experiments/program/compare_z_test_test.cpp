@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-namespace gib::test {
+namespace gib::test::compare_z_test_test {
 namespace {
 
 using ::testing::AllOf;
@@ -288,4 +288,4 @@ TEST_F(CompareZTest, RendersPassAndAChangedLampDoesNot) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::compare_z_test_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::error_words_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(Times, TheNextHalvingOfTableCsvIsThatOfTheReport) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::error_words_test

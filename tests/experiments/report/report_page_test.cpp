@@ -23,7 +23,7 @@
 #include <limits>
 #include <regex>
 
-namespace gib::test {
+namespace gib::test::report_page_test {
 namespace {
 
 using nlohmann::json;
@@ -293,4 +293,4 @@ TEST(FlipMapValues, ComeBackFromAPicture) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::report_page_test

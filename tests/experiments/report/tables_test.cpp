@@ -13,7 +13,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace gib::test {
+namespace gib::test::tables_test {
 namespace {
 
 std::string joined(const std::vector<std::string>& names) {
@@ -200,4 +200,4 @@ TEST(Numbers, NotANumberIsSeen) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::tables_test

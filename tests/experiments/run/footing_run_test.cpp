@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace gib::test {
+namespace gib::test::footing_run_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::footing_run_test

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::test {
+namespace gib::test::unjudged_light_run_test {
 namespace {
 
 using ::testing::AllOf;
@@ -61,4 +61,4 @@ TEST_F(UnjudgedLight, KeepsAMethodThatLeavesItOutFromWinning) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::unjudged_light_run_test

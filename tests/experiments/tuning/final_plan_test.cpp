@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace gib {
+namespace gib::final_plan_test {
 namespace {
 
 /// Seconds of all runs of so many seeds.
@@ -56,4 +56,4 @@ TEST(FinalPlan, SharesTheTimeAmongTheLeastIfNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::final_plan_test

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-namespace gib {
+namespace gib::halving_search_test {
 namespace {
 
 double value_of(const MethodLabel& label, const std::string& name, double initial) {
@@ -200,4 +200,4 @@ TEST(HalvingSearch, HasNothingToDoWithoutParameters) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::halving_search_test

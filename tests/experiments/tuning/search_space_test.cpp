@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <set>
 
-namespace gib {
+namespace gib::search_space_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -153,4 +153,4 @@ TEST(SearchSpace, CandidatesAreTheDefaultsAndAnEvenCover) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::search_space_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace gib {
+namespace gib::time_estimate_test {
 namespace {
 
 /// rel_mse = floor + 1 / (seconds - 0.5), after 1, 2, 4, ... passes of 1 s each.
@@ -61,4 +61,4 @@ TEST(TimeEstimate, CostsBeyondTheHorizonWhatTheErrorThereSays) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::time_estimate_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-namespace gib::test {
+namespace gib::test::tune_run_test {
 namespace {
 
 using std::filesystem::begin;
@@ -69,4 +69,4 @@ TEST_F(TuneRun, BeginsNoCellWhenItsTimeIsUsedUp) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::tune_run_test

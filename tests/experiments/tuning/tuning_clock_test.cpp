@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::test {
+namespace gib::test::tuning_clock_test {
 namespace {
 
 class TuningClockTest : public ::testing::Test {
@@ -84,4 +84,4 @@ TEST_F(TuningClockTest, OtherContentAndLostResultsBeginAgain) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::tuning_clock_test

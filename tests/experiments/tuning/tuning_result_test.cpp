@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace gib {
+namespace gib::tuning_result_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -103,4 +103,4 @@ TEST(TuningResult, HasAPageThatOpensOffline) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::tuning_result_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::bidirectional_test {
 namespace {
 
 using namespace test::lit_rooms;
@@ -131,4 +131,4 @@ TEST(Plans, NameTheCausticsThatAreMissing) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::bidirectional_test

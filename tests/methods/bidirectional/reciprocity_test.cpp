@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::reciprocity_test {
 namespace {
 
 using test::Moments;
@@ -89,4 +89,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::reciprocity_test

@@ -3,7 +3,7 @@
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::direct_samples_test {
 namespace {
 
 using test::mean_of;
@@ -73,4 +73,4 @@ TEST(DirectSamples, HaveTheNoiseOfAsManyPasses) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::direct_samples_test

@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-namespace gib {
+namespace gib::media_test {
 namespace {
 
 using test::box_film;
@@ -220,4 +220,4 @@ TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::media_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace gib {
+namespace gib::options_test {
 namespace {
 
 using test::mean_of;
@@ -137,4 +137,4 @@ TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::options_test

@@ -9,7 +9,7 @@
 #include <iostream>
 #include <map>
 
-namespace gib {
+namespace gib::photon_mapper_test {
 namespace {
 
 using test::mean_of;
@@ -203,4 +203,4 @@ TEST(PhotonMapper, AutomaticKGrowsWithThePhotons) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::photon_mapper_test

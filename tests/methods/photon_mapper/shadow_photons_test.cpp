@@ -13,7 +13,7 @@
 #include <map>
 #include <numbers>
 
-namespace gib {
+namespace gib::shadow_photons_test {
 namespace {
 
 using test::mean_of;
@@ -391,4 +391,4 @@ TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::shadow_photons_test

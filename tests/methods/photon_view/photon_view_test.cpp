@@ -2,7 +2,7 @@
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib {
+namespace gib::photon_view_test {
 namespace {
 
 using test::mean_of;
@@ -79,4 +79,4 @@ TEST(PhotonView, IsLeftOutWhereMethodsAreCompared) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::photon_view_test

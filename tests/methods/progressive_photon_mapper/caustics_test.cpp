@@ -10,7 +10,7 @@
 #include <iostream>
 #include <numeric>
 
-namespace gib {
+namespace gib::caustics_test {
 namespace {
 
 constexpr double reflectance = 0.5, intensity = 10, index = 1.5, light_height = 2;
@@ -217,4 +217,4 @@ TEST(ErrorOfProgressivePhotonMapping, FallsWithoutAFloorUnderAMirror) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::caustics_test

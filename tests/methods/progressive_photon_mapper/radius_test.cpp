@@ -10,7 +10,7 @@
 
 #include <random>
 
-namespace gib {
+namespace gib::radius_test {
 namespace {
 
 TEST(ShrinkingRadius, IsTheProductOfTheLaw) {
@@ -81,4 +81,4 @@ TEST(ShrinkingRadius, StartsWhereBiasAndVarianceBalance) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::radius_test

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace gib::test {
+namespace gib::test::mesh_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -312,4 +312,4 @@ TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::mesh_test

@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-namespace gib::test {
+namespace gib::test::radiosity_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -280,4 +280,4 @@ TEST(Radiosity, LinksAreOfTheHierarchicalSolverOnly) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::radiosity_test

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace gib::test {
+namespace gib::test::system_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -310,4 +310,4 @@ TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::system_test

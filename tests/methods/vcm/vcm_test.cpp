@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::vcm_test {
 namespace {
 
 using namespace test::lit_rooms;
@@ -94,4 +94,4 @@ TEST(VcmPlan, LeavesNoRemainderUnderALamp) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::vcm_test

@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-namespace gib {
+namespace gib::bias_compensation_test {
 namespace {
 
 using test::down_at;
@@ -93,4 +93,4 @@ TEST(BiasCompensation, NearAnEdgeTheBiasFalls) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::bias_compensation_test

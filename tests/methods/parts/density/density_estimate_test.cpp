@@ -3,7 +3,7 @@
 
 #include "tests/methods/parts/density/density_fixtures.h"
 
-namespace gib {
+namespace gib::density_estimate_test {
 namespace {
 
 using test::down_at;
@@ -200,4 +200,4 @@ TEST(DensityEstimate, TheBoundOfTheNormalsRatioLosesWhatItsCommentSays) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::density_estimate_test

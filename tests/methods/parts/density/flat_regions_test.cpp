@@ -9,7 +9,7 @@
 
 #include <limits>
 
-namespace gib {
+namespace gib::flat_regions_test {
 namespace {
 
 using test::down_at;
@@ -111,4 +111,4 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::flat_regions_test

@@ -3,7 +3,7 @@
 
 #include "tests/methods/parts/density/density_fixtures.h"
 
-namespace gib {
+namespace gib::surface_disc_test {
 namespace {
 
 using test::down_at;
@@ -192,4 +192,4 @@ TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::surface_disc_test

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-namespace gib {
+namespace gib::volume_estimate_test {
 namespace {
 
 using test::Moments;
@@ -140,4 +140,4 @@ TEST(VolumeEstimate, ReciprocalShareInSightIsThatOfTheBallBeforeAWall) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::volume_estimate_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace gib {
+namespace gib::final_gather_test {
 namespace {
 
 using test::mean_of;
@@ -138,4 +138,4 @@ TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::final_gather_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::irradiance_cache_test {
 namespace {
 
 constexpr RecordSpacing any_spacing = {0.f, 1e6f};
@@ -162,4 +162,4 @@ TEST(IrradianceCache, NeighboursLimitEachOther) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::irradiance_cache_test

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-namespace gib {
+namespace gib::irradiance_record_test {
 namespace {
 
 /// The corners, in order as seen from the front, of a rectangle of even radiance 1.
@@ -160,4 +160,4 @@ TEST(IrradianceRecord, StrataAreEqualPartsOfTheCosine) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::irradiance_record_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::precomputed_irradiance_test {
 namespace {
 
 /// Photons of power 1 / count each, uniform on the square [-1, 1]^2 of a floor,
@@ -191,4 +191,4 @@ TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::precomputed_irradiance_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <functional>
 
-namespace gib {
+namespace gib::refined_grid_test {
 namespace {
 
 /// How often each pixel was looked at, if looks settle the pixels for which `is_served` holds.
@@ -58,4 +58,4 @@ TEST(RefinedGrid, LooksAtEachPixelAroundOneThatIsNotServed) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::refined_grid_test

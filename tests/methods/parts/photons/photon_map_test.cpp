@@ -9,7 +9,7 @@
 #include <functional>
 #include <numeric>
 
-namespace gib {
+namespace gib::photon_map_test {
 namespace {
 
 using test::scene_of;
@@ -273,4 +273,4 @@ TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::photon_map_test

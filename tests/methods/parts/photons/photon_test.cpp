@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::photon_test {
 namespace {
 
 Photon photon_of(const Color& power) { return {Vec3::Zero(), power, Vec3::UnitZ(), Vec3::UnitZ(), 1}; }
@@ -114,4 +114,4 @@ TEST(Photon, ExtremePowersHaveADefinedResult) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::photon_test

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace gib {
+namespace gib::photon_walk_test {
 namespace {
 
 constexpr int unlimited = std::numeric_limits<int>::max();
@@ -149,4 +149,4 @@ TEST(PhotonWalk, PhotonsAreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::photon_walk_test

@@ -11,7 +11,7 @@
 #include <functional>
 #include <limits>
 
-namespace gib {
+namespace gib::projection_map_test {
 namespace {
 
 constexpr int unlimited = std::numeric_limits<int>::max();
@@ -461,4 +461,4 @@ TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::projection_map_test

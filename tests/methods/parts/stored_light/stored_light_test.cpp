@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace gib::test {
+namespace gib::test::stored_light_test {
 namespace {
 
 /// The light that the run of a label stores after some passes.
@@ -129,4 +129,4 @@ TEST(StoredLight, OfRadiosityIsThePowerThatPatchesReflect) {
 }
 
 }  // namespace
-}  // namespace gib::test
+}  // namespace gib::test::stored_light_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::scattered_ray_test {
 namespace {
 
 /// A surface of these normals.
@@ -98,4 +98,4 @@ TEST(ScatteredRay, OfDiffuseSurfacesLosesWhatWouldGoBehindThem) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::scattered_ray_test

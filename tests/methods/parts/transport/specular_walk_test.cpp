@@ -3,7 +3,7 @@
 
 #include "common/materials/fresnel.h"
 
-namespace gib {
+namespace gib::specular_walk_test {
 namespace {
 
 using test::scene_of;
@@ -61,4 +61,4 @@ TEST(SpecularWalk, BothFacesOfAPlateAreFollowedBothWays) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::specular_walk_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib {
+namespace gib::light_emission_test {
 namespace {
 
 using namespace test::lit_rooms;
@@ -84,4 +84,4 @@ TEST(LightEmission, SendsMoreStartsToSpecularSurfaces) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::light_emission_test

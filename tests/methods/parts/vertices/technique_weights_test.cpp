@@ -10,7 +10,7 @@
 
 #include <numeric>
 
-namespace gib {
+namespace gib::technique_weights_test {
 namespace {
 
 using namespace test::lit_rooms;
@@ -172,4 +172,4 @@ TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::technique_weights_test

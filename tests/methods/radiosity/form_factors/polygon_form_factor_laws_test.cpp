@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace gib {
+namespace gib::polygon_form_factor_laws_test {
 namespace {
 
 using test::box;
@@ -231,4 +231,4 @@ TEST(PolygonFormFactorLaws, APolygonHasAnArea) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::polygon_form_factor_laws_test

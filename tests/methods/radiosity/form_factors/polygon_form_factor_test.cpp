@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-namespace gib {
+namespace gib::polygon_form_factor_test {
 namespace {
 
 using test::box;
@@ -217,4 +217,4 @@ TEST(PolygonFormFactor, SphereSeesARectangleAsItsCentreDoes) {
 }
 
 }  // namespace
-}  // namespace gib
+}  // namespace gib::polygon_form_factor_test
