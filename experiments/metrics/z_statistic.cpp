@@ -42,7 +42,6 @@ namespace {
 constexpr double rounding = 1e-5;
 constexpr int block_edge = 8, blocks_across = 8;
 constexpr int reach = 3;  // [blocks] to each side, of the surroundings of a block
-constexpr double infinitely_far = std::numeric_limits<double>::infinity();
 
 /// Raises the variance of each block to at least its share of the summed variance of the blocks around it. The shares
 /// are in proportion to the reference's variances, or to the numbers of pixels if those are not known.
@@ -137,7 +136,7 @@ BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t c
     const double v = noise.variance + systematic(sums, std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
     test.deviation = difference / sums.pixels;
     if (difference == 0) return test;
-    test.t = v > 0 ? difference / std::sqrt(v) : std::copysign(infinitely_far, difference);
+    test.t = v > 0 ? difference / std::sqrt(v) : std::copysign(HUGE_VAL, difference);
     test.p = student_t_tail(std::abs(test.t), noise.degrees);
     return test;
 }
@@ -148,7 +147,7 @@ MeanDeviation mean_deviation(const BlockSums& image, const NoiseOfBlock& noise, 
     mean.reference_share = noise.variance > 0 ? std::min(1.0, image.r.variance.value / noise.variance) : 0;
     const double v = noise.variance + systematic(image, r_total_sum);
     if (r_total_sum == 0) {
-        mean.value = difference == 0 ? 0 : std::copysign(infinitely_far, difference);
+        mean.value = difference == 0 ? 0 : std::copysign(HUGE_VAL, difference);
         if (difference == 0 || v == 0) mean.interval = Interval{mean.value, mean.value};
         return mean;
     }
