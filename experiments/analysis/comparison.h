@@ -33,7 +33,7 @@ struct FrontierPoint {
     std::string scene, method;
     std::uint32_t passes;
     double seconds;        ///< mean over the seeds
-    double relative_rmse;  ///< of the total image, as in EqualTimeRow; 0: not above the noise floor
+    double relative_rmse;  ///< relative RMSE of the total image, as in EqualTimeRow; 0: not above the noise floor
 };
 /// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is
 /// judged completely. Points are

@@ -24,7 +24,7 @@ enum class SceneFormat {
 struct ExternalMethod {
     MethodLabel label;     ///< the name that the file gives, and the values of the placeholders that are its own
     std::string command;   ///< with placeholders
-    SourceLocation where;  ///< of the command
+    SourceLocation where;  ///< place of the command
     SceneFormat scene_format = SceneFormat::mitsuba;
     std::string image_format = "exr";       ///< ending of the image's file: exr, pfm or hdr
     std::optional<std::uint32_t> spp = {};  ///< value of {spp}; none: the scene's sample count

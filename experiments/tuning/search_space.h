@@ -12,7 +12,7 @@ namespace gib {
 /// A parameter that varies: a number between two ends, or one of several words.
 struct TuningAxis {
     std::string name;
-    TuningSpan span = {0, 0};             ///< of a number
+    TuningSpan span = {0, 0};             ///< range of a number
     double least = 0, most = 0;           ///< the parameter's own range, which steps beyond the span may use
     bool is_whole = false;                ///< whether only whole numbers are valid
     std::vector<std::string> words = {};  ///< all values, if it is no number

@@ -70,7 +70,7 @@ private:
     std::uint16_t normal_;
 
 public:
-    std::uint16_t edges;  ///< of the path from the light to the photon
+    std::uint16_t edges;  ///< number of edges of the path from the light to the photon
 };
 static_assert(sizeof(PhotonPayload) == 16);
 
