@@ -128,7 +128,7 @@ private:
     Vec3d position_;  ///< kept in double, so that recentring a distant scene loses nothing
     Vec3 origin_;
     Vec3 left_, up_, forward_;  ///< columns of to_world's linear part
-    Eigen::Matrix3d to_axes_;   ///< from a vector to its coordinates along left, up and forward
+    Eigen::Matrix3d to_axes_;   ///< matrix from a vector to its coordinates along left, up and forward
     double volume_;             ///< |det| of these axes
     bool has_lens_, hides_emitters_ = false;
     float aperture_radius_, inv_focus_distance_;

@@ -39,8 +39,8 @@ struct SurfaceGeometry : SurfacePoint {
 struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<Vec3> normals;  ///< per vertex, unit; empty: face normals
-    std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
+    std::vector<Vec3> normals;  ///< normals per vertex, unit; empty: face normals
+    std::vector<Vec2> uvs;      ///< coordinates per vertex; empty: barycentric ones
     bool flip_normals = false;
 
     /// All data that a point of a triangle is computed from, in one cache line. In a large mesh every ray waits until

@@ -46,7 +46,7 @@ struct BiasLaw {
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< name of the parameter
     std::vector<double> values = {};
-    Estimate exponent = {};  ///< by weighted least squares in the logarithms
+    Estimate exponent = {};  ///< exponent by weighted least squares in the logarithms
     /// The number of values at which bias^2 is above 0 with its whole interval; only these are fitted.
     std::size_t resolved_count = 0;
 };

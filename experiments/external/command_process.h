@@ -9,12 +9,12 @@
 namespace gib {
 
 struct CommandRequest {
-    std::string command;       ///< for /bin/sh
+    std::string command;       ///< text for /bin/sh
     std::string folder;        ///< folder in which it runs
     double timeout = 0;        ///< wall-clock time after which it is killed, with all processes that it has started [s]
     std::string output_file;   ///< receives its standard output
     std::string message_file;  ///< receives its standard error
-    std::string work_folder;   ///< for request.json and result.json
+    std::string work_folder;   ///< folder for request.json and result.json
 };
 
 struct CommandResult {

@@ -39,7 +39,7 @@ struct BlockSide {
 /// The sums of both images over a block.
 struct BlockSums {
     double pixels = 0;
-    Eigen::AlignedBox2i box;  ///< around the pixels, both ends included
+    Eigen::AlignedBox2i box;  ///< box around the pixels, both ends included
     BlockSide x, r;
     Variance difference;  ///< variance of x.sum - r.sum, with pixels taken as independent
     double degrees = 0;   ///< degrees of freedom of `difference`

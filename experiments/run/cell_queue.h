@@ -66,7 +66,7 @@ private:
         std::string content_hash;
         std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
         int width = 0, height = 0;        ///< size of its images [pixels]
-        std::string povray = "";          ///< in POV-Ray's form, if a method takes that
+        std::string povray = "";          ///< scene in POV-Ray's form, if a method takes that
         std::string reference = "";       ///< identity; empty: there is none
         std::vector<std::string> notes = {};
         bool failed = false;                       ///< its reference could not be made

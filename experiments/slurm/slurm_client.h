@@ -23,7 +23,7 @@ struct SlurmJob {
     int cpus = 1;                      ///< number of processors for each task
     std::string log_folder;
     std::vector<std::uint64_t> after;       ///< begins when these have ended, however they ended
-    std::vector<std::string> user_options;  ///< for sbatch, which override ours
+    std::vector<std::string> user_options;  ///< options for sbatch, which override ours
 };
 
 /// Throws InputError, with what to do, unless Slurm's commands are on the PATH.

@@ -19,7 +19,7 @@
 namespace gib {
 
 struct SlurmOptions {
-    std::vector<std::string> user_options;  ///< for sbatch
+    std::vector<std::string> user_options;  ///< options for sbatch
     std::size_t most_tasks = 256;  ///< limit on the tasks of an array; a task runs several cells if there are more
 };
 

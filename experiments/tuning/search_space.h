@@ -31,8 +31,8 @@ struct TuningAxis {
 struct Variation {
     std::string parameter;
     double lower = 0, upper = 0;
-    std::vector<std::string> words = {};  ///< if they are not empty, the values instead of a range
-    SourceLocation where = {};            ///< in an experiment file
+    std::vector<std::string> words = {};  ///< values instead of a range; empty: there is a range
+    SourceLocation where = {};            ///< place in an experiment file
 };
 /// Throws InputError at `where` for a text that is neither.
 Variation parse_variation(const std::string& text, const SourceLocation& where = {});

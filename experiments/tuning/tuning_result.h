@@ -14,7 +14,7 @@ namespace gib {
 
 /// The search among the settings of one method.
 struct TunedMethod {
-    MethodLabel base;  ///< as asked for: the defaults beside what the label gives
+    MethodLabel base;  ///< label as asked for: the defaults beside its own values
     std::vector<TuningAxis> axes;
     std::vector<Trial> trials;  ///< all settings that were measured, the best first
 };

@@ -80,7 +80,7 @@ public:
 
     struct Place {
         std::uint32_t leaf;
-        Vec2d uv;  ///< on the chart
+        Vec2d uv;  ///< coordinates on the chart
     };
     /// The patch of a hit that is seen from wo; empty where there is no patch.
     std::optional<Place> locate(const SurfaceHit& hit, const Vec3& wo) const;

@@ -24,8 +24,8 @@ struct RandomNumbers {
 /// A sample as a point of the plane; a SphereChart maps directions to points.
 struct Sampled {
     Vec2d point = Vec2d::Zero();
-    double pdf = 0;        ///< as the sampler returned it
-    double pdf_again = 0;  ///< as the density function gives it for the same point
+    double pdf = 0;        ///< density as the sampler returned it
+    double pdf_again = 0;  ///< density as the density function gives it for the same point
     double weight = 1;     ///< the weight of an estimator: value / pdf
     bool delta = false;    ///< from a delta lobe: only the weight counts
 };

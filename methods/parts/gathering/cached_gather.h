@@ -68,7 +68,7 @@ private:
     };
 
     struct CachedSurface {
-        Vec3 normal;                    ///< on the side that is seen
+        Vec3 normal;                    ///< normal on the side that is seen
         Color radiance_per_irradiance;  ///< [1/sr]
     };
     /// Empty if irradiance alone does not determine the reflected radiance, or if a record would be invalid here.

@@ -65,7 +65,7 @@ public:
     std::uint16_t normal_code() const { return normal_; }
 
 private:
-    PackedColor power_;  ///< with the tag in_medium + 2 (stratum + 1)
+    PackedColor power_;  ///< power with the tag in_medium + 2 (stratum + 1)
     std::uint32_t wi_;
     std::uint16_t normal_;
 
