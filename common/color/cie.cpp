@@ -7,7 +7,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::size_t samples = 95;  ///< of each table: 360 nm to 830 nm in steps of 5 nm
+constexpr std::size_t samples = 95;  ///< number of values in each table: 360 nm to 830 nm in steps of 5 nm
 using Table = std::array<double, samples>;
 constexpr double d65_luminance = 98.99741751876255;
 

@@ -33,7 +33,7 @@ public:
 private:
     Colord perez(double cos_theta, double gamma) const;
 
-    Colord a_, b_, c_, d_, e_;  ///< of Y, x and y
+    Colord a_, b_, c_, d_, e_;  ///< coefficients A to E of Perez's formula, for Y, x and y
     Colord scale_;              ///< values at the zenith over F(0, theta_s)
 };
 

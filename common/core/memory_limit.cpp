@@ -49,7 +49,7 @@ double left_in(const fs::path& group) {
 
 /// The minimum over the process's control group and all groups above it.
 double left_by_groups(const std::string& proc, const fs::path& root) {
-    constexpr std::string_view start = "0::";  // of the line that names the group
+    constexpr std::string_view start = "0::";  // beginning of the line that names the group
     double least = left_in(root);
     std::ifstream file(proc + "/self/cgroup");
     for (std::string line; std::getline(file, line);) {

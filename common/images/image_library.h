@@ -54,7 +54,7 @@ struct StoredImage {
     };
     Window data, display;
     std::vector<std::string> channels;
-    std::vector<float> values;                    ///< of the data window, interleaved
+    std::vector<float> values;                    ///< values of the data window, channels interleaved
     bool srgb;                                    ///< whether the values are encoded in sRGB
     std::map<std::string, std::string> metadata;  ///< string attributes
 };

@@ -11,7 +11,7 @@ namespace gib {
 
 namespace {
 
-constexpr double largest = 0x1p62;  ///< of one addition [units]
+constexpr double largest = 0x1p62;  ///< limit of the magnitude of one addition [units]
 
 }  // namespace
 

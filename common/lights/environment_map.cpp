@@ -10,7 +10,7 @@ namespace {
 
 constexpr float uniform_share = 0.1f;
 constexpr double largest_disc_share = 0.75;
-constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< of a DiscreteDistribution
+constexpr std::size_t bytes_per_choice = 3 * sizeof(float);  ///< size of a DiscreteDistribution for each of its choices
 
 /// The luminance in double, so that its product with a small solid angle does not underflow.
 double luminance_d(const Color& c) { return static_cast<double>(luminance(c)); }

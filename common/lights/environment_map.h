@@ -12,8 +12,8 @@ namespace gib {
 
 /// A disc of even radiance in front of a map, such as the sun.
 struct BrightDisc {
-    Vec3 axis;            ///< towards its middle: unit, in world space
-    float one_minus_cos;  ///< of its angular radius; 1 - cos keeps the digits of narrow cones
+    Vec3 axis;            ///< direction of its middle: unit, in world space
+    float one_minus_cos;  ///< 1 - cosine of its angular radius; the difference keeps the digits of narrow cones
     Color radiance;       ///< [W/(sr m^2)], which is added to that of the map
 
     /// Whether the unit vector w points into the disc: |w - axis|^2 = 2 (1 - cos).
@@ -69,7 +69,7 @@ private:
     /// A place in the quad between four texels. Beyond the map's reach the row is bands_.
     struct Quad {
         std::size_t column, row;
-        float s, t;  ///< towards the next column and the next row, in [0, 1]
+        float s, t;  ///< ways towards the next column and the next row, in [0, 1]
     };
     struct Corners {
         Color c00, c10, c01, c11;  ///< column, row
@@ -105,10 +105,10 @@ private:
     std::vector<float> rgb_;  ///< (bands + 1) x width x 3
     std::vector<Band> weights_;
     DiscreteDistribution rows_;
-    std::vector<DiscreteDistribution> columns_;  ///< of every row of quads
+    std::vector<DiscreteDistribution> columns_;  ///< choice of the column, for every row of quads
     Colord integral_ = Colord::Zero();
     std::optional<BrightDisc> disc_;
-    float disc_share_ = 0.f;  ///< of the samples
+    float disc_share_ = 0.f;  ///< share of the samples that go to the disc
 };
 
 }  // namespace gib

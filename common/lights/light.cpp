@@ -23,7 +23,7 @@ Color mean_over_surface(const Texture& texture, const AreaSampler& surface, cons
 /// The cone of directions from a point p to a sphere that does not contain p.
 struct SphereCone {
     Vec3 axis;
-    float distance;  ///< to the centre
+    float distance;  ///< distance to the centre [scene units]
     float one_minus_cos_max;
 
     /// [sr]

@@ -37,7 +37,7 @@ struct AreaLight {
 
     std::uint32_t shape;             ///< index into the scene's shapes
     Color radiance;                  ///< [W/(sr m^2)]; with a texture its mean over the surface
-    std::optional<Texture> texture;  ///< of the radiance; none: it is constant
+    std::optional<Texture> texture;  ///< texture of the radiance; none: the radiance is constant
     AreaSampler surface;
 
     Color radiance_at(const TexturePoint& at) const { return texture ? texture->color(at) : radiance; }
@@ -51,7 +51,7 @@ struct PointLight {
 
 /// Light from infinitely far away, along one direction.
 struct DirectionalLight {
-    Vec3 direction;    ///< in which the light travels, unit
+    Vec3 direction;    ///< direction in which the light travels, unit
     Color irradiance;  ///< [W/m^2] on a surface across this direction
     BoundingSphere scene;
 };
@@ -91,8 +91,8 @@ inline bool is_delta(const Light& light) { return is_point(light) || std::holds_
 
 /// A point of a light as seen from a point that it may light.
 struct LightSample {
-    Vec3 wi;         ///< from the lit point to the light, unit
-    float distance;  ///< from the lit point to the light [scene units]; infinite for a light at infinity
+    Vec3 wi;         ///< direction from the lit point to the light, unit
+    float distance;  ///< distance from the lit point to the light [scene units]; infinite for a light at infinity
     /// Emitted radiance towards the point [W/(sr m^2)]; may be black. For delta lights it is instead intensity /
     /// distance^2 (lights at a point) or the irradiance (directional) [W/m^2], and pdf_w is the probability of the
     /// choice.

@@ -83,14 +83,14 @@ private:
         LightBounds bounds;
         std::uint32_t parent;
         std::uint32_t child;  ///< the first of two, one after the other; none: the node is a leaf
-        std::uint32_t light;  ///< of a leaf
+        std::uint32_t light;  ///< index of a leaf's light
     };
     /// A light at infinity with its irradiance [W/m^2] across its direction; of an environment, the mean over all
     /// orientations of a surface's front, a quarter of the integral of its radiance.
     struct Distant {
         std::uint32_t light;
         double irradiance;
-        Vec3d direction;  ///< in which the light travels; zero for an environment
+        Vec3d direction;  ///< direction in which the light travels; zero for an environment
 
         double importance(const LitPoint& at) const { return at.side.dot(direction) > 0 ? 0 : irradiance; }
     };

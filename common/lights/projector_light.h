@@ -44,7 +44,7 @@ private:
     Frame axes_;
     Texture image_;
     float scale_;
-    Vec2d half_size_;  ///< of the rectangle at distance 1
+    Vec2d half_size_;  ///< half the width and height of the rectangle at distance 1
     double area_;
     Colord power_;
 };

@@ -5,7 +5,7 @@ namespace gib {
 
 /// A local time and a place; the defaults are Mitsuba's: Tokyo, 10 July 2010, 15:00.
 struct TimeAndPlace {
-    int year = 2010, month = 7, day = 10;  ///< of the Gregorian calendar
+    int year = 2010, month = 7, day = 10;  ///< date in the Gregorian calendar
     double hour = 15, minute = 0, second = 0;
     double timezone = 9;                              ///< hours ahead of universal time
     double latitude = 35.6894, longitude = 139.6917;  ///< north and east [degrees]
@@ -15,8 +15,8 @@ struct TimeAndPlace {
 bool is_date(const TimeAndPlace& at);
 
 struct SunAngles {
-    double theta;    ///< from the zenith [rad]; above pi / 2 the sun is below the horizon
-    double azimuth;  ///< from north towards east [rad]
+    double theta;    ///< angle from the zenith [rad]; above pi / 2 the sun is below the horizon
+    double azimuth;  ///< angle from north towards east [rad]
 };
 
 /// Source: Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira 2001, "Computing the Solar Vector" (Solar

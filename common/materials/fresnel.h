@@ -11,7 +11,7 @@ namespace gib {
 /// 0 from outside).
 struct DielectricFresnel {
     float reflectance;  ///< unpolarised, 1 at total internal reflection
-    float cos_t;        ///< of the transmitted ray, with the sign opposite to cos_i; 0 at total internal reflection
+    float cos_t;        ///< cosine of the transmitted ray, its sign opposite to cos_i; 0 at total internal reflection
     float eta_ti;       ///< index on the transmitted side over index on the incident side
 };
 

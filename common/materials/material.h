@@ -65,7 +65,7 @@ struct MaterialPoint {
     Vec3 ng;
     Vec3 dp_du, dp_dv;            ///< [scene units per unit of uv]
     Frame shading;                ///< its first axis along dp_du
-    std::uint32_t triangle = 0;   ///< of a mesh
+    std::uint32_t triangle = 0;   ///< index of the triangle in a mesh
     Vec2 weights = Vec2::Zero();  ///< the barycentric weights of its second and third vertex
 
     TexturePoint texture_point() const { return {uv, triangle, weights}; }

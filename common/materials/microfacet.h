@@ -70,7 +70,7 @@ inline Vec3 reflected(const Vec3& wo, const Vec3& m, float cos_o) { return (2.f 
 /// length |cos_o - eta_ti cos_i| is computed as |eta_ti^2 - 1| / (cos_o + eta_ti cos_i), where nothing cancels.
 struct Refraction {
     Vec3 wi;
-    float length;  ///< of wo + eta_ti wi
+    float length;  ///< length of wo + eta_ti wi
 };
 Refraction refracted(const Vec3& wo, const Vec3& m, float cos_o, float cos_i, float eta_ti);
 

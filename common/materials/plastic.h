@@ -47,7 +47,7 @@ struct RoughCoat {
     /// the cosine, and accurate to 1e-4 at the nodes.
     float transmittance(float cos_o) const;
 
-    std::vector<float> nodes;     ///< of the transmittance
+    std::vector<float> nodes;     ///< values of the transmittance at the nodes
     float internal_reflectance;   ///< R as Mitsuba 3 computes it: see RoughPlastic
     float diffuse_transmittance;  ///< the share of diffuse light from outside that is refracted
 };

@@ -119,7 +119,7 @@ private:
     MeshData& mesh_;
     double longest_;
     std::size_t most_;
-    std::unordered_map<std::uint64_t, std::uint32_t> middles_;  ///< by the numbers of the two ends
+    std::unordered_map<std::uint64_t, std::uint32_t> middles_;  ///< vertices in the middle of edges, by their ends
     std::vector<Triangle> parts_;
     std::vector<std::size_t> sources_;  ///< the triangle that each part comes from
 };

@@ -29,8 +29,8 @@ struct MeshData {
     std::vector<Vec3d> positions;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<Vec3>
-        normals;  ///< per vertex, of any length, zero where the file has none; empty: the file has none at all
-    std::vector<Vec2> uvs;  ///< per vertex or empty
+        normals;            ///< normals per vertex, of any length; zero: the file lacks this one; empty: it has none
+    std::vector<Vec2> uvs;  ///< coordinates per vertex, or empty
     std::vector<MeshAttribute> attributes;
     std::vector<MaterialRun> materials;  ///< in the order of the triangles; those before the first run have no name
     std::vector<std::string> warnings;   ///< about what the reader passed over, each with its place in the file

@@ -67,7 +67,7 @@ private:
         std::vector<Vec3> normals;
         items([&] { normals.push_back(float_vector("a normal")); });
 
-        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of_pair;  // of position and normal
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of_pair;  // by position and normal
         items([&] {
             integer("flags", 0);
             std::uint32_t position[3], normal[3];

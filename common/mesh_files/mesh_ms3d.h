@@ -13,13 +13,13 @@ struct Ms3dMaterial {
     std::string name;
     Color diffuse, specular, emissive;
     float shininess;      ///< exponent of the highlight, from 0 to Phong::highest_exponent
-    float transparency;   ///< from 0, invisible, to 1, opaque
+    float transparency;   ///< opacity from 0, invisible, to 1, opaque
     std::string texture;  ///< the colour texture's file name as written; empty: none
 };
 
 struct Ms3dGroup {
     std::string name;
-    MeshData mesh;                          ///< with normals and uv; v counts from the top of the image
+    MeshData mesh;                          ///< mesh with normals and uv; v counts from the top of the image
     std::optional<std::uint32_t> material;  ///< index into the model's materials
 };
 

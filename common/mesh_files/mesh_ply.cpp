@@ -55,7 +55,7 @@ struct Slot {
 
 struct Property {
     Type type;
-    std::optional<Type> count_type;  ///< of a list; none: a single value
+    std::optional<Type> count_type;  ///< type of a list's length; none: a single value
     Role role;
     std::string name;
     std::optional<Slot> slot{};
@@ -82,7 +82,7 @@ struct Element {
 struct Header {
     Format format;
     std::vector<Element> elements;
-    SourceLocation end;  ///< of its last line
+    SourceLocation end;  ///< place of its last line
 };
 
 Role role_of(const std::string& element, std::string_view name, bool list) {

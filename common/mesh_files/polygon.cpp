@@ -79,7 +79,7 @@ private:
     std::span<Triangle> fan_;
     std::vector<std::uint32_t> corners_;
     Vec3d normal_ = Vec3d::Zero();  ///< the area vector, times 2
-    double rounding_ = 0;           ///< of facing()
+    double rounding_ = 0;           ///< rounding error of facing()
 };
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace {
 
 struct FaceCorner {
     std::size_t face, index;  ///< the index is 0, 1 or 2
-    Vec3d normal;             ///< of the face, unit or zero
-    double angle;             ///< at the corner [radians]
+    Vec3d normal;             ///< normal of the face, unit or zero
+    double angle;             ///< angle at the corner [radians]
 };
 
 /// The corners of all faces, by place.

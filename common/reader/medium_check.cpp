@@ -82,7 +82,7 @@ private:
     struct Contradiction {
         std::uint32_t shape;
         bool from_inside;
-        std::uint32_t medium;  ///< in which the rays arrive
+        std::uint32_t medium;  ///< medium in which the rays arrive
         bool operator<(const Contradiction& other) const {
             return std::tie(shape, from_inside, medium) < std::tie(other.shape, other.from_inside, other.medium);
         }

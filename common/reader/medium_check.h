@@ -14,11 +14,11 @@ namespace gib {
 /// The media of a scene as its file names them. Indices of media are those of `names`.
 struct NamedMedia {
     struct Boundary {
-        SourceLocation where;  ///< of the shape
+        SourceLocation where;  ///< place of the shape in the file
         MediumSides sides;
     };
     std::vector<Boundary> shapes;    ///< parallel to Scene::shapes()
-    std::vector<std::string> names;  ///< of the media, for messages
+    std::vector<std::string> names;  ///< names of the media, for messages
     std::uint32_t camera = no_medium;
 };
 

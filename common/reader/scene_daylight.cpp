@@ -126,7 +126,7 @@ std::vector<Light> parse_daylight(Properties& properties, const std::string& typ
     const double sky_scale = both ? properties.not_negative("sky_scale", scale) : scale;
     const double sun_scale = both ? properties.not_negative("sun_scale", scale) : scale;
     const double size = has_sun ? parse_sun_size(properties) : 1;
-    properties.integer("resolution", 1);  // of Mitsuba's table
+    properties.integer("resolution", 1);  // resolution of Mitsuba's table: without effect
     if (both) properties.boolean("complex_sun", false);
     const double horizon = 0.5 * std::numbers::pi;
     const bool is_day = sun.theta <= horizon;

@@ -10,7 +10,7 @@ namespace gib {
 
 namespace {
 
-constexpr double rigid_tolerance = 1e-3;  ///< of squared lengths and of dot products, as for cameras
+constexpr double rigid_tolerance = 1e-3;  ///< tolerance of squared lengths and dot products, as for cameras
 
 /// Checks Mitsuba's relative share of the light samples. It changes no image, except that 0 switches light sampling
 /// off; this is refused.

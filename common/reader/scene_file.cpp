@@ -109,7 +109,7 @@ private:
     struct PendingGroup {
         std::vector<Pending> members;
         BoundsD bounds;
-        std::optional<std::uint32_t> index;  ///< of the group in the scene, once an instance shows it
+        std::optional<std::uint32_t> index;  ///< index of the group in the scene, once an instance shows it
     };
     struct PendingInstance {
         SourceLocation where;
@@ -366,7 +366,7 @@ private:
     std::vector<PendingInstance> instances_;
     std::vector<std::uint32_t> placed_groups_;  ///< indices into groups_, in the order of the scene's
     std::vector<NestedObject> emitters_;
-    std::set<const XmlElement*> area_emitters_;  ///< of the shapes
+    std::set<const XmlElement*> area_emitters_;  ///< emitter elements of the shapes
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
     std::optional<std::uint32_t> default_materials_[2];

@@ -21,8 +21,8 @@ struct SceneLoadOptions {
 struct LoadedScene {
     std::string name;  ///< the file's name without folder and extension
     std::shared_ptr<const Scene> scene;
-    std::optional<int> sample_count;  ///< of the file's sampler; none: it gives no count
-    int max_edges;                    ///< of the file's integrator; INT_MAX: unlimited
+    std::optional<int> sample_count;  ///< samples a pixel in the file's sampler; none: it gives no count
+    int max_edges;                    ///< longest path of the file's integrator [edges]; INT_MAX: unlimited
     /// Hash of everything that the image depends on: XML, includes, meshes, parameters, resolution.
     /// 40 hexadecimal digits.
     std::string content_hash;

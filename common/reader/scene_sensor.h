@@ -13,7 +13,7 @@ inline constexpr double largest_position = 1e18;
 struct ParsedSensor {
     Sensor sensor;
     std::optional<int> sample_count;     ///< samples per pixel, as the sampler gives them
-    std::optional<NestedObject> medium;  ///< that the sensor stands in
+    std::optional<NestedObject> medium;  ///< medium that the sensor stands in
 };
 
 /// Reads a sensor: perspective (fov or focal_length, fov_axis, principal_point_offset_x and _y), thinlens (fov or
@@ -30,7 +30,7 @@ double parse_half_width(Properties& properties, double aspect);
 
 /// The settings that methods take from an integrator.
 struct ParsedIntegrator {
-    int max_edges;        ///< of the longest path that Mitsuba's integrator follows; INT_MAX: unlimited
+    int max_edges;        ///< edges of the longest path that Mitsuba's integrator follows; INT_MAX: unlimited
     bool hides_emitters;  ///< see Sensor::hides_emitters()
 };
 

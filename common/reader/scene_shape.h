@@ -33,7 +33,7 @@ struct ParsedShapes {
         ParsedShape shape;
         std::optional<std::uint32_t> material;  ///< index into materials
         std::optional<std::string>
-            material_name{};  ///< of an OBJ file whose element has a bsdf for each of its materials
+            material_name{};  ///< name of the material in an OBJ file whose element has a bsdf for each material
     };
     std::vector<Part> parts;
     std::vector<Ms3dMaterial> materials;

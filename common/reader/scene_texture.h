@@ -43,10 +43,10 @@ private:
     std::map<std::tuple<std::string, bool, std::string>, std::shared_ptr<const Bitmap>> bitmaps_;
     std::set<std::string> hashed_;
     std::set<const XmlElement*> open_;  ///< elements being parsed now, to find any that holds itself
-    std::size_t parts_ = 0;             ///< of the outermost open element so far, one for each reference
-    const MeshData* mesh_ = nullptr;    ///< whose attributes textures take; null: of no mesh
-    bool only_checked_ = false;         ///< what is parsed now is parsed again for each shape that uses it
-    bool attribute_taken_ = false;      ///< an attribute was asked for since mesh_ or only_checked_ was set
+    std::size_t parts_ = 0;           ///< number of parts in the outermost open element so far, one for each reference
+    const MeshData* mesh_ = nullptr;  ///< mesh whose attributes textures take; null: none
+    bool only_checked_ = false;       ///< true: the present element is parsed again for each shape that uses it
+    bool attribute_taken_ = false;    ///< an attribute was asked for since mesh_ or only_checked_ was set
 };
 
 /// While an object of this class lives, the textures that are parsed take their attributes from a mesh.

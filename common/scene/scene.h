@@ -22,13 +22,13 @@ struct SurfaceHit : SurfaceGeometry {
     const Bsdf* bsdf = nullptr;
     const AreaLight* emitter = nullptr;  ///< null: not a light
     std::uint32_t light = 0;             ///< index of the emitter among the scene's lights
-    Frame shading;                       ///< around ns; its first axis along dp_du where the material follows uv
-    std::uint32_t shape, instance;       ///< what was hit, for data computed on demand
+    Frame shading;                       ///< frame around ns; its first axis along dp_du where the material follows uv
+    std::uint32_t shape, instance;       ///< indices of the surface that was hit, for data computed on demand
     Vec3 interpolated;                   ///< the file's shading normal, which is `ns` unless delta_only
     /// True if the ray arrives above one of the two normals, the file's shading normal and the geometric one, and
     /// below the other. `ns` is then the geometric normal, and only delta lobes (mirrors, smooth interfaces) scatter.
     bool delta_only = false;
-    std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< of a material that varies over the surface; else null
+    std::shared_ptr<const Bsdf> own_bsdf = nullptr;  ///< bsdf of a material that varies over the surface; else null
 
     void take(Bsdf&& bsdf_here);
 
@@ -70,7 +70,7 @@ struct SceneParts {
     struct Object {
         Shape shape;
         std::uint32_t material;           ///< index into materials
-        std::optional<Texture> radiance;  ///< of an area light
+        std::optional<Texture> radiance;  ///< radiance of an area light; none: no light
         MediumSides media{};
     };
     std::vector<Object> objects;
@@ -196,8 +196,8 @@ private:
     bool has_media_ = false;
     std::vector<Light> lights_;
     std::optional<std::uint32_t> environment_;  ///< index among the lights
-    DiscreteDistribution light_choice_;         ///< for the starts of light paths
-    LightTree light_tree_;                      ///< for points that are lit
+    DiscreteDistribution light_choice_;         ///< choice for the starts of light paths
+    LightTree light_tree_;                      ///< choice for points that are lit
     Sensor sensor_;
     Bounds bounds_;
     std::unique_ptr<Accelerator> accelerator_;

@@ -43,7 +43,7 @@ private:
 
     Shape shape_ = Shape::box;
     float radius_ = 0.5f;
-    std::vector<float> cumulative_;  ///< of a tabulated filter over [-radius, radius]
+    std::vector<float> cumulative_;  ///< share of a tabulated filter's integral below each node of [-radius, radius]
 };
 
 class Sensor {
@@ -55,7 +55,7 @@ public:
     /// The film that the image is a part of, in the image's pixels.
     struct Crop {
         Vec2d film;    ///< width and height
-        Vec2d offset;  ///< of the image's top left corner from the film's
+        Vec2d offset;  ///< distance of the image's top left corner from the film's
     };
 
     struct Parameters {
@@ -99,9 +99,9 @@ public:
 
     /// A point as the camera sees it.
     struct View {
-        Ray ray;         ///< that meets the point; its t_min and t_max clip
-        float distance;  ///< from the ray's origin to the point [scene units]
-        Vec2 film;       ///< where the ray meets the film [pixels of the image]
+        Ray ray;         ///< ray that meets the point; its t_min and t_max clip
+        float distance;  ///< distance from the ray's origin to the point [scene units]
+        Vec2 film;       ///< place where the ray meets the film [pixels of the image]
     };
     /// The view of p through one point of the lens; empty if p lies behind the camera.
     std::optional<View> view_of(const Vec3& p, const Vec2& u_lens) const;
@@ -128,7 +128,7 @@ private:
     Vec3d position_;  ///< kept in double, so that recentring a distant scene loses nothing
     Vec3 origin_;
     Vec3 left_, up_, forward_;  ///< columns of to_world's linear part
-    Eigen::Matrix3d to_axes_;   ///< from a vector to its coordinates along left, up and forward
+    Eigen::Matrix3d to_axes_;   ///< matrix from a vector to its coordinates along left, up and forward
     double volume_;             ///< |det| of these axes
     bool has_lens_, hides_emitters_ = false;
     float aperture_radius_, inv_focus_distance_;

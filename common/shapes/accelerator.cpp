@@ -240,7 +240,7 @@ struct Accelerator::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     std::vector<AnalyticShape> analytic;
-    std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< of the meshes that are multiplied for Embree
+    std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< vertices of meshes multiplied for Embree
     InstanceSet instanced;
     float scale = 1.f;    ///< embree_scale() of the scene
     bool packets = true;  ///< whether packets pay, see packet_limit

@@ -15,7 +15,7 @@ struct Instance {
     std::uint32_t group;
     Eigen::Matrix3d linear;
     Vec3d translation;
-    Eigen::Matrix3d inverse;  ///< of `linear`
+    Eigen::Matrix3d inverse;  ///< inverse of `linear`
 };
 
 /// An instance of `group`. Empty if the map is singular, or if it or its inverse scales by more than 1e12, because

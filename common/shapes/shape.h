@@ -28,8 +28,8 @@ inline Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.do
 struct SurfaceGeometry : SurfacePoint {
     Vec3 ns;  ///< shading normal, unit
     Vec2 uv;
-    std::uint32_t primitive = 0;  ///< of a mesh: the triangle
-    Vec2 weights = Vec2::Zero();  ///< of a mesh: the barycentric weights of the triangle's second and third vertex
+    std::uint32_t primitive = 0;  ///< number of the triangle in a mesh
+    Vec2 weights = Vec2::Zero();  ///< barycentric weights of the triangle's second and third vertex
 
     TexturePoint texture_point() const { return {uv, primitive, weights}; }
 };
@@ -39,8 +39,8 @@ struct SurfaceGeometry : SurfacePoint {
 struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<Vec3> normals;  ///< per vertex, unit; empty: face normals
-    std::vector<Vec2> uvs;      ///< per vertex; empty: barycentric coordinates
+    std::vector<Vec3> normals;  ///< normals per vertex, unit; empty: face normals
+    std::vector<Vec2> uvs;      ///< coordinates per vertex; empty: barycentric ones
     bool flip_normals = false;
 
     /// All data that a point of a triangle is computed from, in one cache line. In a large mesh every ray waits until
@@ -156,7 +156,7 @@ private:
     }
     static SurfacePoint sample_analytic(const Shape& shape, const Vec2& u);
 
-    DiscreteDistribution triangles_;  ///< of a mesh, in proportion to their areas
+    DiscreteDistribution triangles_;  ///< choice of a mesh's triangle, in proportion to the areas
     float area_;
 };
 

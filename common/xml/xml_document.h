@@ -12,12 +12,12 @@ namespace gib {
 
 struct XmlAttribute {
     std::string name, value;
-    SourceLocation where;  ///< of the first letter of its name
+    SourceLocation where;  ///< place of the first letter of its name
 };
 
 struct XmlElement {
     std::string tag;
-    SourceLocation where;  ///< of its `<`
+    SourceLocation where;  ///< place of its `<`
     std::vector<XmlAttribute> attributes;
     std::vector<XmlElement> children;
 

@@ -195,8 +195,8 @@ private:
     Parameters& parameters_;
     ContentHash& hash_;
     LoadWarnings& warnings_;
-    SceneVersion version_;              ///< of the file that is read
-    std::vector<std::string> folders_;  ///< of the included files that are open, the innermost first
+    SceneVersion version_;              ///< version of the file that is read
+    std::vector<std::string> folders_;  ///< folders of the included files that are open, the innermost first
 };
 
 }  // namespace

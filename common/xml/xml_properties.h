@@ -17,8 +17,8 @@ namespace gib {
 /// An object inside another one, or a reference to one.
 struct NestedObject {
     const XmlElement* element;
-    SourceLocation where;   ///< of the element or of the <ref>
-    std::string name = {};  ///< by which the holder knows it; empty: none is given
+    SourceLocation where;   ///< place of the element or of the <ref>
+    std::string name = {};  ///< name by which the holder knows it; empty: none is given
 };
 
 /// The values that the channels of a colour may have. The range also decides how a spectrum
@@ -117,7 +117,7 @@ public:
 
 private:
     struct Property {
-        std::string name;  ///< of an object too, if it has one
+        std::string name;  ///< name of the value or object; empty: the object has none
         const XmlElement* element;
         SourceLocation where;
         bool is_object;

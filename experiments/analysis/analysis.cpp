@@ -26,7 +26,7 @@ struct Replicates {
     std::vector<const Cell*> cells;
     std::vector<std::string> folders;  ///< names of the cells' folders
     std::vector<ComponentImages> images;
-    std::vector<Image> totals;  ///< as they are judged
+    std::vector<Image> totals;  ///< images as they are judged
 };
 
 /// The curve of error against time of each replicate, with the reference's own variance subtracted; an error is 0 if

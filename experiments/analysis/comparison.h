@@ -33,7 +33,7 @@ struct FrontierPoint {
     std::string scene, method;
     std::uint32_t passes;
     double seconds;        ///< mean over the seeds
-    double relative_rmse;  ///< of the total image, as in EqualTimeRow; 0: not above the noise floor
+    double relative_rmse;  ///< relative RMSE of the total image, as in EqualTimeRow; 0: not above the noise floor
 };
 /// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is
 /// judged completely. Points are
@@ -46,7 +46,7 @@ struct BiasLaw {
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< name of the parameter
     std::vector<double> values = {};
-    Estimate exponent = {};  ///< by weighted least squares in the logarithms
+    Estimate exponent = {};  ///< exponent by weighted least squares in the logarithms
     /// The number of values at which bias^2 is above 0 with its whole interval; only these are fitted.
     std::size_t resolved_count = 0;
 };

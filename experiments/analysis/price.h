@@ -32,11 +32,11 @@ double floor_bias2(const TableRow& row);
 struct Crossover {
     std::string scene, method;
     std::string before = "";  ///< the best method until then; empty: none had an image
-    double seconds;           ///< charged
+    double seconds;           ///< charged time [s]
     /// 95 % interval of `seconds`, by the delete-one jackknife over the seeds of both methods in log(time). Empty
     /// below 3 seeds, or if `method` does not pass `before` in one of the means that leave out a seed.
     std::optional<Interval> interval = std::nullopt;
-    double relative_rmse;  ///< of `method` at that time; 0: not above the noise floor
+    double relative_rmse;  ///< relative RMSE of `method` at that time; 0: not above the noise floor
 };
 
 /// The changes of the best method, by time, in every scene with two methods or more whose light is judged completely.

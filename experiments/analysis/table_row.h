@@ -32,16 +32,16 @@ struct TableRow {
     std::optional<RobustError> robust;
     std::optional<NoiseSpectrum> noise;
     std::vector<SpectrumPoint> bias;
-    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< to each of target_errors [s]
+    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< times to each of target_errors [s]
     std::optional<Footing> footing;                                   ///< mean energy against the reference's
-    std::optional<PriceLaw> law;                                      ///< of error against time
+    std::optional<PriceLaw> law;                                      ///< law of the error against time
     std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
     std::uint64_t nonfinite = 0;           ///< samples that were not finite, of all seeds
     double peak_rss_mib = 0;               ///< the largest of all seeds
     std::string effects_missing;           ///< names of effects that the method leaves out, separated by `;`
-    double noise_floor = 0;      ///< of the reference [relative squared error], as Analysis::noise_floor() says
+    double noise_floor = 0;      ///< noise floor of the reference [relative squared error]: Analysis::noise_floor()
     std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
-    double epsilon = 0;          ///< of the relative errors [radiance^2]
+    double epsilon = 0;          ///< epsilon of the relative errors [radiance^2]
     /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
     std::string components_missing = {};
     bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
@@ -55,8 +55,8 @@ struct EqualTimeLook {
     std::string scene, method;
     double seconds = 0;                 ///< that time; that of the first image if the method has none by then
     std::optional<double> error2 = {};  ///< mean relative squared error of the seeds then, of `total`
-    std::uint32_t passes = 0;           ///< of seed 1's last stored image by then, or at most a tenth later
-    double image_seconds = 0;           ///< of that image
+    std::uint32_t passes = 0;           ///< passes of seed 1's last stored image by then, or at most a tenth later
+    double image_seconds = 0;           ///< charged time of that image [s]
     bool is_final = false;              ///< whether that is the final image
     std::optional<double> flip = {};    ///< HDR-FLIP of that image, mean over the pixels
 };
@@ -71,7 +71,7 @@ struct ReferenceQuality {
     std::vector<std::string> notes;
     /// noise_floor_of() [relative squared error] by component, `total` included.
     std::map<std::string, double> noise_floors = {};
-    double epsilon = 0;  ///< of all relative errors of the scene [radiance^2]
+    double epsilon = 0;  ///< epsilon of all relative errors of the scene [radiance^2]
     /// Names of components that the reference does not resolve and that hold light, separated by `;`. If there is one,
     /// no method is the best, because a part of its image is not judged.
     std::string unjudged = {};

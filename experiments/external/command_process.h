@@ -9,12 +9,12 @@
 namespace gib {
 
 struct CommandRequest {
-    std::string command;       ///< for /bin/sh
-    std::string folder;        ///< in which it runs
+    std::string command;       ///< text for /bin/sh
+    std::string folder;        ///< folder in which it runs
     double timeout = 0;        ///< wall-clock time after which it is killed, with all processes that it has started [s]
     std::string output_file;   ///< receives its standard output
     std::string message_file;  ///< receives its standard error
-    std::string work_folder;   ///< for request.json and result.json
+    std::string work_folder;   ///< folder for request.json and result.json
 };
 
 struct CommandResult {
@@ -22,7 +22,7 @@ struct CommandResult {
     double peak_rss_mib = 0;  ///< largest resident set among the shell and the processes that it waited for [MiB]
     bool timed_out = false;
     int exit_code = 0;
-    int signal = 0;  ///< that ended it; 0: none
+    int signal = 0;  ///< signal that ended it; 0: none
 };
 
 /// Runs in the process of `measure-command`. Throws InputError if the file is not a request.

@@ -14,7 +14,7 @@ struct ExternalCell {
     const ExternalMethod& method;
     std::string scene_file;  ///< the scene's own file
     std::string scene_text;  ///< the scene in the form that the command takes; empty: the file as it is
-    std::string folder;      ///< in which the command runs: that of the experiment file
+    std::string folder;      ///< folder in which the command runs: that of the experiment file
     int width = 0, height = 0;
     std::uint64_t seed = 1;
     std::uint32_t spp = 1;          ///< samples a pixel, if the command takes {spp}

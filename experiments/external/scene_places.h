@@ -11,12 +11,12 @@ namespace gib {
 
 /// One <shape> of the scene's file.
 struct ShapePlace {
-    SourceLocation where, bsdf_where, emitter_where;  ///< of the shape, where it has no bsdf or emitter of its own
+    SourceLocation where, bsdf_where, emitter_where;  ///< places; without a bsdf or emitter, that of the shape
     std::string type, bsdf_type;                      ///< plugins; of a `twosided` the first bsdf in it; empty: none
 };
 
 struct ScenePlaces {
-    SourceLocation root, sensor, film, medium, emitter;  ///< of the first of each, else of the root
+    SourceLocation root, sensor, film, medium, emitter;  ///< places of the first of each, else of the root
     std::vector<ShapePlace> shapes;                      ///< in the order of the file
 };
 

@@ -20,8 +20,8 @@ namespace gib {
 struct CellRequest {
     std::string scene_path;
     std::optional<std::pair<int, int>> resolution;
-    std::vector<std::string> folders;  ///< that are searched for the scene's files
-    std::string scene_hash;            ///< of the scene that the parent checked; the child accepts no other
+    std::vector<std::string> folders;  ///< folders that are searched for the scene's files
+    std::string scene_hash;            ///< hash of the scene that the parent checked; the child accepts no other
     std::string method;                ///< label
     std::uint64_t seed = 1;
     Budget budget;

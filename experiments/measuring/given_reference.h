@@ -11,7 +11,7 @@ namespace gib {
 struct GivenReference {
     Reference reference;
     std::string identity;            ///< as stored_reference_identity() returns it once the reference is written
-    std::vector<std::string> notes;  ///< what tables have to say about it
+    std::vector<std::string> notes;  ///< remarks that tables have to make about it
 };
 
 /// Reads an image as the reference of a scene of this size and content (LoadedScene::content_hash). Without a standard error

@@ -252,7 +252,7 @@ private:
         DroppedSamples dropped = groups_.dropped;                        // a copy: an interrupted round does not count
         double seconds = 0, work = 0;
         std::vector<ComponentImages> round;
-        std::vector<ComponentImages> images(makers_.size());  // of one group
+        std::vector<ComponentImages> images(makers_.size());  // images of one group, by maker
         const std::vector<ReferenceBatch> batches = schedule_.next_batches(state(), shares_);
         for (std::size_t i = 0; i < batches.size(); ++i) {
             show(static_cast<double>(i) / static_cast<double>(batches.size()) * passes);
@@ -388,12 +388,12 @@ private:
     BatchFolder batches_;
     ReferenceSchedule schedule_;
     std::vector<ReferenceMaker> makers_;
-    std::vector<Component> unresolved_;  ///< that no maker can sample
+    std::vector<Component> unresolved_;  ///< components that no maker can sample
     std::vector<MakerShare> shares_;
     MakerAgreement agreement_;
     std::string stored_shares_;
-    std::vector<ReferenceBatch> used_;           ///< of the folder of batches, since the file was written
-    double pilot_seconds_ = 0, pilot_work_ = 0;  ///< of a pilot of this session
+    std::vector<ReferenceBatch> used_;           ///< batches used from their folder since the file was written
+    double pilot_seconds_ = 0, pilot_work_ = 0;  ///< time [s] and work of a pilot of this session
     ReferenceGroups groups_;
     FinishedReference result_;
     double saved_at_ = 0;

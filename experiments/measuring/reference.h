@@ -23,11 +23,11 @@ namespace gib {
 
 struct ReferenceWork {
     const LoadedScene& scene;
-    std::vector<const MethodDescription*> methods;  ///< that make it together (reference_methods())
-    MethodLabel label;                              ///< of the reference, without spp
+    std::vector<const MethodDescription*> methods;  ///< methods that make it together (reference_methods())
+    MethodLabel label;                              ///< label of the reference, without spp
     ReferenceGoal goal;
     std::optional<double> epsilon;  ///< [radiance^2] of the relative error that `goal` bounds; none: the default
-    std::string path;               ///< of the file, which is read if it exists and written when it has improved
+    std::string path;               ///< path of the file, which is read if it exists and written when it has improved
     /// The most work (MadeBatch::work) that this process may do itself; none: all that the goal takes. More is left to others:
     /// make_reference() then returns with FinishedReference::missing.
     std::optional<double> most_own_work = std::nullopt;
@@ -36,7 +36,7 @@ struct ReferenceWork {
 struct FinishedReference {
     Reference reference;
     double relative_error = 0;          ///< relative standard error of the total
-    double epsilon = 0;                 ///< of this error [radiance^2]
+    double epsilon = 0;                 ///< epsilon of this error [radiance^2]
     std::string identity;               ///< key and passes of each group; changes when the file is topped up
     std::vector<std::string> warnings;  ///< target missed, heavy tails, unresolved components, a file made again
     std::uint32_t rounds_added = 0;

@@ -16,8 +16,8 @@ namespace gib {
 struct ReferenceBatch {
     std::uint32_t maker = 0;          ///< its place among the makers of the reference
     std::uint32_t number = 0;         ///< decides the seed (batch_seed())
-    std::uint32_t passes = 1;         ///< that it makes
-    std::uint64_t passes_before = 0;  ///< that its group has from this maker; methods that merge go on from there
+    std::uint32_t passes = 1;         ///< passes that it makes
+    std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
 };
 
 /// The mean image of a batch and what it took to make it.

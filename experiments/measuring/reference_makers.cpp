@@ -18,7 +18,7 @@ namespace {
 constexpr int block_edge = 8;                 ///< [pixels]
 constexpr double least_weight = 0.01;         ///< a maker of less weight is not tested against the others
 constexpr double least_share_of_work = 0.01;  ///< a maker of less is left out
-constexpr double alpha = 0.001;               ///< of all tests of agreement together
+constexpr double alpha = 0.001;               ///< significance level of all tests of agreement together
 /// The best maker works alone unless all together are predicted to be sooner by more than this factor. A maker that has
 /// all the work makes more passes in a row, and Sobol' points are then better than a short pilot can tell.
 constexpr double least_gain = 1.5;

@@ -66,15 +66,15 @@ private:
 struct MakerShare {
     std::string method;
     std::uint32_t passes = 1;
-    std::array<double, component_count> weights{};  ///< of its images, by component; they sum to 1 over the makers
+    std::array<double, component_count> weights{};  ///< image weights by component; they sum to 1 over the makers
 };
 
 /// Measured in a pilot.
 struct MakerPilot {
     std::vector<ComponentImages> groups;  ///< the mean of each group's passes
-    std::uint32_t passes = 0;             ///< of each group
-    double work = 0;                      ///< of all groups (MadeBatch::work)
-    std::vector<Component> unresolved;    ///< that the maker cannot sample
+    std::uint32_t passes = 0;             ///< number of passes in each group
+    double work = 0;                      ///< work of all groups (MadeBatch::work)
+    std::vector<Component> unresolved;    ///< components that the maker cannot sample
 };
 
 struct MakerPlan {

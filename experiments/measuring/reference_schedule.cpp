@@ -86,7 +86,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState stat
 double ReferenceSchedule::work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
     // A pilot makes more passes than the first rounds.
     if (state.rounds == 0) return state.pilot_work > 0 ? state.pilot_work : infinity;
-    double share = infinity;  // of the work so far
+    double share = infinity;  // work left, as a multiple of the work so far
     if (goal_.target) share = passes_needed(state, shares) / static_cast<double>(state.passes);
     if (goal_.seconds) share = std::min(share, std::max(0.0, *goal_.seconds / std::max(state.seconds, 1e-9) - 1));
     return state.work > 0 ? share * state.work : infinity;

@@ -24,9 +24,9 @@ struct DroppedSamples {
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< of each group
+    std::uint64_t passes = 0;  ///< number of passes in each group
     double seconds = 0;        ///< wall-clock, all rounds and the pilot together
-    double work = 0;           ///< of all rounds together (MadeBatch::work); 0 in files of older versions
+    double work = 0;           ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
 
     /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if

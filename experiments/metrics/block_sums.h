@@ -14,7 +14,7 @@ struct Variance {
     double value = 0;
     double spread = 0;  ///< value^2 / (degrees of freedom), additive over independent sums; 0: exactly known
 
-    double degrees() const;  ///< of freedom, by Welch and Satterthwaite; infinite if exactly known
+    double degrees() const;  ///< degrees of freedom by Welch and Satterthwaite; infinite if exactly known
     void add(const Variance& other);
     /// Raises `value` to `least` if it is smaller. The degrees of freedom stay as they are, or become 1 if there was
     /// no variance.
@@ -23,11 +23,11 @@ struct Variance {
 
 /// The sums of one of the two images over a block.
 struct BlockSide {
-    double sum = 0;              ///< of the radiance [W/(sr m^2)]
-    Variance variance;           ///< of `sum`, from the standard errors of the pixels, taken as independent
+    double sum = 0;              ///< sum of the radiance [W/(sr m^2)]
+    Variance variance;           ///< variance of `sum`, from the standard errors of the pixels, taken as independent
     std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
-    double bias = 0;             ///< the estimated bias of `sum`
-    double bias_variance = 0;    ///< of this estimate
+    double bias = 0;             ///< estimated bias of `sum`
+    double bias_variance = 0;    ///< variance of this estimate
 
     /// How much the bias adds to the mean square of the sum's deviation from the truth.
     double squared_bias() const;
@@ -39,10 +39,10 @@ struct BlockSide {
 /// The sums of both images over a block.
 struct BlockSums {
     double pixels = 0;
-    Eigen::AlignedBox2i box;  ///< around the pixels, both ends included
+    Eigen::AlignedBox2i box;  ///< box around the pixels, both ends included
     BlockSide x, r;
-    Variance difference;  ///< of x.sum - r.sum, with pixels taken as independent
-    double degrees = 0;   ///< of freedom of `difference`
+    Variance difference;  ///< variance of x.sum - r.sum, with pixels taken as independent
+    double degrees = 0;   ///< degrees of freedom of `difference`
     bool equal = true;    ///< x = r in every pixel, which images of independent noise never are
 
     void add(const BlockSums& other);

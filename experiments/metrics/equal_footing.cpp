@@ -10,8 +10,8 @@ namespace gib {
 
 namespace {
 
-constexpr double tail = 0.01;         // of both sides together: 99 % intervals
-constexpr double least_share = 0.01;  // of the total's energy: darker components are measured against this
+constexpr double tail = 0.01;         // probability of both tails together: 99 % intervals
+constexpr double least_share = 0.01;  // share of the total's energy: darker components are measured against this
 
 double mean_energy(const Image& image) {
     double sum = 0;

@@ -19,7 +19,7 @@ enum class FootingVerdict {
 
 std::string name_of(FootingVerdict verdict);
 
-inline constexpr double footing_tolerance = 0.01;  ///< of the mean energy
+inline constexpr double footing_tolerance = 0.01;  ///< share of the mean energy that may differ
 /// Share of the mean energy, half the tolerance. A smaller difference is not worth a warning, even if it is certain.
 inline constexpr double footing_least = 0.005;
 

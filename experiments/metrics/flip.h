@@ -17,7 +17,7 @@ inline constexpr double default_pixels_per_degree = 3840 * std::numbers::pi / 18
 
 struct FlipMap {
     int width = 0, height = 0;
-    std::vector<float> values;  ///< in [0, 1], height x width, row 0 on top
+    std::vector<float> values;  ///< errors in [0, 1], height x width, row 0 on top
 
     double mean() const;
 };

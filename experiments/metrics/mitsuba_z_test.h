@@ -18,8 +18,8 @@ struct MitsubaZTest {
     std::size_t nonfinite = 0;  ///< values whose statistic is not finite; they do not pass
     double threshold = 0;       ///< `significance` with Sidak's correction for the number of pixels
     double smallest_p = 1;
-    int x = 0, y = 0;         ///< of `smallest_p` [pixels], row 0 on top
-    std::size_t channel = 0;  ///< of `smallest_p`: 0, 1, 2 for X, Y, Z
+    int x = 0, y = 0;         ///< pixel of `smallest_p`, row 0 on top
+    std::size_t channel = 0;  ///< channel of `smallest_p`: 0, 1, 2 for X, Y, Z
     double share() const { return static_cast<double>(passing) / static_cast<double>(values); }
     bool accepted() const;
 };

@@ -10,7 +10,7 @@ namespace gib {
 
 /// A point of one run's curve.
 struct ErrorPoint {
-    double seconds;  ///< charged, preparation included
+    double seconds;  ///< charged time, preparation included [s]
     double error2;   ///< relative squared error less the reference's own variance; may be negative
 };
 

@@ -17,7 +17,7 @@ inline constexpr int reference_groups = 16;
 /// One image of a reference, the total or a component [W/(sr m^2)].
 struct ReferenceLayer {
     Image mean;
-    std::optional<Image> standard_error;  ///< of the mean, per pixel and channel
+    std::optional<Image> standard_error;  ///< standard error of the mean, per pixel and channel
     std::vector<Image> groups;            ///< means of the groups of batches, independent of each other; may be empty
     /// Empty, or one layer: the estimated bias of the mean (ComponentImages::bias).
     std::vector<ReferenceLayer> bias = {};

@@ -10,7 +10,7 @@ namespace gib {
 
 struct SpectrumPoint {
     double frequency;  ///< [cycles per pixel], mean over the ring
-    double power;      ///< of noise: 1 for white noise of variance 1; of bias: [radiance^2] with the same scaling
+    double power;      ///< power of noise: 1 for white noise of variance 1; of bias: [radiance^2] with the same scaling
 };
 
 struct NoiseSpectrum {

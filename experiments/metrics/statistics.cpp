@@ -213,8 +213,8 @@ constexpr double unseen_terms = 3.69 * 2;
 
 /// unseen_terms times the largest excess of one pixel of one replicate over the pixel's mean, for two kinds of squares.
 struct Unseen {
-    double mse = 0;       ///< of (x - R)^2
-    double variance = 0;  ///< of (x - mean of the replicates)^2
+    double mse = 0;       ///< excess of (x - R)^2
+    double variance = 0;  ///< excess of (x - mean of the replicates)^2
 };
 
 Unseen unseen_squares(const std::vector<Image>& replicates, const Image& origin, const Weights& weights) {

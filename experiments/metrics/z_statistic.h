@@ -60,8 +60,8 @@ struct ZTestVerdict {
     struct Scale {
         std::size_t hypotheses = 0, rejected = 0;
         BlockTest largest;      ///< the test with the smallest p
-        std::string layer;      ///< of `largest`
-        double adjusted_p = 1;  ///< of `largest`, corrected for all hypotheses of all scales: rejected if below alpha
+        std::string layer;      ///< layer of `largest`
+        double adjusted_p = 1;  ///< p of `largest`, corrected for all hypotheses of all scales: rejected if below alpha
     };
     std::array<Scale, scale_count> scales;
     bool differs = false;      ///< a hypothesis is rejected

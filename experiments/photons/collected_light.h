@@ -15,7 +15,7 @@ struct StoredLightWork {
     const ConfiguredMethod& method;
     std::uint64_t seed = 1;
     std::uint32_t most_passes;                               ///< 1 to 255
-    std::size_t most_photons;                                ///< shown
+    std::size_t most_photons;                                ///< number of photons shown
     StageTimes::Listener listener = StageTimes::Listener();  ///< is told of the progress
 };
 
@@ -23,7 +23,7 @@ struct CollectedLight {
     std::vector<PhotonSubset::Map> photons;
     std::vector<StoredRecord> records;
     StoredPatches patches;
-    std::uint32_t passes = 0;          ///< made
+    std::uint32_t passes = 0;          ///< number of passes made
     bool photons_of_passes = false;    ///< whether each pass has photons of its own
     std::vector<std::string> skipped;  ///< passes of the plan that were not run, with the reasons
 

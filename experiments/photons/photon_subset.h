@@ -28,9 +28,9 @@ public:
     struct Map {
         std::string name;
         std::uint64_t stored = 0;      ///< photons of all passes
-        std::uint64_t not_finite = 0;  ///< of these, photons without a finite power
+        std::uint64_t not_finite = 0;  ///< number of these photons without a finite power
         double power = 0;              ///< sum over photons, mean of the channels [W]
-        double unit = 1;               ///< of the photons' power [W]
+        double unit = 1;               ///< unit of the photons' power [W]
         std::vector<Shown> shown;
 
         /// [W] of a photon; 0 without photons.

@@ -42,7 +42,7 @@ struct ExperimentScene {
 
 struct Experiment {
     std::string path;
-    std::string name;  ///< of the file, without folder and extension
+    std::string name;  ///< name of the file, without folder and extension
     std::string text;  ///< the whole file
     std::string title;
     std::vector<ExperimentScene> scenes;

@@ -23,8 +23,8 @@ enum class SceneFormat {
 /// One label of a [[method]] with a command.
 struct ExternalMethod {
     MethodLabel label;     ///< the name that the file gives, and the values of the placeholders that are its own
-    std::string command;   ///< with placeholders
-    SourceLocation where;  ///< of the command
+    std::string command;   ///< command with placeholders
+    SourceLocation where;  ///< place of the command
     SceneFormat scene_format = SceneFormat::mitsuba;
     std::string image_format = "exr";       ///< ending of the image's file: exr, pfm or hdr
     std::optional<std::uint32_t> spp = {};  ///< value of {spp}; none: the scene's sample count

@@ -24,7 +24,7 @@ struct RunOptions {
     std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest
     bool shared = false;                     ///< whether other processes work in the result folder at the same time
-    const RepeatPlan* repeat = nullptr;      ///< if set, what to run instead of an experiment file
+    const RepeatPlan* repeat = nullptr;      ///< plan to run instead of an experiment file; null: none
     /// Is asked before each cell whether there is time for it; empty: always.
     std::function<bool()> may_start = {};
 };

@@ -18,7 +18,7 @@ struct TuneFile {
         SourceLocation where;
     };
     std::vector<Text> variations;  ///< such as "photons=1e4..1e7"
-    double minutes = 20;           ///< for each scene
+    double minutes = 20;           ///< time for each scene
 };
 
 /// Reads an experiment file with `[tune]`; empty if it has none. Throws InputError (`file:line:column: message`) for

@@ -27,7 +27,7 @@ struct ReferenceOptions {
     std::string method = "auto";
     std::optional<std::string> target;
     std::optional<double> seconds;
-    std::optional<double> epsilon;  ///< of the relative error [radiance^2]; none: the default (epsilon.h)
+    std::optional<double> epsilon;  ///< epsilon of the relative error [radiance^2]; none: the default (epsilon.h)
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;

@@ -12,7 +12,7 @@ namespace gib {
 struct CompareOptions {
     std::vector<std::string> tests;      ///< files; several are replicates of one method with different seeds
     std::string reference;               ///< a file, with or without standard errors
-    std::optional<double> epsilon = {};  ///< of relative errors [radiance^2]; none: the default (epsilon.h)
+    std::optional<double> epsilon = {};  ///< epsilon of relative errors [radiance^2]; none: the default (epsilon.h)
     bool json = false;
     bool other_scene = false;    ///< accept images of other scenes than the reference's
     bool z_test = false;         ///< test whether the images differ by noise alone

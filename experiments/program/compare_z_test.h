@@ -14,8 +14,8 @@ namespace gib {
 /// A layer of the tested images and the same layer of the reference, of one size.
 struct ComparedLayer {
     std::string name;         ///< `total` or a component's
-    ReferenceLayer x;         ///< of the tested images; several replicates are its groups
-    const ReferenceLayer* r;  ///< of the reference, finite
+    ReferenceLayer x;         ///< layer of the tested images; several replicates are its groups
+    const ReferenceLayer* r;  ///< layer of the reference, finite
 };
 
 struct ZTestReport {

@@ -16,9 +16,9 @@ struct PhotonsOptions {
     std::uint64_t seed = 1;
     int threads = 0;
     SceneLoadOptions loading;
-    std::size_t most_photons = 200000;  ///< shown
+    std::size_t most_photons = 200000;  ///< number of photons shown
     std::optional<std::uint32_t>
-        passes;  ///< at most; none: those of the label or the scene, but at most default_passes
+        passes;  ///< limit on passes; none: that of the label or the scene, but at most default_passes
     std::string out;
 };
 inline constexpr std::uint32_t default_passes = 16, most_passes_shown = 255;

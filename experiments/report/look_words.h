@@ -13,7 +13,7 @@ struct LookWords {
     std::string error;         ///< the relative RMSE [%], or why there is none
     std::string flip = {};     ///< may be empty
     std::string kind;          ///< error_kind()
-    std::string missing = {};  ///< what the method leaves out; may be empty
+    std::string missing = {};  ///< parts that the method leaves out; may be empty
     std::string energy = {};   ///< components whose mean energy differs from the reference's; may be empty
     std::string shown = {};    ///< which image of seed 1 it is, "16 passes, 0.41 s"
 };

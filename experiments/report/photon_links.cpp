@@ -18,7 +18,7 @@ std::vector<PhotonLink> photon_links(const ResultIndex& index, const ResultFolde
             const std::string name = MethodLabel::parse(method).name;
             if (std::find(names.begin(), names.end(), name) == names.end()) continue;
             fs::path page = folder.method_image(scene.name, method);
-            page.replace_extension();  // of the image
+            page.replace_extension();  // without the image's ending
             page += "-photons.html";
             links.push_back({.scene = scene.name,
                              .method = method,

@@ -108,7 +108,7 @@ void ResultFolder::remove_leftovers() const {
     namespace fs = std::filesystem;
     remove_leftovers_in(path_);
     remove_leftovers_in(path_ + "/images");
-    fs::remove_all(file("command"));  // of a cell of another renderer (cell_measuring.cpp)
+    fs::remove_all(file("command"));  // the folder of another renderer's cell (cell_measuring.cpp)
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
         const std::string name = cell.path().filename().string();

@@ -21,7 +21,7 @@ struct CellIdentity {
     std::string scene;   ///< name
     std::string method;  ///< label
     std::uint64_t seed = 1;
-    std::string scene_hash;  ///< of the scene's content, including the resolution
+    std::string scene_hash;  ///< hash of the scene's content, including the resolution
     std::uint32_t spp = 0;   ///< most passes; neither the label nor the scene need state them
     Budget budget;
     std::optional<double> epsilon;  ///< as the experiment gives it
@@ -46,7 +46,7 @@ struct Cell {
     std::string build;        ///< digest of the program that measured it
     std::string image;        ///< digest of the final image's pixels (image_digest.h)
     std::string image_file;   ///< SHA-1 of the image's file
-    double load_seconds = 0;  ///< of reading the scene and building its tree; not charged
+    double load_seconds = 0;  ///< time of reading the scene and building its tree; not charged
     double prepare_seconds = 0;
     bool converged = false;
     std::vector<CellCheckpoint> checkpoints;

@@ -64,13 +64,13 @@ private:
     struct SceneState {
         ExperimentScene entry;
         std::string content_hash;
-        std::optional<int> sample_count;  ///< of the file's sampler
-        int width = 0, height = 0;        ///< of its images [pixels]
-        std::string povray = "";          ///< in POV-Ray's form, if a method takes that
+        std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
+        int width = 0, height = 0;        ///< size of its images [pixels]
+        std::string povray = "";          ///< scene in POV-Ray's form, if a method takes that
         std::string reference = "";       ///< identity; empty: there is none
         std::vector<std::string> notes = {};
         bool failed = false;                       ///< its reference could not be made
-        std::vector<ReferenceBatch> missing = {};  ///< of its reference, to be made by others
+        std::vector<ReferenceBatch> missing = {};  ///< batches of its reference, to be made by others
     };
     struct PlannedCell {
         SceneState* scene;
@@ -78,7 +78,7 @@ private:
         const ExternalMethod* external;  ///< null: a method of gibench
         CellPlace place;
         CellIdentity identity;
-        std::string name;  ///< of its folder
+        std::string name;  ///< name of its folder
     };
 
     void require_a_cell() const;
@@ -126,7 +126,7 @@ private:
     Experiment experiment_;
     int threads_;
     ResultFolder folder_;
-    std::optional<FileLock> lock_;  ///< of the folder
+    std::optional<FileLock> lock_;  ///< lock of the folder
     std::vector<SceneState> scenes_;
     std::map<std::pair<std::string, std::string>, std::string> effects_missing_, components_missing_;
     std::string build_;

@@ -29,7 +29,7 @@ struct PlannedBatch {
 struct CellState {
     CellPlace place;
     std::string scene, method;  ///< name and label
-    std::string name;           ///< of its folder
+    std::string name;           ///< name of its folder
     bool complete = false;
     std::string failure = {};  ///< message of its last attempt; empty: it has not failed
 };
@@ -38,8 +38,8 @@ struct RunPlan {
     struct Scene {
         std::string name;
         std::string content_hash;
-        std::optional<int> sample_count;  ///< of the file's sampler
-        int width = 0, height = 0;        ///< of its images [pixels]
+        std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
+        int width = 0, height = 0;        ///< size of its images [pixels]
     };
     /// Names of what a method leaves out in a scene (ResultIndex).
     struct LeftOut {
@@ -52,7 +52,7 @@ struct RunPlan {
     std::vector<Scene> scenes = {};         ///< in the experiment's order
     std::vector<std::string> methods = {};  ///< labels, in the experiment's order
     std::vector<LeftOut> left_out = {};
-    std::vector<std::vector<PlannedBatch>> batches = {};  ///< of references, by task
+    std::vector<std::vector<PlannedBatch>> batches = {};  ///< batches of references, by task
     std::vector<std::vector<CellPlace>> cells = {};       ///< by task
 };
 

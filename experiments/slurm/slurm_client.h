@@ -11,19 +11,19 @@ namespace gib {
 
 /// A job or one task of an array job that waits or runs.
 struct SlurmTask {
-    std::uint64_t job = 0;             ///< of the whole array
-    std::optional<std::size_t> index;  ///< in its array
+    std::uint64_t job = 0;             ///< number of the whole array
+    std::optional<std::size_t> index;  ///< place in its array
     bool runs = false;                 ///< false: it waits
 };
 
 struct SlurmJob {
     std::string name;
     std::vector<std::string> command;  ///< program and arguments of each task
-    std::size_t tasks = 0;             ///< of an array; 0: no array
-    int cpus = 1;                      ///< of each task
+    std::size_t tasks = 0;             ///< number of tasks in an array; 0: no array
+    int cpus = 1;                      ///< number of processors for each task
     std::string log_folder;
     std::vector<std::uint64_t> after;       ///< begins when these have ended, however they ended
-    std::vector<std::string> user_options;  ///< for sbatch, which override ours
+    std::vector<std::string> user_options;  ///< options for sbatch, which override ours
 };
 
 /// Throws InputError, with what to do, unless Slurm's commands are on the PATH.

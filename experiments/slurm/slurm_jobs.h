@@ -23,8 +23,8 @@ struct SubmittedJob {
 };
 
 struct SlurmJobs {
-    std::vector<std::string> user_options;  ///< for sbatch, of the last submission
-    std::size_t most_tasks = 1;             ///< of an array
+    std::vector<std::string> user_options;  ///< options for sbatch in the last submission
+    std::size_t most_tasks = 1;             ///< limit on the tasks of an array
     std::vector<SubmittedJob> jobs;
 };
 

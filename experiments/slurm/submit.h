@@ -19,8 +19,8 @@
 namespace gib {
 
 struct SlurmOptions {
-    std::vector<std::string> user_options;  ///< for sbatch
-    std::size_t most_tasks = 256;           ///< of an array; a task runs several cells if there are more
+    std::vector<std::string> user_options;  ///< options for sbatch
+    std::size_t most_tasks = 256;  ///< limit on the tasks of an array; a task runs several cells if there are more
 };
 
 /// Submits what is missing of an experiment and neither waits nor runs, and prints the jobs to `out`. Returns the exit

@@ -11,7 +11,7 @@ namespace gib {
 std::string program_version();
 
 struct BuildInfo {
-    std::string commit;  ///< of git, "unknown" outside a repository
+    std::string commit;  ///< hash of git's commit, "unknown" outside a repository
     bool modified;       ///< whether files differed from that commit
     std::string compiler;
     std::string flags;

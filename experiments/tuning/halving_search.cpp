@@ -93,7 +93,7 @@ MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, doubl
 /// Trials with the same seed and the same budget, the best first: one of the best label so far, and others.
 struct Comparison {
     std::vector<Trial> trials;
-    double best_cost;  ///< of the best label so far
+    double best_cost;  ///< cost of the best label so far
 };
 
 /// Compares `best` with those of `labels` that are new. Empty if none is new, if there is no time for all of them, or if

@@ -36,9 +36,9 @@ using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(cons
                                                                             double budget, int round)>;
 
 struct SearchSettings {
-    double seconds = 60;      ///< for all runs together
-    int labels_per_axis = 6;  ///< besides the defaults
-    int most_steps = 8;       ///< of the descent to better neighbours
+    double seconds = 60;      ///< time for all runs together
+    int labels_per_axis = 6;  ///< number of labels besides the defaults
+    int most_steps = 8;       ///< limit on the steps of the descent to better neighbours
     /// The seconds that the search has taken so far, with all that a run takes besides its budget; empty: the sum of the
     /// budgets.
     std::function<double()> elapsed = {};

@@ -12,7 +12,7 @@ namespace gib {
 /// A parameter that varies: a number between two ends, or one of several words.
 struct TuningAxis {
     std::string name;
-    TuningSpan span = {0, 0};             ///< of a number
+    TuningSpan span = {0, 0};             ///< range of a number
     double least = 0, most = 0;           ///< the parameter's own range, which steps beyond the span may use
     bool is_whole = false;                ///< whether only whole numbers are valid
     std::vector<std::string> words = {};  ///< all values, if it is no number
@@ -31,8 +31,8 @@ struct TuningAxis {
 struct Variation {
     std::string parameter;
     double lower = 0, upper = 0;
-    std::vector<std::string> words = {};  ///< if they are not empty, the values instead of a range
-    SourceLocation where = {};            ///< in an experiment file
+    std::vector<std::string> words = {};  ///< values instead of a range; empty: there is a range
+    SourceLocation where = {};            ///< place in an experiment file
 };
 /// Throws InputError at `where` for a text that is neither.
 Variation parse_variation(const std::string& text, const SourceLocation& where = {});

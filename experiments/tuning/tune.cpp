@@ -24,7 +24,7 @@ namespace gib {
 
 namespace {
 
-constexpr double reference_share = 0.25, final_share = 0.3;  // of the time; the search has what is left
+constexpr double reference_share = 0.25, final_share = 0.3;  // shares of the time; the search has the rest
 /// The search has seed 1 alone. The final runs have it, too, but their times are those of the others, which the search has
 /// not seen: the best of many settings is partly the luckiest with the seed that chose it.
 constexpr int fresh_seeds = 5;

@@ -45,7 +45,7 @@ private:
     Records records_;
     Records::iterator present_ = records_.end();
     double before_ = 0;   ///< seconds of the rounds before the present one
-    double started_ = 0;  ///< when the present one began
+    double started_ = 0;  ///< time at which the present one began [s]
     bool is_running_ = false;
 };
 

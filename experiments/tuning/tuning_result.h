@@ -14,7 +14,7 @@ namespace gib {
 
 /// The search among the settings of one method.
 struct TunedMethod {
-    MethodLabel base;  ///< as asked for: the defaults beside what the label gives
+    MethodLabel base;  ///< label as asked for: the defaults beside its own values
     std::vector<TuningAxis> axes;
     std::vector<Trial> trials;  ///< all settings that were measured, the best first
 };
@@ -23,10 +23,10 @@ struct TunedMethod {
 struct FinalSetting {
     MethodLabel label;
     std::size_t method;       ///< index of its TunedMethod
-    std::vector<Cell> cells;  ///< of the fresh seeds
+    std::vector<Cell> cells;  ///< cells of the fresh seeds
     /// Natural logarithms of the seconds to the target; empty: not all runs have reached it, or there are fewer than two.
     std::vector<double> log_times = {};
-    SampleMean mean{0, {0, 1}};  ///< of log_times
+    SampleMean mean{0, {0, 1}};  ///< mean of log_times
 };
 
 struct TuningResult {
@@ -34,11 +34,11 @@ struct TuningResult {
     std::string target;       ///< relative RMSE, as asked for
     double target_error = 0;  ///< the same as a share
     double final_budget = 0;  ///< seconds of each final run
-    double minutes = 0;       ///< asked for
-    double used_seconds = 0;  ///< by reference, search and final runs
+    double minutes = 0;       ///< time that was asked for
+    double used_seconds = 0;  ///< time that reference, search and final runs took
     std::vector<TunedMethod> methods = {};
     std::vector<FinalSetting> finals = {};  ///< the best first, those that have not reached the target last
-    std::vector<std::string> notes = {};    ///< what was cut for lack of time
+    std::vector<std::string> notes = {};    ///< steps that were cut short for lack of time
 
     bool has_best() const { return !finals.empty() && !finals.front().log_times.empty(); }
     const FinalSetting& best() const { return finals.front(); }
@@ -64,7 +64,7 @@ std::string change_of(const TuningResult& result, const FinalSetting& other);
 /// The gain of the best settings of a method over its defaults.
 struct Speedup {
     std::size_t method;                   ///< index
-    const FinalSetting* best;             ///< of this method
+    const FinalSetting* best;             ///< best setting of this method
     std::optional<Estimate> factor = {};  ///< the defaults' time over the best one's
     /// A lower bound of the factor where the defaults have not reached the target in their runs.
     std::optional<double> at_least = {};

@@ -22,7 +22,7 @@ public:
         std::vector<MethodLabel> labels = {};
         double budget = 0;    ///< seconds of each run
         int seeds = 1;        ///< 1 to this
-        int first_seed = 1;   ///< of those that are returned
+        int first_seed = 1;   ///< first seed whose cells are returned
         double deadline = 0;  ///< used() after which no run begins
         bool has_report = false;
     };

@@ -19,7 +19,7 @@ inline constexpr double most_merged = 2.5;
 struct MergingSettings {
     double alpha;  ///< parts/density/shrinking_radius.h
     Kernel kernel;
-    double radius;           ///< of the first pass [scene diagonals]; 0: found from its light paths
+    double radius;           ///< radius of the first pass [scene diagonals]; 0: found from its light paths
     double radius_in_media;  ///< the same
     std::uint64_t first_pass;
 };

@@ -52,7 +52,7 @@ void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& 
 
 struct ShadowPhoton {
     Vec3 p;
-    float power;            ///< in the result's unit; mean of the channels, as if nothing stood in the way
+    float power;            ///< power in the result's unit; mean of the channels, as if nothing stood in the way
     float visibility;       ///< share of the power that arrives here, in [0, 1]
     std::uint32_t light;    ///< index among the scene's lights
     std::uint64_t surface;  ///< SurfaceSide::key() of the surface that stores the photon

@@ -29,7 +29,7 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
-constexpr double most_photons = 50;        ///< in the mean look-up of the first pass, if its radius is found
+constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
     PhotonMapperSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0

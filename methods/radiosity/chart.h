@@ -26,12 +26,12 @@ inline Vec2d uv_of(const ChartPoint& point) { return Vec2d(point.u, point.v) / c
 
 struct Chart {
     std::uint32_t shape, instance;                       ///< as SurfaceHit has them
-    std::uint32_t primitive = 0;                         ///< of a mesh: the first triangle
-    std::uint32_t second = 0;                            ///< of a mesh's quadrilateral: the other triangle
+    std::uint32_t primitive = 0;                         ///< number of the first triangle in a mesh
+    std::uint32_t second = 0;                            ///< number of the other triangle of a mesh's quadrilateral
     bool triangle = false;                               ///< three corners: u + v <= 1
     bool curved = false;                                 ///< cut from a sphere, disk or cylinder
     bool reversed = false;                               ///< true if u turns to v clockwise, seen from the front
-    Vec2d lower = Vec2d::Zero(), upper = Vec2d::Zero();  ///< of a curved shape: coordinates on the shape, turns first
+    Vec2d lower = Vec2d::Zero(), upper = Vec2d::Zero();  ///< coordinates on a curved shape, turns first
     /// The corners at (u, v) = (0, 0), (1, 0), (1, 1) and (0, 1) [scene units]; a triangle's third is at (0, 1).
     std::array<Vec3d, 4> corners = {};
 

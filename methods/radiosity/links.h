@@ -18,13 +18,13 @@ namespace gib {
 
 /// The light of patches before it is exchanged, by node of a mesh.
 struct PatchLight {
-    std::vector<Colord> irradiance;   ///< of leaves: direct [W/m^2]
-    std::vector<Colord> reflectance;  ///< of leaves: mean
+    std::vector<Colord> irradiance;   ///< direct irradiance of leaves [W/m^2]
+    std::vector<Colord> reflectance;  ///< mean reflectance of leaves
     /// Radiosity of all nodes, with an estimate of the light from other patches; mean of the channels [W/m^2].
     std::vector<double> expected;
     std::vector<double> spread;  ///< standard deviation of `expected` over the leaves of a node [W/m^2]
     std::vector<Vec3d> middle;   ///< mean position over the leaves of a node, weighted by `expected` [scene units]
-    double mean_irradiance = 0;  ///< over all patches, including that estimate [W/m^2]
+    double mean_irradiance = 0;  ///< mean over all patches, including that estimate [W/m^2]
     /// The points of leaves, evenly distributed, `samples` for each. Direct light was sampled there, and rays that
     /// test visibility start and end there.
     std::vector<SurfacePoint> points;

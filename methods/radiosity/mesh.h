@@ -14,15 +14,15 @@ namespace gib {
 inline constexpr std::uint32_t no_node = ~0u;
 
 struct PatchNode {
-    std::uint32_t side;      ///< of a cluster: the first of its sides
+    std::uint32_t side;      ///< number of the side; for a cluster, of its first side
     std::uint32_t side_end;  ///< one past the last side
     std::uint32_t parent = no_node;
     std::uint32_t child = no_node;           ///< the first of two; none: a leaf
     std::array<ChartPoint, 4> corners = {};  ///< a triangle has three
     PatchPolygon polygon = {};               ///< its front is the side's; a cluster has no vertices
-    double area = 0;                     ///< that is not covered; of a cluster: the sum over its sides [scene units^2]
-    Vec3d center = Vec3d::Zero();        ///< of the polygon, or the mean of the sides' centres
-    double radius = 0;                   ///< largest distance of a vertex from `center` [scene units]
+    double area = 0;               ///< area that is not covered; of a cluster: the sum over its sides [scene units^2]
+    Vec3d center = Vec3d::Zero();  ///< centre of the polygon, or the mean of the sides' centres
+    double radius = 0;             ///< largest distance of a vertex from `center` [scene units]
     std::uint8_t across = 0, along = 0;  ///< halvings of u and v so far
     bool dark = false;                   ///< no light gets there: inside a closed block
 
@@ -45,7 +45,7 @@ struct PatchSide {
 struct PatchVertex {
     std::uint32_t leaf;  ///< a patch that has it as a corner
     ChartPoint at;
-    Vec2d uv;  ///< where irradiance is evaluated: at a border of the chart a little inside
+    Vec2d uv;  ///< place where irradiance is evaluated: at a border of the chart a little inside
 };
 
 class PatchMesh {
@@ -80,7 +80,7 @@ public:
 
     struct Place {
         std::uint32_t leaf;
-        Vec2d uv;  ///< on the chart
+        Vec2d uv;  ///< coordinates on the chart
     };
     /// The patch of a hit that is seen from wo; empty where there is no patch.
     std::optional<Place> locate(const SurfaceHit& hit, const Vec3& wo) const;

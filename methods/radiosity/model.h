@@ -13,7 +13,7 @@ struct RadiositySettings {
     bool adapt;       ///< halve patches at contacts, and further for display
     int gather;       ///< final gather rays; 0: none
     std::string ply;  ///< file for the mesh; empty: none
-    int max_edges;    ///< of the longest path
+    int max_edges;    ///< number of edges of the longest path
 };
 
 class RadiosityModel {

@@ -18,7 +18,7 @@ METRICS = {
 class CurvePoint:
     seconds: float
     error: float
-    low: float  # of the 95 % band; None with one seed
+    low: float  # lower end of the 95 % band; None with one seed
     high: float
 
 

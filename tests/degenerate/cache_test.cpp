@@ -94,7 +94,7 @@ struct ClampCase {
     std::string name;
     IrradianceRecord record;
     RecordSpacing spacing;
-    float reach;  ///< by theory; 0: the record is not kept
+    float reach;  ///< reach by theory; 0: the record is not kept
     std::string reason;
 };
 

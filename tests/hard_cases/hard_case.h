@@ -59,7 +59,7 @@ std::optional<Value> value_for(const std::map<std::string, Value>& by_part, cons
 struct HardCaseImages {
     std::string refusal;           ///< message of the error if scene or method was refused; the rest is then unused
     Effects missing;               ///< effects that the method leaves out; nothing is rendered if is_left_out()
-    std::vector<double> means;     ///< of each seed's image, over pixels and channels [W/(sr m^2)]
+    std::vector<double> means;     ///< mean of each seed's image, over pixels and channels [W/(sr m^2)]
     double smallest = infinity;    ///< smallest mean over the channels of any pixel [W/(sr m^2)]
     double largest = -infinity;    ///< largest one
     std::uint64_t not_finite = 0;  ///< number of such image values and of dropped samples
@@ -73,9 +73,9 @@ inline bool is_left_out(const HardCase& hard, Effects missing) {
 HardCaseImages render(const HardCase& hard, const std::string& label);
 
 struct Verdict {
-    std::string problem;    ///< what is wrong; empty if the case holds
+    std::string problem;    ///< reason why the case fails; empty if it holds
     double got = 0;         ///< mean of the seeds' means [W/(sr m^2)]
-    double half_width = 0;  ///< of the interval around `got`, which misses the true mean with probability `tail`
+    double half_width = 0;  ///< half the interval around `got`, which misses the true mean with probability `tail`
 };
 
 /// Judges a case. The means of the seeds' images scatter around the method's true mean with Student's t distribution,

@@ -168,7 +168,7 @@ TEST_P(Invariances, HoldInDistribution) {
             EXPECT_GT(welch_probability(a[i], b[i]), least)
                 << "number " << i << ": " << a[i].mean() << " +- " << a[i].standard_error() << ", then " << b[i].mean()
                 << " +- " << b[i].standard_error();
-        probabilities.push_back(welch_probability(a[1], b[1]));  // of the green channel
+        probabilities.push_back(welch_probability(a[1], b[1]));  // the green channel
     }
     const double together = fisher_probability(probabilities);
     RecordProperty("probability", std::to_string(together));

@@ -36,7 +36,7 @@ struct SceneMaterial {
         nothing
     };
     Kind kind = Kind::diffuse;
-    Colord color = Colord::Constant(0.5);  ///< of the diffuse part, or of a conductor
+    Colord color = Colord::Constant(0.5);  ///< reflectance of the diffuse part, or of a conductor
     double alpha = 0.1;                    ///< roughness
     double ior = 1.5;
     double share = 0.5;      ///< a mask's opacity, a blend's weight

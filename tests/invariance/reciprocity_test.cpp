@@ -142,7 +142,7 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
         const auto there = replicates(ways.forward(), label, passes, 1000 * seed + 1, seeds),
                    back = replicates(ways.backward(), label, passes, 1000 * seed + 501, seeds);
         const double to_second = ways.power_per_radiance(false), to_first = ways.power_per_radiance(true);
-        const double expected_ratio = to_first / to_second / ways.ratio();  // of radiances
+        const double expected_ratio = to_first / to_second / ways.ratio();  // ratio of radiances
         for (const std::size_t i : numbers) {
             if (i >= 3 && !both_find(there[i], back[i])) continue;
             ++compared;

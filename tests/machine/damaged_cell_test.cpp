@@ -70,7 +70,7 @@ TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
 
 TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
     ASSERT_EQ(run().code, 0);
-    std::string frame;  // of a cell with seed 1
+    std::string frame;  // a frame of a cell with seed 1
     for (const auto& [name, time] : cells())
         if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
     ASSERT_FALSE(frame.empty());

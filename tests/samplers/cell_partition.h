@@ -26,13 +26,13 @@ private:
 
     struct Leaf {
         Rectangle area;
-        std::size_t begin, end;  ///< of its points
+        std::size_t begin, end;  ///< range of its points
     };
 
     Domain domain_;
     std::vector<Vec2d> points_;
     int levels_ = 0;
-    std::vector<double> cuts_;  ///< of the inner nodes; the children of i are 2 i + 1 and 2 i + 2
+    std::vector<double> cuts_;  ///< cuts of the inner nodes; the children of i are 2 i + 1 and 2 i + 2
     std::vector<Leaf> leaves_;
 };
 

@@ -24,8 +24,8 @@ struct RandomNumbers {
 /// A sample as a point of the plane; a SphereChart maps directions to points.
 struct Sampled {
     Vec2d point = Vec2d::Zero();
-    double pdf = 0;        ///< as the sampler returned it
-    double pdf_again = 0;  ///< as the density function gives it for the same point
+    double pdf = 0;        ///< density as the sampler returned it
+    double pdf_again = 0;  ///< density as the density function gives it for the same point
     double weight = 1;     ///< the weight of an estimator: value / pdf
     bool delta = false;    ///< from a delta lobe: only the weight counts
 };
@@ -106,10 +106,10 @@ struct PValue {
 struct CaseResult {
     std::string name;
     std::vector<PValue> p_values;
-    std::vector<std::string> failures;  ///< of the tests whose outcome is not a matter of chance
+    std::vector<std::string> failures;  ///< failures of the tests whose outcome is not a matter of chance
     double integral = 0, integral_error = 0;
     double mean_weight = 0;
-    std::size_t evaluations = 0;  ///< of the density and of the weights' numerator
+    std::size_t evaluations = 0;  ///< number of evaluations of the density and of the weights' numerator
 };
 
 /// Draws `samples` and tests:

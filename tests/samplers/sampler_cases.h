@@ -39,7 +39,7 @@ struct BsdfModel {
     std::string name;
     std::string xml;                 ///< the bsdf element
     double eta = 1;                  ///< index below the surface over index above it
-    std::optional<double> albedo{};  ///< at every angle, if known; 1 without losses
+    std::optional<double> albedo{};  ///< albedo at every angle, if known; 1 without losses
     bool from_below = false;         ///< light from below the surface is scattered too
 };
 

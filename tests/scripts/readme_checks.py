@@ -52,7 +52,7 @@ def files_of(root):
 
 
 class Block(NamedTuple):
-    language: str  # of a fence; "indented": four spaces
+    language: str  # language of a fence; "indented": four spaces
     lines: list  # (line number, text)
 
     def text(self):

@@ -12,7 +12,7 @@
 namespace gib::test {
 
 struct FileFormat {
-    OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;  ///< of the stored channels; integers store fractions of their range
+    OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;  ///< stored type; integers store fractions of their range
     int tile = 0;                                 ///< [texels a side]; 0: stored in rows
     std::vector<std::string> channels;            ///< their names; empty: the file format's own
     std::vector<float> chromaticities;

@@ -31,7 +31,7 @@ namespace gib {
 struct NestedDisc {
     std::size_t photons;
     double weight, squared_weight;  ///< sums of the photons' weights and of their squares
-    double area;                    ///< of the part on the surface, up to a common factor
+    double area;                    ///< area of the part on the surface, up to a common factor
 };
 
 /// Number of photons in the smallest disc.

@@ -51,7 +51,7 @@ inline constexpr std::size_t all_photons = std::numeric_limits<std::size_t>::max
 /// The bias of an estimate from the radius r, which falls as r^2, is this multiple of its difference to the estimate from
 /// the same photons within r / sqrt(2), whose bias is half as large.
 inline constexpr float bias_of_difference = 2.f;
-inline constexpr float narrow_radius = std::numbers::sqrt2_v<float> / 2.f;  ///< as a fraction of r
+inline constexpr float narrow_radius = std::numbers::sqrt2_v<float> / 2.f;  ///< the smaller radius, as a fraction of r
 
 /// Reflected radiance [W/(sr m^2)], kept apart by the photons' paths: between surfaces only, or scattered
 /// by a medium.
@@ -59,7 +59,7 @@ struct Reflected {
     Color between_surfaces = Color::Zero(), through_media = Color::Zero();
     /// Estimates of their bias, if the estimator is asked for them.
     Color bias_between_surfaces = Color::Zero(), bias_through_media = Color::Zero();
-    float radius = 0.f;  ///< of the disc [scene units]
+    float radius = 0.f;  ///< radius of the disc [scene units]
     /// With DiscArea::surface: something stands on the disc, or another surface lies close to it.
     bool near_obstacle = false;
 };
@@ -69,7 +69,7 @@ struct Reflected {
 /// therefore has to belong to one block of work, so that rounding is the same for any number of threads.
 struct LastLookUp {
     Vec3 p = Vec3::Zero();
-    float radius = std::numeric_limits<float>::infinity();  ///< that held k photons; infinite: none is known
+    float radius = std::numeric_limits<float>::infinity();  ///< radius that held k photons; infinite: none is known
 };
 
 struct DensityEstimator {

@@ -20,7 +20,7 @@ struct Plane {
 
 /// The planes of a mesh, and for each triangle the number of its plane.
 struct MeshPlanes {
-    static constexpr std::uint32_t none = ~0u;  ///< of triangles without area
+    static constexpr std::uint32_t none = ~0u;  ///< number of the plane of triangles without area
     std::vector<Plane> planes;
     std::vector<std::uint32_t> of_triangle;
 };

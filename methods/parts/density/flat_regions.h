@@ -36,7 +36,7 @@ private:
 
     struct Voxel {
         std::array<std::uint32_t, 2> labels = {empty, empty};
-        std::uint8_t step = most_steps + 1;  ///< in which the second label came
+        std::uint8_t step = most_steps + 1;  ///< step in which the second label came
     };
 
     using Index = std::array<int, 3>;

@@ -89,7 +89,7 @@ private:
     std::array<float, many> free_;    ///< by direction: the distance at which S ends
     std::array<float, many> rise_;    ///< by direction: the distance at which the surface itself rises above the rays
     std::array<float, many> sector_;  ///< by sector, between a direction and the next: the distance at which S ends
-    float shortest_ = infinity, longest_ = infinity;  ///< of these distances
+    float shortest_ = infinity, longest_ = infinity;  ///< least and greatest of these distances
 };
 
 }  // namespace gib

@@ -58,7 +58,7 @@ private:
     struct SeenPoint {
         std::size_t pixel;
         Vec3 p, normal;
-        float pixel_width;  ///< of a pixel's image on the surface, along its longer side [scene units]
+        float pixel_width;  ///< width of a pixel's image on the surface, along its longer side [scene units]
     };
     /// The finds of the paths of one row of the grid.
     struct GridRow {
@@ -68,7 +68,7 @@ private:
     };
 
     struct CachedSurface {
-        Vec3 normal;                    ///< on the side that is seen
+        Vec3 normal;                    ///< normal on the side that is seen
         Color radiance_per_irradiance;  ///< [1/sr]
     };
     /// Empty if irradiance alone does not determine the reflected radiance, or if a record would be invalid here.
@@ -88,7 +88,7 @@ private:
     const Scene& scene_;
     const FinalGather& gather_;
     CacheSettings settings_;
-    Ray pixel_, next_pixel_;  ///< of two neighbouring pixels in the middle of the image
+    Ray pixel_, next_pixel_;  ///< rays of two neighbouring pixels in the middle of the image
     IrradianceCache cache_;
 
     struct Missing {

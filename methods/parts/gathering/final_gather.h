@@ -19,7 +19,7 @@ struct RecordPlace {
     SurfacePoint point;
     Vec3 normal;  ///< shading normal on the side that is seen
     RecordSpacing spacing;
-    Sampler sampler;  ///< of the path that found the point
+    Sampler sampler;  ///< sampler of the path that found the point
     int vertex;       ///< the number of the point on that path
 };
 

@@ -38,7 +38,7 @@ private:
 
 struct GatheredLight {
     GatherSource source;
-    int max_edges;  ///< of whole paths
+    int max_edges;  ///< limit on the length of whole paths
     bool samples_lights, follows_specular;
 
     PhotonMap map = {};  ///< PhotonMapKind::full; empty for `paths`

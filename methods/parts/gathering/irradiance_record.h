@@ -36,7 +36,7 @@ struct HemisphereStrata {
 /// The result of the ray of one stratum.
 struct HemisphereSample {
     Color radiance;  ///< [W/(sr m^2)]
-    float distance;  ///< to the first surface [scene units]; infinite if there is none
+    float distance;  ///< distance to the first surface [scene units]; infinite if there is none
 };
 
 struct IrradianceRecord {

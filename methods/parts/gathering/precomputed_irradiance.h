@@ -24,9 +24,9 @@ std::vector<Photon> take_places(std::vector<Photon>& photons, std::size_t per_pl
 
 /// The data of a place besides its position. 16 bytes.
 struct IrradiancePlacePayload {
-    PackedColor irradiance;    ///< in the unit of all places; its tag is near_obstacle
+    PackedColor irradiance;    ///< irradiance in the unit of all places; its tag is near_obstacle
     std::uint16_t normal;      ///< encoded, on the side where the irradiance arrives
-    std::uint16_t radius;      ///< of the place's estimate, in 65535ths of the largest radius, rounded down
+    std::uint16_t radius;      ///< radius of the place's estimate, in 65535ths of the largest radius, rounded down
     std::uint32_t unused = 0;  ///< see KdTree for the least size
 
     bool near_obstacle() const { return irradiance.tag() != 0; }  ///< the estimate has met one
@@ -62,7 +62,7 @@ public:
 
 private:
     KdTree<IrradiancePlace> places_;
-    double unit_ = 1;  ///< of the irradiance [W/m^2]
+    double unit_ = 1;  ///< unit of the stored irradiance [W/m^2]
 };
 
 }  // namespace gib

@@ -17,7 +17,7 @@ namespace gib {
 /// A point found by a search, with its squared distance [scene units^2].
 struct Neighbour {
     float distance2;
-    std::uint32_t index;  ///< in the tree
+    std::uint32_t index;  ///< index of the point in the tree
 
     Neighbour() {}  // leaves the members as they are, so that to enlarge a buffer costs nothing
     Neighbour(float squared, std::uint32_t of) : distance2(squared), index(of) {}
@@ -29,7 +29,7 @@ struct Neighbour {
 ///
 /// If k is large, candidates are also counted in buckets of equal width in squared distance, from the time on when
 /// there are more than k. As soon as the buckets without the last one hold k, the last one is no longer needed, so the
-/// bound falls with every few offers and the search meets fewer candidates in vain. In the end only the few candidates
+/// bound falls with every few offers and the search meets fewer useless candidates. In the end only the few candidates
 /// in the bucket of the k-th nearest are sorted by selection.
 class NearestBuffer {
 public:

@@ -65,12 +65,12 @@ public:
     std::uint16_t normal_code() const { return normal_; }
 
 private:
-    PackedColor power_;  ///< with the tag in_medium + 2 (stratum + 1)
+    PackedColor power_;  ///< power with the tag in_medium + 2 (stratum + 1)
     std::uint32_t wi_;
     std::uint16_t normal_;
 
 public:
-    std::uint16_t edges;  ///< of the path from the light to the photon
+    std::uint16_t edges;  ///< number of edges of the path from the light to the photon
 };
 static_assert(sizeof(PhotonPayload) == 16);
 

@@ -9,7 +9,7 @@ namespace gib {
 /// The part of a path between the eye and the point where photons are looked up.
 struct EyePath {
     int max_photon_edges;             ///< largest number of edges of a photon's path, as whole paths are limited
-    std::optional<int> stratum = {};  ///< of wavelengths, if the eye path was split
+    std::optional<int> stratum = {};  ///< stratum of wavelengths, if the eye path was split
 
     /// Whether the photon's path may be joined with this one.
     bool accepts(const PhotonPayload& photon) const {

@@ -161,7 +161,7 @@ private:
     }
 
     PathWalk walk_;
-    PathState& at_;  ///< of walk_; beta is the power in the result's unit
+    PathState& at_;  ///< state of walk_; beta is the power in the result's unit
     PhotonMapKind kind_;
     int max_edges_;
     PhotonWalkResult& result_;

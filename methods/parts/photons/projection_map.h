@@ -64,7 +64,7 @@ private:
         double power = 0;                                       ///< [W] mean of the channels
         double kept = 0;                                        ///< V_l
         float scale = 0.f;                                      ///< V_l / P_l
-        std::uint32_t own_shape = ProjectionTargets::no_shape;  ///< that its rays cannot meet
+        std::uint32_t own_shape = ProjectionTargets::no_shape;  ///< shape that its rays cannot meet
         bool at_infinity = false;
     };
     class Refinement;

@@ -15,7 +15,7 @@ enum class LightTechniques {
 /// The medium around a vertex. `flights` gives the random numbers for estimating how much light the media on the way
 /// let through.
 struct Surroundings {
-    const Medium* medium;  ///< that the path arrives in; null: vacuum
+    const Medium* medium;  ///< medium that the path arrives in; null: vacuum
     NumberStream& flights;
 };
 

@@ -21,8 +21,8 @@ struct PathState {
     float pdf_w = infinity;
     Vec3 previous;                      ///< the last vertex, or the start of the path
     Vec3 previous_side = Vec3::Zero();  ///< LitPoint::side there
-    const Medium* medium = nullptr;     ///< that the path is in; null stands for vacuum
-    std::optional<int> stratum = {};    ///< of wavelengths, once the path has met dispersion
+    const Medium* medium = nullptr;     ///< medium that the path is in; null: vacuum
+    std::optional<int> stratum = {};    ///< stratum of wavelengths, once the path has met dispersion
     int vertex = 0;                     ///< number of vertices so far that have scattered the path: edges - 1
     std::uint32_t holes = 0;            ///< decisions so far whether the path goes straight on
     float kept = 1.f;  ///< factor of the throughput at the last surface where it might have gone straight on
@@ -60,7 +60,7 @@ public:
 
     const Scene& scene() const { return rays.scene(); }
     std::optional<SurfaceHit> surface_hit() const { return rays.surface_hit(ray); }
-    Vec3 wo() const { return -ray.ray.d; }  ///< at the end of the ray, towards where it came from
+    Vec3 wo() const { return -ray.ray.d; }  ///< direction at the end of the ray, towards where it came from
     /// The last vertex as lights light it.
     LitPoint lit_previous() const { return {at.previous, at.previous_side}; }
     Surroundings surroundings() { return {at.medium, flights}; }

@@ -38,7 +38,7 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
     const Sensor& sensor = rays.scene().sensor();
     const auto width = static_cast<std::size_t>(sensor.width());
     int x = static_cast<int>(begin % width), y = static_cast<int>(begin / width);
-    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;  // of the packet's pixels
+    std::array<std::optional<Sampler>, Accelerator::packet_size> samplers;  // samplers of the packet's pixels
     const auto ray_of = [&](std::size_t i) {
         const Ray ray = sensor.sample_ray(x, y, samplers[i % samplers.size()].emplace(points, seed, begin + i, pass));
         if (++x == sensor.width()) {

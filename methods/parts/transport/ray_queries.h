@@ -29,7 +29,7 @@ struct TracedRay {
 /// The straight way between two points, both of them off their surfaces.
 struct Segment {
     Vec3 origin, target;
-    Vec3 direction;  ///< from the origin to the target, unit
+    Vec3 direction;  ///< direction from the origin to the target, unit
     float distance;  ///< [scene units]; infinite if the target stands for a light at infinity
 };
 

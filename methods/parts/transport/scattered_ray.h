@@ -80,7 +80,7 @@ inline bool may_leave_about_geometric(const SurfaceHit& hit, const Vec3& w) {
 /// A sample of the Bsdf about the interpolated normal or, of its delta lobes alone, about the geometric one.
 struct NormalChoice {
     bool geometric;
-    float probability;  ///< of this choice
+    float probability;  ///< probability of this choice
 };
 inline std::optional<ScatteredRay> sample_about(const SurfaceHit& hit, const Vec3& wo_local, const NormalChoice& normal,
                                                 const Vec2& u_lobe, const Vec2& u, Transport transport, Lobes which) {

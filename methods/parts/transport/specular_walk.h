@@ -14,10 +14,10 @@ struct WalkSettings {
 
 /// A place on an eye path that a visitor is shown, with the path up to it. At least one more edge is allowed.
 struct EyeVertex {
-    PathWalk& walk;  ///< whose ray ends here
+    PathWalk& walk;  ///< walk whose ray ends here
     Vec3 wo;         ///< unit, towards where the path came from
-    int edges_left;  ///< that the limit on the length of paths leaves
-    float length;    ///< of the path up to here [scene units]
+    int edges_left;  ///< number of edges that the limit on the length of paths leaves
+    float length;    ///< length of the path up to here [scene units]
 
     const Color& throughput() const { return walk.at.beta; }
 };
@@ -141,7 +141,7 @@ private:
     PathState& at_;
     const WalkSettings& settings_;
     Visitor& visitor_;
-    float length_ = 0.f;  ///< of the path so far [scene units]
+    float length_ = 0.f;  ///< length of the path so far [scene units]
 };
 
 /// Follows the path that starts in `medium` (null: vacuum) along `first`, which has been traced, and shows `visitor`

@@ -14,7 +14,7 @@ struct FoundLight {
     PathClass path_class;
     Color radiance;  ///< times the walk's throughput [W/(sr m^2)]
     float weight;
-    int edges;  ///< of the path
+    int edges;  ///< number of edges of the path
 };
 
 /// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers, flights)

@@ -25,9 +25,9 @@ public:
     LightEmission(const Scene& scene, bool aims);
 
     struct Start {
-        EmissionSample sample;  ///< with the power divided by the density [W]
-        float cos_light;        ///< of the direction and the light's normal; 1 without a surface
-        double density;         ///< as of emission_pdf(), with the light's choice
+        EmissionSample sample;  ///< sample whose power has been divided by the density [W]
+        float cos_light;        ///< cosine between the direction and the light's normal; 1 without a surface
+        double density;         ///< density as of emission_pdf(), with the light's choice
     };
     /// Empty where the start belongs to the other kind.
     std::optional<Start> sample(const Sampler& sampler) const;

@@ -15,7 +15,7 @@ struct LightPaths {
     /// Builds the projection map if the plan runs it.
     LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages);
 
-    double count;            ///< of a pass
+    double count;            ///< number of light paths in a pass
     double power;            ///< emitted by the scene [W], the unit of the paths' power
     bool camera_on_surface;  ///< RayQueries::camera_lies_on_surface()
     LightEmission emission;

@@ -112,7 +112,7 @@ private:
     const Light& light_;
     PathWalk walk_;
     TechniqueSums sums_;
-    PathClass path_class_;  ///< of the vertices so far, read towards the light
+    PathClass path_class_;  ///< class of the vertices so far, read towards the light
 };
 
 }  // namespace gib

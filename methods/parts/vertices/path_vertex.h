@@ -19,13 +19,13 @@ struct DirectionPdfs {
 struct PathVertex {
     std::optional<SurfaceHit> hit;  ///< empty in a medium
     Vec3 p;
-    Vec3 from;             ///< towards where the walk came from, unit
+    Vec3 from;             ///< direction towards where the walk came from, unit
     Vec3 from_local;       ///< the same in the shading frame of the hit
-    const Medium* medium;  ///< that the walk arrived in; null: vacuum
-    Color beta;            ///< of the walk on arrival: throughput, or power [W]
-    PathClass path_class;  ///< of the vertices between this one and the walk's start, read from the camera
+    const Medium* medium;  ///< medium that the walk arrived in; null: vacuum
+    Color beta;            ///< throughput of the camera's walk on arrival, or power of the light's [W]
+    PathClass path_class;  ///< class of the vertices between this one and the walk's start, read from the camera
     std::optional<int> stratum;
-    int edges;  ///< of the walk up to here
+    int edges;  ///< number of edges of the walk up to here
     TechniqueSums sums;
 
     /// A vertex where the walk has arrived, on a surface or in a medium.

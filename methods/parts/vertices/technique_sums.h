@@ -148,8 +148,8 @@ private:
     }
 
     double vcm_ = 0;      ///< (1 / density of the last direction)^2: for the technique that connects the last edge
-    double vc_ = 0;       ///< for all techniques on earlier edges and vertices
-    double pending_ = 0;  ///< of the camera's walk: for merging at the previous vertex, if this one focuses
+    double vc_ = 0;       ///< sum for all techniques on earlier edges and vertices
+    double pending_ = 0;  ///< part of merging at the camera's previous vertex, added if this one focuses
     double merging_ = 0;  ///< n^2 of the last vertex
     bool from_light_ = false, everywhere_;
     bool connects_ = true;

@@ -19,7 +19,7 @@ TEST(FixedPointImage, SumsDoNotDependOnTheOrder) {
         down.add(1, values[static_cast<std::size_t>(n - 1 - i)]);
     }
     EXPECT_EQ(up.mean(1).rgb, down.mean(1).rgb);
-    const double sum = std::ldexp(1.0, n - 20) - std::ldexp(1.0, -20);  // of the powers of 2
+    const double sum = std::ldexp(1.0, n - 20) - std::ldexp(1.0, -20);  // sum of the powers of 2
     const Color mean = up.mean(4).at(1);
     EXPECT_EQ(mean.x(), static_cast<float>(sum / 4));
     EXPECT_EQ(mean.y(), static_cast<float>(-3 * sum / 4));

@@ -106,7 +106,7 @@ protected:
     std::string error_of(const std::string& body) const {
         return input_error_of([&] { load(body); });
     }
-    /// What a ray along -z at (x, y) of the file meets.
+    /// The hit of a ray along -z at (x, y) of the file.
     static SurfaceHit hit_at(const LoadedScene& loaded, float x, float y, const Vec3& center = Vec3(0.5f, 0.5f, 0)) {
         auto hit = loaded.scene->intersect({Vec3(x, y, 5) - center, Vec3(0, 0, -1)});
         EXPECT_TRUE(hit.has_value());

@@ -104,7 +104,7 @@ TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     const std::string ends = "<string name=\"wrap_mode\" value=\"";
     EXPECT_EQ(red(ends + "zero\"/>", 1.6f), 0);
     EXPECT_EQ(red(ends + "white\"/>", -0.6f), 1);
-    EXPECT_NEAR(red("<string name=\"channel\" value=\"b\"/>", 0.75f), 0.0512695f, 1e-6);  // of byte 64
+    EXPECT_NEAR(red("<string name=\"channel\" value=\"b\"/>", 0.75f), 0.0512695f, 1e-6);  // the value of byte 64
     const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
     EXPECT_NEAR(raw.color(Vec2{0.75f, 0.5f})[1], byte(128), 1e-6);
     EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,

@@ -153,7 +153,7 @@ TEST(Sensor, ACropShowsItsPartOfTheFilm) {
         auto p = behind_a_lens();
         p.width = 40;
         p.height = 30;
-        p.fov_axis = Sensor::FovAxis::smaller;  // of the film, not of the image
+        p.fov_axis = Sensor::FovAxis::smaller;  // the film's smaller side, not the image's
         p.principal_point_offset = Vec2d(0.1, -0.2);
         if (orthographic) p.projection = Sensor::Projection::orthographic;
         const Sensor whole(p);

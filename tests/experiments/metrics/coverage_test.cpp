@@ -53,7 +53,7 @@ std::vector<double> noise_of(Noise kind, Random& random) {
     return noise;
 }
 
-constexpr float radiance = 2, blur = 1;  ///< of the truth; how far the biased half of the images lies above it
+constexpr float radiance = 2, blur = 1;  ///< the true radiance; how far the biased half of the images lies above it
 
 Image image_of(Noise kind, Random& random, double scale, bool biased) {
     Image image(edge, edge);

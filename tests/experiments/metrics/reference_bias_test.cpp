@@ -14,7 +14,7 @@ namespace gib::reference_bias_test {
 namespace {
 
 constexpr int size = 32;
-constexpr double noise = 0.1;  ///< of a group's pixel
+constexpr double noise = 0.1;  ///< standard deviation of a group's pixel
 
 /// A layer of radiance 1 + `shift`, whose groups estimate the bias as `bias` with noise.
 ReferenceLayer layer(double shift, double bias, std::uint64_t seed) {

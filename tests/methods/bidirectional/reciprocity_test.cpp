@@ -13,7 +13,7 @@ namespace {
 using test::Moments;
 
 struct Plate {
-    std::string to_world;  ///< of a square from -1 to 1, which shines along +z
+    std::string to_world;  ///< transform of a square from -1 to 1, which shines along +z
 };
 const Plate a{"<scale value='0.5'/><rotate y='1' angle='90'/><translate x='-1.5' y='0.4'/>"};
 const Plate b{"<scale value='0.5'/><rotate x='1' angle='20'/><translate z='-1.4' y='0.3'/>"};

@@ -168,7 +168,7 @@ TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
         },
         found);
     EXPECT_GE(asked, 50u);
-    EXPECT_LT(asked, 500u);  // of the 670 within 0.2
+    EXPECT_LT(asked, 500u);  // 670 lie within 0.2
 }
 
 // With a large k the bound falls while photons are found, not only whenever the buffer is full.

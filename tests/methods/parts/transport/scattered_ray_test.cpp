@@ -39,7 +39,7 @@ Leaning leaning(std::uint64_t i, const Bsdf& bsdf) {
     }
 }
 
-constexpr float rounding = 1e-5f;  // of a sine near 1
+constexpr float rounding = 1e-5f;  // rounding error of a sine near 1
 
 // For any normals, reflected light stays on its side of the surface, refracted light crosses it, and no light is
 // lost: the weights are R and (1 - R) times the square of the relative index.

@@ -9,7 +9,7 @@ namespace {
 using test::scene_of;
 
 constexpr float r = 0.04f;                      ///< reflectance of a face of glass of index 1.5 at normal incidence
-constexpr float reflectance = 2 * r / (1 + r);  ///< of two faces, with all reflections between them
+constexpr float reflectance = 2 * r / (1 + r);  ///< reflectance of two faces, with all reflections between them
 constexpr float front = 26, back = 1;           ///< radiance of the lamps
 constexpr float expected = reflectance * front + (1 - reflectance) * back;
 
