@@ -10,8 +10,9 @@ namespace gib {
 
 namespace {
 
-constexpr double tail = 0.01;         // probability of both tails together: 99 % intervals
-constexpr double least_share = 0.01;  // share of the total's energy: darker components are measured against this
+constexpr double tail = 0.01;  // probability of both tails together: 99 % intervals
+constexpr double least_footing_share =
+    0.01;  // share of the total's energy: darker components are measured against this
 
 double mean_energy(const Image& image) {
     double sum = 0;
@@ -81,7 +82,7 @@ Footing Footing::against(const Footing& other) const { return compared(energy, o
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total) {
     const SampleMean truth = reference_energy(reference);
-    const double unit = std::max(truth.value, least_share * mean_energy(total));
+    const double unit = std::max(truth.value, least_footing_share * mean_energy(total));
     if (!(unit > 0)) return std::nullopt;
     return compared(mean_energies(replicates), truth, unit);
 }

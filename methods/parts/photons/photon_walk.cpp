@@ -18,7 +18,7 @@ namespace gib {
 namespace {
 
 /// Photons in a block of work: a share of all, so that few photons occupy all processors too, within these bounds.
-constexpr std::uint64_t blocks = 64, fewest_per_block = 256, most_per_block = 4096;
+constexpr std::uint64_t walk_blocks = 64, fewest_per_block = 256, most_per_block = 4096;
 /// Aimed photons have larger blocks: the more of them are sorted together, the closer together they lie.
 constexpr std::uint64_t most_aimed_per_block = 16384;
 /// Memory of a photon while the map is built: the photon itself and its 29 bytes in the map (see PhotonMap).
@@ -247,7 +247,7 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     const double share = 1 / (static_cast<double>(count) * result.unit);
 
     const std::uint64_t per_block =
-        std::clamp(count / blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
+        std::clamp(count / walk_blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
         RayQueries rays(scene, log);
         const auto trace = [&](const EmissionSample& start, const TracedRay& first, const Sampler& sampler) {
