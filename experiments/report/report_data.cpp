@@ -74,10 +74,10 @@ std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& s
     return curve;
 }
 
-void append(json& list, const Estimate& e) {
-    list.push_back(number_to_json(e.value));
-    list.push_back(e.interval ? number_to_json(e.interval->lo) : json(nullptr));
-    list.push_back(e.interval ? number_to_json(e.interval->hi) : json(nullptr));
+void append(json& numbers, const Estimate& e) {
+    numbers.push_back(number_to_json(e.value));
+    numbers.push_back(e.interval ? number_to_json(e.interval->lo) : json(nullptr));
+    numbers.push_back(e.interval ? number_to_json(e.interval->hi) : json(nullptr));
 }
 
 /// The passes at which the labels that differ from a method's in `spp` alone stopped.

@@ -7,7 +7,7 @@ namespace gib {
 
 namespace {
 
-constexpr double enough = 3, needed = 1.5;  // times the shortest time
+constexpr double fair_times = 3, least_times = 1.5;  // of the shortest time
 constexpr int fewest_seeds = 3;             // that of the search and two fresh ones, which have an interval
 constexpr double shortest_budget = 0.01;    // [s]; one pass always completes
 
@@ -22,9 +22,9 @@ FinalPlan plan_finals(const FinalNeeds& needs) {
         return {needs.least, longest};
     }
     std::size_t labels = needs.labels;
-    while (labels > needs.least && share(labels, needs.seeds) < needed * needs.shortest)
+    while (labels > needs.least && share(labels, needs.seeds) < least_times * needs.shortest)
         --labels;
-    const double fair = std::clamp(share(labels, needs.seeds), needed * needs.shortest, enough * needs.shortest);
+    const double fair = std::clamp(share(labels, needs.seeds), least_times * needs.shortest, fair_times * needs.shortest);
     return {labels, std::max(std::min(fair, share(labels, fewest_seeds)), shortest_budget)};
 }
 
