@@ -86,8 +86,8 @@ private:
 class FakeMethod : public Method {
 public:
     explicit FakeMethod(const FakeBehaviour& b) : b_(b) {}
-    Plan plan(const Scene&) const override { return {}; }
-    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+    Plan plan(const gib::Scene&) const override { return {}; }
+    std::unique_ptr<Run> start(const gib::Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         sleep_seconds(b_.start_seconds);
         return std::make_unique<FakeRun>(b_, scene.sensor().width(), scene.sensor().height(), seed, stages);
     }

@@ -46,7 +46,7 @@ inline LoadedScene scene_of_shapes(const std::string& shapes) {
 /// of rays. The hits of the rays are looked up; `make` returns the photons of a seed.
 using Groups = std::vector<std::vector<Ray>>;
 inline std::vector<std::vector<Moments>> relative_estimates(
-    const Scene& scene, const std::vector<DensityEstimator>& estimators, std::size_t maps, double E,
+    const gib::Scene& scene, const std::vector<DensityEstimator>& estimators, std::size_t maps, double E,
     const std::function<std::vector<Photon>(std::uint64_t)>& make, const Groups& groups) {
     std::vector<std::vector<std::vector<double>>> values(maps);
     parallel_blocks(maps, 1, [&](std::size_t number, std::size_t, std::size_t) {
