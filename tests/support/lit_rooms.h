@@ -8,57 +8,46 @@
 namespace gib::test {
 
 struct RoomOptions {
-    std::string light,
-        more = "", sensor = "perspective", sensor_more = "", filter = "box",
-        glossy_wall =
-            "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='0.08'/></bsdf></bsdf>",
-        ball = "<bsdf type='roughdielectric'><float name='alpha' value='0.3'/></bsdf>";
+    std::string light, more = "", sensor = "perspective", sensor_more = "", filter = "box",
+                       glossy_wall = bsdf("twosided", bsdf("roughconductor", number("alpha", 0.08))),
+                       ball = bsdf("roughdielectric", number("alpha", 0.3));
 };
 
 /// A floor, a wall, a glossy mirror and a ball.
-inline LoadedScene room(const RoomOptions& o) {
-    const auto wall = [](const std::string& transform, const std::string& bsdf) {
-        return "<shape type='rectangle'><transform name='to_world'>" + transform + "</transform>" + bsdf + "</shape>";
-    };
-    const std::string diffuse =
-        "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
-        "value='0.7, 0.5, 0.3'/></bsdf></bsdf>";
-    return scene_of(
-        "<scene version='3.0.0'><sensor type='" + o.sensor + "'>" + o.sensor_more +
-        "<transform name='to_world'><lookat origin='0.1, 0.2, -3' target='0, 0, 0' up='0, 1, 0'/></transform>"
-        "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/><rfilter type='" +
-        o.filter + "'/></film></sensor>" +
-        wall("<scale value='2'/><rotate y='1' angle='180'/><translate z='2'/>", diffuse) +
-        wall("<scale value='2'/><rotate x='1' angle='-90'/><translate y='-1'/>", diffuse) +
-        (o.glossy_wall.empty() ? "" : wall("<rotate y='1' angle='60'/><translate x='-1'/>", o.glossy_wall)) +
-        "<shape type='sphere'><float name='radius' value='0.4'/>" + o.ball + "</shape>" + o.light + o.more +
-        "</scene>");
+inline std::string room_xml(const RoomOptions& o) {
+    const std::string diffuse = bsdf("twosided", one_sided("0.7, 0.5, 0.3"));
+    const std::string film =
+        element("film", "hdrfilm", integer("width", 8), integer("height", 8), element("rfilter", o.filter));
+    std::string xml = element("sensor", o.sensor, o.sensor_more, to_world(look_at("0.1, 0.2, -3", "0, 0, 0")), film);
+    xml += shape("rectangle", to_world(scale(2), rotate('y', 180), translate(0, 0, 2)), diffuse);
+    xml += shape("rectangle", to_world(scale(2), rotate('x', -90), translate(0, -1, 0)), diffuse);
+    if (!o.glossy_wall.empty())
+        xml += shape("rectangle", to_world(rotate('y', 60), translate(-1, 0, 0)), o.glossy_wall);
+    return scene_xml(xml + shape("sphere", radius(0.4), o.ball) + o.light + o.more);
 }
+inline LoadedScene room(const RoomOptions& options) { return scene_of(room_xml(options)); }
 
 namespace lit_rooms {
-inline const std::string lamp =
-    "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='90'/>"
-    "<translate x='0.6' y='1'/></transform><emitter type='area'><rgb name='radiance' value='5, 4, "
-    "3'/></emitter></shape>";
-inline const std::string shining_ball =
-    "<shape type='sphere'><point name='center' x='0.8' y='0.8' z='-0.5'/><float name='radius' value='0.3'/>"
-    "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
-inline const std::string point = "<emitter type='point'><point name='position' x='0.8' y='1' z='-1'/></emitter>";
+/// A square of this size in front of the wall, which shines downwards.
+inline std::string lamp_of(double size) {
+    return shape("rectangle", to_world(scale(size), rotate('x', 90), translate(0.6, 1, 0)), area_light("5, 4, 3"));
+}
+inline const std::string lamp = lamp_of(0.5);
+inline const std::string shining_ball = shape("sphere", center(0.8, 0.8, -0.5), radius(0.3), area_light(5));
+inline const std::string point = emitter("point", test::point("position", 0.8, 1, -1));
 inline const std::string spot =
-    "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
-    "<lookat origin='0.8, 1, -1' target='0, 0, 0' up='0, 0, 1'/></transform></emitter>";
-inline const std::string sun = "<emitter type='directional'><vector name='direction' x='-1' y='-2' z='1'/></emitter>";
-inline const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.3, 0.4, 0.5'/></emitter>";
+    emitter("spot", number("cutoff_angle", 40), to_world(look_at("0.8, 1, -1", "0, 0, 0", "0, 0, 1")));
+inline const std::string sun = emitter("directional", vector("direction", -1, -2, 1));
+inline const std::string sky = constant_light("0.3, 0.4, 0.5");
 inline const std::string fog =
-    "<shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'>"
-    "<float name='sigma_t' value='0.7'/><rgb name='albedo' value='0.9, 0.8, 0.6'/>"
-    "<phase type='hg'><float name='g' value='0.4'/></phase></medium></shape>";
-inline const std::string grate =
-    "<shape type='rectangle'><transform name='to_world'><translate z='-0.8' x='0.3'/></transform>"
-    "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='twosided'>"
-    "<bsdf type='diffuse'/></bsdf></bsdf></shape>";
-inline const std::string plastic_ball = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.6'/></bsdf>";
-inline const std::string glass_ball = "<bsdf type='dielectric'/>";
+    shape("cube", bsdf("null"),
+          "<medium name='interior' type='homogeneous'>" + number("sigma_t", 0.7) + rgb("albedo", "0.9, 0.8, 0.6") +
+              element("phase", "hg", number("g", 0.4)) + "</medium>");
+inline const std::string grate = shape("rectangle", to_world(translate(0.3, 0, -0.8)),
+                                       bsdf("mask", number("opacity", 0.4), bsdf("twosided", bsdf("diffuse"))));
+inline const std::string plastic_ball = bsdf("plastic", rgb("diffuse_reflectance", 0.6));
+inline const std::string glass_ball = bsdf("dielectric");
+inline const std::string diffuse_ball = bsdf("diffuse");
 
 }  // namespace lit_rooms
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-const std::string tilt = "<rotate x='1' y='2' z='3' angle='40'/><translate x='0.3' y='-2' z='5'/></transform>";
+/// Turns about (1, 2, 3) and moves.
+const std::string tilt = "<rotate x='1' y='2' z='3' angle='40'/>" + translate(0.3, -2, 5);
 const std::string grey = one_sided("0.5");
 
 struct NamedShape {
@@ -20,51 +21,46 @@ struct NamedShape {
 };
 void PrintTo(const NamedShape& shape, std::ostream* out) { *out << shape.name; }
 
-std::string shape(const std::string& type, const std::string& transform, const std::string& inside = grey) {
-    return "<shape type='" + type + "'><transform name='to_world'>" + transform + tilt + inside + "</shape>";
+std::string tilted(const std::string& type, const std::string& steps) {
+    return shape(type, to_world(steps, tilt), grey);
 }
 
 /// A mesh with the vertices and faces of the OBJ text `obj`; its file exists until the program ends.
-std::string obj_shape(const std::string& name, const std::string& obj, const std::string& transform = "") {
+std::string obj_shape(const std::string& name, const std::string& obj, const std::string& steps = "") {
     static const TemporaryFolder folder;
-    return shape("obj", transform, "<string name='filename' value='" + folder.write(name, obj) + "'/>" + grey);
+    return shape("obj", to_world(steps, tilt), text("filename", folder.write(name, obj)), grey);
 }
 
-/// Four triangles around a point, no two of them in one plane.
-std::string pyramid() {
-    return obj_shape("pyramid.obj",
-                     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
-                     "<scale value='2'/>");
+std::string group_of(const std::string& type) {
+    return "<shape type='shapegroup' id='g'>" + shape(type, grey) + "</shape>";
 }
-/// One quadrilateral of two triangles, which is no parallelogram.
-std::string trapezoid() {
-    return obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
-}
+const std::string instance_of_group = shape("instance", reference("g"), to_world(scale(2), tilt));
 
 std::vector<NamedShape> shapes() {
+    // Four triangles around a point, no two of them in one plane.
+    const std::string pyramid =
+        obj_shape("pyramid.obj",
+                  "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", scale(2));
+    // One quadrilateral of two triangles, which is no parallelogram.
+    const std::string trapezoid =
+        obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
     return {
-        {"pyramid", pyramid(), 16 * std::numbers::sqrt2, 4},
-        {"trapezoid", trapezoid(), 5, 1},
-        {"rectangle", shape("rectangle", "<scale x='3' y='0.5'/>"), 6, 1},
-        {"cube", shape("cube", "<scale x='1' y='2' z='3'/>"), 8 * (2 + 3 + 6), 6},
-        {"sphere", shape("sphere", "<scale value='2'/>"), 16 * pi, 0},
-        {"disk", shape("disk", "<scale value='2'/>"), 4 * pi, 0},
-        {"cylinder", shape("cylinder", "<scale value='2'/>"), 2 * pi * 2 * 2, 0},
-        {"instance",
-         "<shape type='shapegroup' id='g'><shape type='rectangle'>" + grey +
-             "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
-             tilt + "</shape>",
-         16, 1},
+        {"pyramid", pyramid, 16 * std::numbers::sqrt2, 4},
+        {"trapezoid", trapezoid, 5, 1},
+        {"rectangle", tilted("rectangle", scale(3, 0.5, 1)), 6, 1},
+        {"cube", tilted("cube", scale(1, 2, 3)), 8 * (2 + 3 + 6), 6},
+        {"sphere", tilted("sphere", scale(2)), 16 * pi, 0},
+        {"disk", tilted("disk", scale(2)), 4 * pi, 0},
+        {"cylinder", tilted("cylinder", scale(2)), 2 * pi * 2 * 2, 0},
+        {"instance", group_of("rectangle") + instance_of_group, 16, 1},
     };
 }
 
 class EveryShapeInPatches : public testing::TestWithParam<NamedShape> {
 protected:
-    EveryShapeInPatches()
-        : scene_(scene_of(scene_xml(inside_view + GetParam().xml))), charts_(*scene_.scene, 0.4), mesh_(charts_, 0.4) {}
-    LoadedScene scene_;
-    Charts charts_;
-    PatchMesh mesh_;
+    const ScenePatches patches_{GetParam().xml, 0.4};
+    const Charts& charts_ = patches_.charts;
+    const PatchMesh& mesh_ = patches_.mesh;
 };
 INSTANTIATE_TEST_SUITE_P(Shapes, EveryShapeInPatches, testing::ValuesIn(shapes()),
                          [](const auto& test) { return test.param.name; });
@@ -127,9 +123,8 @@ TEST_P(EveryShapeInPatches, TurnsItsPolygonsToItsFront) {
 }
 
 TEST(PatchMesh, GivesTwoSidedMaterialsPatchesOnBothSides) {
-    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + diffuse(0.5) + "</shape>"));
-    const Charts charts(*scene.scene, 1.01);
-    const PatchMesh mesh(charts, 1.01);
+    const ScenePatches patches(shape("rectangle", diffuse(0.5)), 1.01);
+    const PatchMesh& mesh = patches.mesh;
     ASSERT_EQ(mesh.sides().size(), 2u);
     EXPECT_EQ(mesh.leaf_count(), 8u);
     EXPECT_LT(mesh.nodes()[mesh.sides()[0].root].polygon.normal.dot(mesh.nodes()[mesh.sides()[1].root].polygon.normal),
@@ -137,20 +132,14 @@ TEST(PatchMesh, GivesTwoSidedMaterialsPatchesOnBothSides) {
 }
 
 TEST(PatchMesh, MakesNoneOfSpecularSurfaces) {
-    const auto scene = scene_of(
-        scene_xml(inside_view + "<shape type='sphere'><bsdf type='conductor'/></shape><shape type='rectangle'>" + grey +
-                  "</shape>"));
-    const Charts charts(*scene.scene, 1);
-    EXPECT_EQ(PatchMesh(charts, 1).sides().size(), 1u);
+    const ScenePatches patches(shape("sphere", bsdf("conductor")) + shape("rectangle", grey), 1);
+    EXPECT_EQ(patches.mesh.sides().size(), 1u);
 }
 
 // A triangle is halved at its longest edge again and again, so that no part is a narrower needle than the whole.
 TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
-    const auto scene =
-        scene_of(scene_xml(inside_view + obj_shape("triangle.obj", "v 0 0 0\nv 5 0 0\nv 0 1 0\nf 1 2 3\n")));
-    const Charts charts(*scene.scene, 0.1);
-    const PatchMesh mesh(charts, 0.1);
-    for (const PatchNode& node : mesh.nodes()) {
+    const ScenePatches patches(obj_shape("triangle.obj", "v 0 0 0\nv 5 0 0\nv 0 1 0\nf 1 2 3\n"), 0.1);
+    for (const PatchNode& node : patches.mesh.nodes()) {
         if (!node.is_leaf()) continue;
         double longest2 = 0;
         for (std::size_t i = 0; i < 3; ++i)
@@ -164,12 +153,9 @@ TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
 // others.
 TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
     constexpr double least = 0.1;
-    const auto scene = scene_of(scene_xml(
-        inside_view + "<shape type='rectangle'>" + grey +
-        "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='0.3'/></transform>" +
-        grey + "</shape>"));
-    const Charts charts(*scene.scene, 1.01);
-    PatchMesh mesh(charts, 1.01);  // 2 x 2 on the floor
+    ScenePatches patches(shape("rectangle", grey) + shape("cube", to_world(scale(0.3), translate(0, 0, 0.3)), grey),
+                         1.01);
+    PatchMesh& mesh = patches.mesh;  // 2 x 2 on the floor
     const auto crossed = [&](const PatchNode& node) {
         Vec2d lower = Vec2d::Constant(2), upper = -lower;
         for (const Vec3d& corner : node.polygon.corners()) {
@@ -199,12 +185,8 @@ TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
 }
 
 TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
-    const auto scene = scene_of(
-        scene_xml(inside_view + "<shape type='shapegroup' id='g'><shape type='sphere'>" + grey +
-                  "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale value='2'/>" +
-                  tilt + "</shape>"));
-    const Charts charts(*scene.scene, 0.4);
-    const PatchMesh mesh(charts, 0.4);
+    const ScenePatches patches(group_of("sphere") + instance_of_group, 0.4);
+    const auto& [loaded, charts, mesh] = patches;
     ASSERT_EQ(mesh.sides().size(), charts.size());
     for (std::uint32_t i = 0; i < 60; ++i) {
         const Sampler u(PointSet::sobol, 3, 0, i);
@@ -217,98 +199,69 @@ TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
     }
 }
 
-/// Halves a leaf and then, `rounds` times in all, one of the two halves made last, so that ever smaller patches
-/// approach a corner of the first side.
-void halve_into_a_corner(PatchMesh& mesh, int rounds) {
-    auto node = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
-    for (int k = 0; k < rounds; ++k) {
-        ASSERT_TRUE(mesh.nodes()[node].is_leaf());
-        mesh.split(node);
-        node = static_cast<std::uint32_t>(mesh.nodes().size() - (k % 4 == 0 ? 1 : 2));
-    }
-}
-
-/// Pseudo-random values of all vertices; the value at a T-junction is the mean
-/// of the two vertices that it is bound to.
-std::vector<double> bound_values(const PatchVertices& vertices) {
-    std::vector<double> values(vertices.vertices().size());
-    for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] = static_cast<double>(mix64(i) % 1000);
-    for (const auto& bound : vertices.bound())
-        values[bound.vertex] = 0.5 * (values[bound.first] + values[bound.second]);
-    return values;
-}
-
-// Values that are interpolated from both sides of an edge agree whatever the corners' values are, also where small
-// patches meet a large one.
-TEST(PatchVertices, InterpolateWithoutCracks) {
-    const auto scene = scene_of(scene_xml(inside_view + "<shape type='rectangle'>" + grey + "</shape>"));
-    const Charts charts(*scene.scene, 1.01);
-    PatchMesh mesh(charts, 1.01);  // 2 x 2
-    halve_into_a_corner(mesh, 9);
-    const PatchVertices vertices(mesh);
-    EXPECT_FALSE(vertices.bound().empty());
-    const std::vector<double> values = bound_values(vertices);
-    const auto value_in = [&](std::uint32_t leaf, const Vec2d& uv) {
-        const auto weights = mesh.weights(mesh.nodes()[leaf], uv);
-        double value = 0;
-        for (std::size_t k = 0; k < 4; ++k)
-            value += weights[k] * values[vertices.of_leaf(leaf)[k]];
-        return value;
-    };
-    int compared = 0;
-    for (std::uint32_t a = 0; a < mesh.nodes().size(); ++a)
-        for (std::uint32_t b = 0; b < a; ++b) {
-            const PatchNode &p = mesh.nodes()[a], &q = mesh.nodes()[b];
-            if (!p.is_leaf() || !q.is_leaf()) continue;
-            const Vec2d lower = uv_of(p.corners[0]).cwiseMax(uv_of(q.corners[0])),
-                        upper = uv_of(p.corners[2]).cwiseMin(uv_of(q.corners[2]));
-            if ((lower.array() > upper.array()).any()) continue;
-            for (const double t : {0.0, 0.3, 0.5, 0.9}) {
-                const Vec2d uv = lower + t * (upper - lower);
-                EXPECT_NEAR(value_in(a, uv), value_in(b, uv), 1e-6);
-                ++compared;
-            }
+/// A shape of few patches, one of which is halved nine times, always in one of the two halves made last, so that ever
+/// smaller patches approach a corner. Its vertices have pseudo-random values; the value at a T-junction is the mean of the
+/// two vertices that it is bound to.
+struct HalvedIntoACorner : ScenePatches {
+    explicit HalvedIntoACorner(const std::string& xml) : ScenePatches(xml, 1.01) {
+        auto node = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
+        for (int k = 0; k < 9; ++k) {
+            EXPECT_TRUE(mesh.nodes()[node].is_leaf());
+            mesh.split(node);
+            node = static_cast<std::uint32_t>(mesh.nodes().size() - (k % 4 == 0 ? 1 : 2));
         }
-    EXPECT_GT(compared, 100);
-}
-
-// The leaves are triangles here. Values are compared at points of every edge that also belong to another leaf.
-TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
-    const auto scene = scene_of(scene_xml(inside_view + obj_shape("one.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")));
-    const Charts charts(*scene.scene, 1.01);
-    PatchMesh mesh(charts, 1.01);
-    halve_into_a_corner(mesh, 9);
-    const PatchVertices vertices(mesh);
-    EXPECT_FALSE(vertices.bound().empty());
-    const std::vector<double> values = bound_values(vertices);
-    const auto value_in = [&](std::uint32_t leaf, const Vec2d& uv) -> std::optional<double> {
-        const auto weights = mesh.weights(mesh.nodes()[leaf], uv);
+        vertices.emplace(mesh);
+        EXPECT_FALSE(vertices->bound().empty());
+        for (std::size_t i = 0; i < vertices->vertices().size(); ++i)
+            values.push_back(static_cast<double>(mix64(i) % 1000));
+        for (const auto& bound : vertices->bound())
+            values[bound.vertex] = 0.5 * (values[bound.first] + values[bound.second]);
+    }
+    /// The interpolated value; none outside the leaf, where weights are cut off.
+    std::optional<double> value_in(std::uint32_t leaf, const Vec2d& uv) const {
+        const PatchNode& node = mesh.nodes()[leaf];
+        const auto weights = mesh.weights(node, uv);
         double value = 0;
         Vec2d there = Vec2d::Zero();
-        for (std::size_t k = 0; k < 3; ++k) {
-            value += weights[k] * values[vertices.of_leaf(leaf)[k]];
-            there += weights[k] * uv_of(mesh.nodes()[leaf].corners[k]);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(node.corner_count()); ++k) {
+            value += weights[k] * values[vertices->of_leaf(leaf)[k]];
+            there += weights[k] * uv_of(node.corners[k]);
         }
-        if ((there - uv).norm() > 1e-9) return std::nullopt;  // outside the leaf, where weights are cut off
-        return value;
-    };
+        return (there - uv).norm() > 1e-9 ? std::nullopt : std::optional(value);
+    }
+
+    std::optional<PatchVertices> vertices;
+    std::vector<double> values;
+};
+
+// Values that are interpolated from both sides of an edge agree whatever the corners' values are, also where small
+// patches meet a large one: they are compared at points of every edge that also belong to another leaf.
+void expect_no_cracks(const std::string& xml) {
+    const HalvedIntoACorner patches(xml);
+    const auto& nodes = patches.mesh.nodes();
     int compared = 0;
-    for (std::uint32_t a = 0; a < mesh.nodes().size(); ++a)
-        for (std::size_t k = 0; k < 3 && mesh.nodes()[a].is_leaf(); ++k)
+    for (std::uint32_t a = 0; a < nodes.size(); ++a)
+        for (std::size_t k = 0; nodes[a].is_leaf() && k < static_cast<std::size_t>(nodes[a].corner_count()); ++k)
             for (const double t : {0.0, 0.3, 0.5, 0.9}) {
-                const Vec2d from = uv_of(mesh.nodes()[a].corners[k]), to = uv_of(mesh.nodes()[a].corners[(k + 1) % 3]);
+                const auto& corners = nodes[a].corners;
+                const Vec2d from = uv_of(corners[k]),
+                            to = uv_of(corners[(k + 1) % static_cast<std::size_t>(nodes[a].corner_count())]);
                 const Vec2d uv = from + t * (to - from);
-                const auto here = value_in(a, uv);
+                const auto here = patches.value_in(a, uv);
                 ASSERT_TRUE(here);
-                for (std::uint32_t b = 0; b < mesh.nodes().size(); ++b) {
-                    const auto there = b != a && mesh.nodes()[b].is_leaf() ? value_in(b, uv) : std::nullopt;
+                for (std::uint32_t b = 0; b < nodes.size(); ++b) {
+                    const auto there = b != a && nodes[b].is_leaf() ? patches.value_in(b, uv) : std::nullopt;
                     if (!there) continue;
                     EXPECT_NEAR(*here, *there, 1e-6);
                     ++compared;
                 }
             }
     EXPECT_GT(compared, 100);
+}
+
+TEST(PatchVertices, InterpolateWithoutCracks) { expect_no_cracks(shape("rectangle", grey)); }
+TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
+    expect_no_cracks(obj_shape("one.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n"));
 }
 
 }  // namespace

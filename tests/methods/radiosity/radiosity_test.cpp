@@ -19,25 +19,39 @@ constexpr double pi = std::numbers::pi;
 /// converged; returns what `use` makes of the run.
 template <typename Use>
 auto after(const LoadedScene& scene, const std::string& label, std::uint32_t passes, Use&& use) {
-    const MethodLabel parsed = MethodLabel::parse(label);
-    const MethodDescription& description = find_method(parsed.name);
-    const auto method =
-        description.create(ParameterValues(all_parameters(description), parsed), MethodDefaults{scene.max_edges});
     StageTimes stages;
-    const auto run = method->start(*scene.scene, 1, stages);
+    const auto run =
+        ConfiguredMethod(MethodLabel::parse(label)).create({scene.max_edges})->start(*scene.scene, 1, stages);
     for (std::uint32_t pass = 0; pass < passes; ++pass)
         if (run->advance(pass) == Progress::converged) break;
-    return use(*run, stages);
+    return use(*run);
 }
 
 std::map<std::string, std::string> facts_of(const LoadedScene& scene, const std::string& label, std::uint32_t passes) {
-    return after(scene, label, passes, [](const gib::Run& run, const StageTimes&) {
+    return after(scene, label, passes, [](const gib::Run& run) {
         const auto facts = run.facts();
         return std::map<std::string, std::string>(facts.begin(), facts.end());
     });
 }
 
-const std::string room = hollow_cube(one_sided("0.7 0.5 0.3")) + point_light("0.3 0.2 0.6", 1);
+/// A model of a scene and its stages' times.
+struct Model {
+    StageTimes stages;
+    RadiosityModel model;
+    Model(const LoadedScene& scene, const RadiositySettings& settings) : model(*scene.scene, settings, 1, stages) {}
+    void converge() {
+        while (!model.has_converged())
+            model.advance();
+    }
+    /// The irradiance where a ray hits, on the side with the normal +z.
+    double irradiance(const LoadedScene& scene, const Vec3& origin) const {
+        const auto hit = scene.scene->intersect({origin, Vec3(0, 0, -1)});
+        EXPECT_TRUE(hit);
+        return hit ? static_cast<double>(model.display().irradiance(*hit, Vec3::UnitZ())[0]) : 0;
+    }
+};
+
+const std::string room = hollow_cube(one_sided("0.7 0.5 0.3")) + point_light(0.3, 0.2, 0.6, 1);
 
 double mean_difference(const Image& a, const Image& b) {
     double sum = 0;
@@ -47,11 +61,8 @@ double mean_difference(const Image& a, const Image& b) {
 }
 
 TEST(Radiosity, ShowsWhatPathTracingDoes) {
-    const std::string block =
-        "<shape type='cube'><transform name='to_world'><scale value='0.3'/><translate x='-0.3' y='0.1' "
-        "z='-0.6'/></transform>" +
-        one_sided("0.6") + "</shape>";
-    const auto scene = scene_of(scene_xml(inside_view + room + block));
+    const auto scene =
+        seen_from_inside(room + shape("cube", to_world(scale(0.3), translate(-0.3, 0.1, -0.6)), one_sided("0.6")));
     const ComponentImages truth = render(scene, "path", 1024);
     const double level = mean_of(*truth[Component::indirect]).mean();
     for (const char* label : {"radiosity patch=0.04 links=0.005", "radiosity patch=0.1 links=0.005 gather=16"}) {
@@ -80,28 +91,20 @@ double light_by_way_of_a_wall(const Vec3d& p, const Vec3d& light, double intensi
 // Away from the edges of shadows, the error falls with the size of patches, at first order or better.
 TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
     const Vec3d light(0.8, 0.2, 1.3);
-    const auto scene = scene_of(
-        scene_xml(inside_view + "<shape type='rectangle'><transform name='to_world'><translate x='1'/></transform>" +
-                  one_sided("0.5") +
-                  "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
-                  "z='1'/></transform>" +
-                  one_sided("0.8") + "</shape>" + point_light("0.8 0.2 1.3", 1)));
+    const auto scene =
+        seen_from_inside(shape("rectangle", to_world(translate(1, 0, 0)), one_sided("0.5")) +
+                         shape("rectangle", to_world(rotate('y', 90), translate(0, 0, 1)), one_sided("0.8")) +
+                         point_light(0.8, 0.2, 1.3, 1));
     std::vector<double> errors;
     for (const double patch : {0.3, 0.15, 0.075}) {
-        StageTimes stages;
-        RadiositySettings settings{patch, RadiositySolver::hierarchical, 0.002, false, 0, "", 3};
-        RadiosityModel model(*scene.scene, settings, 1, stages);
-        while (!model.has_converged())
-            model.advance();
+        Model model(scene, {patch, RadiositySolver::hierarchical, 0.002, false, 0, "", 3});
+        model.converge();
         double error = 0, level = 0;
         for (int i = 0; i < 64; ++i) {
             const Vec3d p(0.2 + 1.6 * (i % 8 + 0.3) / 8, -0.8 + 1.6 * (i / 8 + 0.6) / 8, 0);
             const Vec3d center(1, 0, 1);  // the scene's centre, which is the origin of its coordinates
-            const auto hit =
-                scene.scene->intersect({Vec3((p - center).cast<float>() + Vec3(0, 0, 0.1f)), Vec3(0, 0, -1)});
-            ASSERT_TRUE(hit);
             const double truth = light_by_way_of_a_wall(p, light, 1, 0.8);
-            error += sqr(static_cast<double>(model.display().irradiance(*hit, Vec3::UnitZ())[0]) - truth);
+            error += sqr(model.irradiance(scene, Vec3((p - center).cast<float>() + Vec3(0, 0, 0.1f))) - truth);
             level += sqr(truth);
         }
         errors.push_back(std::sqrt(error / level));
@@ -111,24 +114,20 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
 }
 
 TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
-    const auto scene = scene_of(scene_xml(inside_view + room));
+    const auto scene = seen_from_inside(room);
     const auto other =
-        scene_of(scene_xml("<sensor type='perspective'><float name='fov' value='70'/><transform "
-                           "name='to_world'><lookat origin='0.5 0.5 0.5' target='-1 -1 -1' up='0 0 1'/></transform>" +
-                           box_film(16) + "</sensor>" + room));
-    StageTimes stages;
-    RadiosityModel model(*scene.scene, {0.1, RadiositySolver::hierarchical, 0.02, true, 0, "", 1000}, 1, stages);
-    while (!model.has_converged())
-        model.advance();
-    const auto before = stages.stages();
-    RadiosityView view(*other.scene, effects_of(*other.scene), &model, {1000, true, 0}, 1, stages);
+        Scene(camera(70, to_world(look_at("0.5 0.5 0.5", "-1 -1 -1", "0 0 1")), box_film(16)), room).load();
+    Model solved(scene, {0.1, RadiositySolver::hierarchical, 0.02, true, 0, "", 1000});
+    solved.converge();
+    const auto before = solved.stages.stages();
+    RadiosityView view(*other.scene, effects_of(*other.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
     for (std::uint32_t pass = 0; pass < 8; ++pass)
         view.sample(pass, false);
     const auto alone = after(other, "radiosity patch=0.1 links=0.02 max_depth=1000", 40,
-                             [](const gib::Run& run, const StageTimes&) { return run.image(); });
+                             [](const gib::Run& run) { return run.image(); });
     EXPECT_LT(mean_difference(*view.image()[Component::indirect], *alone[Component::indirect]),
               0.01 * mean_of(*alone[Component::indirect]).mean());
-    const auto stages_after = stages.stages();
+    const auto stages_after = solved.stages.stages();
     ASSERT_EQ(stages_after.size(), before.size() + 1);
     for (std::size_t i = 0; i < before.size(); ++i)
         EXPECT_EQ(stages_after[i].seconds, before[i].seconds) << before[i].name;
@@ -138,23 +137,18 @@ TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
 // A cube of 10 m, reflectance 2/3, with a point light of 50000 cd in the middle: published luminances of a wall at its
 // centre, 2.5 m from it, and 2.5 m from it in both directions.
 TEST(Radiosity, LosesNoLightInAClosedCube) {
-    const auto scene = scene_of(scene_xml(inside_view +
-                                          "<shape type='cube'><boolean name='flip_normals' value='true'/><transform "
-                                          "name='to_world'><scale value='5'/></transform>" +
-                                          one_sided("0.6666666667") + "</shape>" + point_light("0 0 0", 50000)));
+    const auto scene =
+        seen_from_inside(shape("cube", flag("flip_normals"), to_world(scale(5)), one_sided("0.6666666667")) +
+                         point_light(0, 0, 0, 50000));
     for (const RadiositySettings& settings :
          {RadiositySettings{0.04, RadiositySolver::hierarchical, 0.02, true, 0, "", 1000},
           RadiositySettings{0.03, RadiositySolver::hierarchical, 0.02, true, 0, "", 1000},
           RadiositySettings{0.04, RadiositySolver::hierarchical, 0.005, false, 0, "", 1000}}) {
-        StageTimes stages;
-        RadiosityModel model(*scene.scene, settings, 1, stages);
-        while (!model.has_converged())
-            model.advance();
+        Model model(scene, settings);
+        model.converge();
         for (const auto& [x, y, luminance] : {std::tuple{0.f, 0.f, 892.8}, {2.5f, 0.f, 768.7}, {2.5f, 2.5f, 686.6}}) {
-            const auto hit = scene.scene->intersect({Vec3(x, y, 0.f), Vec3(0, 0, -1)});
-            ASSERT_TRUE(hit);
             const double direct = 50000 * 5 / std::pow(25 + static_cast<double>(x * x + y * y), 1.5);
-            const double E = direct + static_cast<double>(model.display().irradiance(*hit, Vec3::UnitZ())[0]);
+            const double E = direct + model.irradiance(scene, Vec3(x, y, 0.f));
             EXPECT_NEAR(2.0 / 3 * E / pi / luminance, 1, 0.003) << settings.patch << ' ' << settings.links;
         }
     }
@@ -162,16 +156,17 @@ TEST(Radiosity, LosesNoLightInAClosedCube) {
 
 // While the solution changes, images show the latest solution only.
 TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
-    const auto scene = scene_of(scene_xml(inside_view + room));
-    StageTimes stages;
-    RadiosityModel model(*scene.scene, {0.2, RadiositySolver::gauss_seidel, 0.02, true, 0, "", 1000}, 1, stages);
-    RadiosityView changed(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
-    model.advance();
+    const auto scene = seen_from_inside(room);
+    Model solved(scene, {0.2, RadiositySolver::gauss_seidel, 0.02, true, 0, "", 1000});
+    const auto view = [&] {
+        return RadiosityView(*scene.scene, effects_of(*scene.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
+    };
+    RadiosityView changed = view();
+    solved.model.advance();
     changed.sample(0, true);
     const double early = mean_of(*changed.image()[Component::indirect]).mean();
-    while (!model.has_converged())
-        model.advance();
-    RadiosityView fresh(*scene.scene, effects_of(*scene.scene), &model, {1000, true, 0}, 1, stages);
+    solved.converge();
+    RadiosityView fresh = view();
     for (std::uint32_t pass = 1; pass < 3; ++pass) {
         changed.sample(pass, pass == 1);
         fresh.sample(pass, pass == 1);
@@ -184,12 +179,11 @@ TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
 
 // A floor lies under a plate that is lit from above and reflects on its upper side only.
 TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
-    const auto scene = scene_of(scene_xml(
-        "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><lookat origin='0 -3 0.4' "
-        "target='0 0 0' up='0 0 1'/></transform>" +
-        box_film(16) + "</sensor><shape type='rectangle'>" + one_sided("0.8") +
-        "</shape><shape type='rectangle'><transform name='to_world'><translate z='1'/></transform>" + one_sided("0.8") +
-        "</shape>" + point_light("0 0 2", 5) + point_light("0 -2 0.3", 5)));
+    const std::string plate = one_sided("0.8");
+    const auto scene = Scene(camera(40, to_world(look_at("0 -3 0.4", "0 0 0", "0 0 1")), box_film(16)),
+                             shape("rectangle", plate), shape("rectangle", to_world(translate(0, 0, 1)), plate),
+                             point_light(0, 0, 2, 5), point_light(0, -2, 0.3, 5))
+                           .load();
     for (const char* label : {"radiosity patch=0.1", "radiosity patch=0.1 gather=4"}) {
         const ComponentImages image = render(scene, label, 4);
         EXPECT_GT(mean_of(*image[Component::direct]).sum(), 0.01) << label;
@@ -199,11 +193,8 @@ TEST(Radiosity, TheBackOfAOneSidedSurfaceIsBlack) {
 
 // A wall that stands on the floor causes edges in the irradiance, which patches of the solution's size cannot show.
 TEST(Radiosity, HalvesPatchesWhereLightChanges) {
-    const std::string wall =
-        "<shape type='cube'><transform name='to_world'><scale x='0.02' y='0.7' z='0.4'/><translate x='0.13' "
-        "z='-0.6'/></transform>" +
-        one_sided("0.6") + "</shape>";
-    const auto scene = scene_of(scene_xml(inside_view + room + wall));
+    const auto scene = seen_from_inside(
+        room + shape("cube", to_world(scale(0.02, 0.7, 0.4), translate(0.13, 0, -0.6)), one_sided("0.6")));
     const ComponentImages truth = render(scene, "radiosity patch=0.05 links=0.005 gather=64", 32);
     const auto error_of = [&](const std::string& label) {
         return mean_difference(*render(scene, label, 32)[Component::indirect], *truth[Component::indirect]);
@@ -217,7 +208,7 @@ TEST(Radiosity, HalvesPatchesWhereLightChanges) {
 }
 
 TEST(Radiosity, SaysHowFarItCame) {
-    const auto scene = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.999")) + point_light("0.5 0 0", 1)));
+    const auto scene = seen_from_inside(hollow_cube(one_sided("0.999")) + point_light(0.5, 0, 0, 1));
     auto facts = facts_of(scene, "radiosity patch=0.2 solver=gauss_seidel", 3);
     EXPECT_EQ(facts["converged"], "no");
     EXPECT_EQ(facts["sweeps"], "3");
@@ -230,7 +221,7 @@ TEST(Radiosity, SaysHowFarItCame) {
 }
 
 TEST(Radiosity, RefusesWhatDoesNotFitBeforeItIsMade) {
-    const auto scene = scene_of(scene_xml(inside_view + room));
+    const auto scene = seen_from_inside(room);
     for (const char* label : {"radiosity patch=1e-5", "radiosity patch=0.001 solver=conjugate_gradient",
                               "radiosity patch=0.001 solver=direct"})
         try {
@@ -245,7 +236,7 @@ TEST(Radiosity, RefusesWhatDoesNotFitBeforeItIsMade) {
 TEST(Radiosity, WritesItsPatchesWithTheirLight) {
     const TemporaryFolder folder;
     const std::string file = folder / "patches.ply";
-    const auto scene = scene_of(scene_xml(inside_view + room));
+    const auto scene = seen_from_inside(room);
     auto facts = facts_of(scene, "radiosity patch=0.2 adapt=off ply=" + file, 30);
     const std::string text = read_file(file);
     EXPECT_THAT(text, testing::HasSubstr("property float B_red"));
@@ -264,9 +255,7 @@ TEST(Radiosity, WritesItsPatchesWithTheirLight) {
 
 TEST(Radiosity, NamesWhatItLeavesOut) {
     const auto scene = shipped_scene("cornell-glass.xml");
-    const MethodDescription& description = find_method("radiosity");
-    const auto plan =
-        description.create(ParameterValues(description.parameters, {"radiosity", {}}), {})->plan(*scene.scene);
+    const auto plan = ConfiguredMethod(MethodLabel{"radiosity", {}}).create({})->plan(*scene.scene);
     for (const Effect e : {Effect::specular_reflection, Effect::refraction, Effect::caustics})
         EXPECT_TRUE(plan.missing.has(e)) << name_of(e);
     EXPECT_THAT(plan.unresolved, testing::IsSupersetOf({Component::direct, Component::indirect, Component::caustic}));
@@ -275,7 +264,7 @@ TEST(Radiosity, NamesWhatItLeavesOut) {
 }
 
 TEST(Radiosity, LinksAreOfTheHierarchicalSolverOnly) {
-    const auto scene = scene_of(scene_xml(inside_view + room));
+    const auto scene = seen_from_inside(room);
     EXPECT_THROW(facts_of(scene, "radiosity solver=direct links=0.1", 1), InputError);
 }
 

@@ -12,20 +12,18 @@ constexpr double pi = std::numbers::pi;
 
 std::string grey(double rho) { return one_sided(std::to_string(rho)); }
 
+/// A hollow cube of one reflectance with a light near a wall.
+PatchedScene cube_of(double rho, double size, double error = 0) {
+    return {hollow_cube(grey(rho)) + point_light(0.5, 0, 0, 1), size, error};
+}
+
 /// A cubic room with a block in it. Its walls have different reflectances; one reflects nothing in two channels.
 const std::string coloured_room =
-    "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform>" + one_sided("0.8 0.6 0.4") +
-    "</shape><shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate "
-    "z='1'/></transform>" +
-    one_sided("0.3 0.3 0.9") +
-    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate "
-    "x='-1'/></transform>" +
-    one_sided("0.7 0 0") +
-    "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='-90'/><translate "
-    "x='1'/></transform>" +
-    one_sided("0.5") +
-    "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate z='-0.7'/></transform>" +
-    one_sided("0.9") + "</shape>" + point_light("0.3 0.2 0.6", 1);
+    shape("rectangle", to_world(translate(0, 0, -1)), one_sided("0.8 0.6 0.4")) +
+    shape("rectangle", to_world(rotate('x', 180), translate(0, 0, 1)), one_sided("0.3 0.3 0.9")) +
+    shape("rectangle", to_world(rotate('y', 90), translate(-1, 0, 0)), one_sided("0.7 0 0")) +
+    shape("rectangle", to_world(rotate('y', -90), translate(1, 0, 0)), one_sided("0.5")) +
+    shape("cube", to_world(scale(0.3), translate(0, 0, -0.7)), one_sided("0.9")) + point_light(0.3, 0.2, 0.6, 1);
 
 double mean_over(const RadiositySystem& system, const PatchColors& values, int channel) {
     double sum = 0, area = 0;
@@ -64,7 +62,7 @@ TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
 
 // The power of the first reflection has been absorbed or is still to be shot.
 TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
-    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const PatchedScene scene = cube_of(0.6, 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::shooting);
     const double first = scene.system.power(solution->radiosity())[0];
     for (int sweep = 0; sweep < 6; ++sweep) {
@@ -81,7 +79,7 @@ TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
 // In a closed room of one reflectance, the ambient estimate adds exactly the power that is still to be reflected. The
 // estimate is not part of the solution.
 TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
-    const PatchedScene scene(hollow_cube(grey(0.6)) + point_light("0.5 0 0", 1), 0.7);
+    const PatchedScene scene = cube_of(0.6, 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::shooting);
     const double first = scene.system.power(solution->radiosity())[0];
     for (int sweep = 0; sweep < 4; ++sweep) {
@@ -96,7 +94,7 @@ TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
 // If patches received the radiosity of the sweep before (Jacobi iteration), each sweep would add one reflection;
 // rho^(n + 1) would be missing after n sweeps.
 TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
-    const PatchedScene scene(hollow_cube(grey(0.9)) + point_light("0.5 0 0", 1), 0.7);
+    const PatchedScene scene = cube_of(0.9, 0.7);
     const auto solution = start_solution(scene.system, RadiositySolver::gauss_seidel);
     for (int sweep = 1; sweep <= 8; ++sweep)
         solution->sweep();
@@ -107,7 +105,7 @@ TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
 // area rho / (1 - rho), whatever the walls see of each other.
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
-        const PatchedScene scene(hollow_cube(grey(rho)) + point_light("0 0 0", 1), 0.26, 0.02);
+        const PatchedScene scene(hollow_cube(grey(rho)) + point_light(0, 0, 0, 1), 0.26, 0.02);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
         const PatchColors E = scene.system.irradiance(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
@@ -116,7 +114,7 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
 
 // Form factors between flat patches without occluders have a closed form, so the scaling of rows corrects little.
 TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
-    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0 0 0", 1), 0.51);
+    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light(0, 0, 0, 1), 0.51);
     EXPECT_LT(scene.system.closure().largest, 1e-3);
 }
 
@@ -124,7 +122,7 @@ TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
 // light: 4 pi / (4 pi r^2) rho / (1 - rho).
 TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
-        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light("0.3 0.2 0.1", 1), 0.45);
+        const PatchedScene scene(hollow_sphere(grey(rho)) + point_light(0.3, 0.2, 0.1, 1), 0.45);
         const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
         const PatchColors E = scene.system.irradiance(solution->radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
@@ -135,7 +133,7 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
 
 /// Standard deviation of the indirect irradiance of an integrating sphere's patches over its mean, which is 1.
 double unevenness_of_a_sphere(double size) {
-    const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light("0.3 0.2 0.1", 1), size);
+    const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light(0.3, 0.2, 0.1, 1), size);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
     PatchColors E = scene.system.irradiance(solution->radiosity());
     for (Colord& e : E)
@@ -151,7 +149,7 @@ TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
 }
 
 TEST(RadiositySystem, WhiteWallsConverge) {
-    const PatchedScene scene(hollow_cube(grey(0.999)) + point_light("0.5 0 0", 1), 0.51, 0.02);
+    const PatchedScene scene = cube_of(0.999, 0.51, 0.02);
     const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
     EXPECT_LT(solution->residual(), 1e-4);
     EXPECT_NEAR(mean_over(scene.system, scene.system.irradiance(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1,
@@ -192,7 +190,7 @@ TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
 // Light that leaves a group arrives somewhere: without the scaling of rows, coarse links distribute the light of each
 // leaf unevenly, but none of it is lost, and the mean row sum is 1.
 TEST(PatchLinks, BetweenGroupsLoseNoLight) {
-    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light("0.3 0.2 0.6", 1), 0.26, 0.02, false);
+    const PatchedScene scene(hollow_cube(grey(0.5)) + point_light(0.3, 0.2, 0.6, 1), 0.26, 0.02, false);
     const PatchColors rows = scene.system.irradiance(PatchColors(scene.system.node_count(), Colord::Ones()));
     EXPECT_NEAR(mean_over(scene.system, rows, 0), 1, 1e-3);
     PatchColors X(scene.system.node_count(), Colord::Zero()), E;
@@ -217,15 +215,13 @@ std::string ball_mesh(const TemporaryFolder& folder, int n) {
             if (k > 0) obj += fmt::format("f {} {} {}\n", a, d, b);
             if (k < n - 1) obj += fmt::format("f {} {} {}\n", a, c, d);
         }
-    folder.write("ball.obj", obj);
-    return "<shape type='obj'><string name='filename' value='" + folder / "ball.obj" +
-           "'/><boolean name='face_normals' value='true'/>" + grey(0.7) + "</shape>";
+    return shape("obj", text("filename", folder.write("ball.obj", obj)), flag("face_normals"), grey(0.7));
 }
 
 // Clusters of a mesh's triangles exchange the same light as all pairs of patches do.
 TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
     const TemporaryFolder folder;
-    const std::string scene_text = hollow_cube(grey(0.5)) + ball_mesh(folder, 12) + point_light("0.3 0.2 0.8", 1);
+    const std::string scene_text = hollow_cube(grey(0.5)) + ball_mesh(folder, 12) + point_light(0.3, 0.2, 0.8, 1);
     const PatchedScene all(scene_text, 0.51, 0, false), grouped(scene_text, 0.51, 0.02, false);
     EXPECT_LT(grouped.links.links.size(), all.links.links.size());
     const auto with_cluster = [&](const PatchLink& link) {
@@ -250,26 +246,22 @@ TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
 // A patch reflects the mean of its reflectance over evenly distributed light, be it constant, masked or textured.
 TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     const auto reflectance_of = [](const std::string& material) {
-        const PatchedScene scene("<shape type='rectangle'>" + material + "</shape>" + point_light("0 0 1", 1), 3, 0,
-                                 false);
+        const PatchedScene scene(shape("rectangle", material) + point_light(0, 0, 1, 1), 3, 0, false);
         EXPECT_EQ(scene.system.size(), 1u);
         return scene.light.reflectance[0][1];
     };
     EXPECT_NEAR(reflectance_of(grey(0.5)), 0.5, 1e-6);
-    EXPECT_NEAR(reflectance_of("<bsdf type='mask'><float name='opacity' value='0.3'/>" + grey(0.5) + "</bsdf>"), 0.15,
-                1e-6);
-    const std::string board =
-        "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'><rgb name='color0' value='0.2'/><rgb "
-        "name='color1' value='0.8'/></texture></bsdf>";
+    EXPECT_NEAR(reflectance_of(bsdf("mask", number("opacity", 0.3), grey(0.5))), 0.15, 1e-6);
+    const std::string board = bsdf("diffuse", "<texture name='reflectance' type='checkerboard'>", rgb("color0", 0.2),
+                                   rgb("color1", 0.8), "</texture>");
     EXPECT_NEAR(reflectance_of(board), 0.5, 0.05);
 }
 
 // The walls of a closed block have patches on both sides. Those inside are dark, and no others.
 TEST(PatchLight, FindsThatNoLightGetsIntoAClosedBlock) {
-    const PatchedScene scene(hollow_cube(grey(0.5)) +
-                                 "<shape type='cube'><transform name='to_world'><scale value='0.3'/></transform>" +
-                                 diffuse(0.5) + "</shape>" + point_light("0.3 0.2 0.8", 1),
-                             0.51);
+    const PatchedScene scene(
+        hollow_cube(grey(0.5)) + shape("cube", to_world(scale(0.3)), diffuse(0.5)) + point_light(0.3, 0.2, 0.8, 1),
+        0.51);
     int dark = 0;
     for (const std::uint32_t leaf : scene.system.leaves()) {
         const PatchNode& node = scene.mesh.nodes()[leaf];
@@ -283,10 +275,9 @@ TEST(PatchLight, FindsThatNoLightGetsIntoAClosedBlock) {
 // A block stands in the middle of four patches and covers 9 % of each. The 16 points of a patch lie in 4 x 4 equal cells,
 // one of which is covered; three others are covered in part.
 TEST(PatchLight, LeavesOutWhatABlockCovers) {
-    const PatchedScene scene("<shape type='rectangle'>" + grey(0.5) +
-                                 "</shape><shape type='cube'><transform name='to_world'><scale value='0.3'/><translate "
-                                 "z='0.3'/></transform>" +
-                                 grey(0.5) + "</shape>" + point_light("0 0 3", 1),
+    const PatchedScene scene(shape("rectangle", grey(0.5)) +
+                                 shape("cube", to_world(scale(0.3), translate(0, 0, 0.3)), grey(0.5)) +
+                                 point_light(0, 0, 3, 1),
                              1.01, 0, false);
     for (const std::uint32_t leaf : scene.system.leaves()) {
         const PatchNode& node = scene.mesh.nodes()[leaf];
@@ -297,16 +288,15 @@ TEST(PatchLight, LeavesOutWhatABlockCovers) {
 }
 
 TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
-    const std::string walls = hollow_cube(grey(0.5));
-    const auto links_with = [&](const std::string& position) {
-        const PatchedScene scene(walls + point_light(position, 1), 0.26, 0.02);
+    const auto links_with = [](double height) {
+        const PatchedScene scene(hollow_cube(grey(0.5)) + point_light(0, 0, height, 1), 0.26, 0.02);
         std::size_t low = 0, high = 0;
         for (const PatchLink& link : scene.links.links)
             for (const std::uint32_t end : {link.p, link.q})
                 ++(scene.mesh.nodes()[end].center.z() > 0 ? high : low);
         return static_cast<double>(high) / static_cast<double>(low);
     };
-    EXPECT_GT(links_with("0 0 0.9"), 1.2 * links_with("0 0 -0.9"));
+    EXPECT_GT(links_with(0.9), 1.2 * links_with(-0.9));
 }
 
 }  // namespace

@@ -26,20 +26,19 @@ inline void spread(std::vector<Photon>& photons, std::size_t n, const Vec3& corn
     }
 }
 
-/// A white diffuse shape; its rectangle is [-1, 1]^2 in z = 0 before `transform`.
-inline std::string white(const std::string& type, const std::string& transform) {
-    return "<shape type='" + type + "'><transform name='to_world'>" + transform + "</transform>" + diffuse(1.0) +
-           "</shape>";
+/// A white diffuse shape; its rectangle is [-1, 1]^2 in z = 0 before the steps of `placing`.
+inline std::string white(const std::string& type, const std::string& placing = "") {
+    return shape(type, to_world(placing), diffuse(1.0));
 }
 
 /// A scene of these shapes. Two specks far away on opposite sides keep the scene's centre at the origin, so that its
 /// coordinates are as in the file.
 inline LoadedScene scene_of_shapes(const std::string& shapes) {
-    const auto speck = [](const char* at) {
-        return white("rectangle", std::string("<scale value='0.001'/><translate ") + at + "/>");
-    };
-    return scene_of(scene_xml("<sensor type='orthographic'>" + box_film(4) + "</sensor>" + shapes +
-                              speck("x='-10' y='-10' z='-10'") + speck("x='10' y='10' z='10'")));
+    const std::string speck = scale(0.001);
+    return Scene(element("sensor", "orthographic", box_film(4)), shapes,
+                 white("rectangle", speck + translate(-10, -10, -10)),
+                 white("rectangle", speck + translate(10, 10, 10)))
+        .load();
 }
 
 /// Estimates divided by the truth `E` / pi over `maps` independent sets of photons, for each estimator and each group

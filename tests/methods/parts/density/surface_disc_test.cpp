@@ -1,20 +1,19 @@
-// The part of a disc that lies on the surface (area=surface) at edges, walls, corners, layers and on spheres.
+// The part of a disc that lies on the surface (area=surface) at edges, walls, corners, layers and on spheres. And the grid of
+// places around which a scene is flat: what it says is true, and look-ups that use it find the same light.
 #include "methods/parts/density/surface_disc.h"
 
+#include "methods/parts/density/flat_regions.h"
+#include "methods/parts/photons/photon_walk.h"
 #include "tests/methods/parts/density/density_fixtures.h"
+#include "tests/support/scene_text.h"
 
-namespace gib::surface_disc_test {
+#include <limits>
+
+namespace gib::test::surface_disc_test {
 namespace {
 
-using test::down_at;
-using test::Moments;
-using test::relative_estimates;
-using test::scene_of_shapes;
-using test::spread;
-using test::white;
-
 const Vec3 up(0, 0, 1);
-const std::string floor_square = white("rectangle", "");
+const std::string floor_square = white("rectangle");
 
 /// About k of the n photons over [-1, 1]^2 lie within the radius r.
 constexpr std::size_t n = 20000, k = 100;
@@ -47,7 +46,7 @@ TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
     const LoadedScene scene = scene_of_shapes(floor_square);
     const auto photons = [](std::uint64_t seed) { return bright_beyond(2.f, 0.f, seed); };
     const std::array distances = {0.01f, 0.3f, 0.6f, 0.8f, 0.9f, 1.2f};
-    test::Groups groups;
+    Groups groups;
     for (float s : distances) {
         auto& eyes = groups.emplace_back();
         for (int i = -3; i <= 3; ++i)
@@ -72,14 +71,12 @@ TEST(SurfaceDisc, WhereTheSurfaceEndsTheAreaIsCut) {
 TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
     for (float turn : {0.f, 0.2f, 0.7f, 2.f}) {
         SCOPED_TRACE(turn);
-        const std::string degrees = std::to_string(turn * 180.f / pi);
-        const LoadedScene scene = scene_of_shapes(floor_square + white("rectangle",
-                                                                       "<rotate y='1' angle='90'/><scale y='4'/>"
-                                                                       "<rotate z='1' angle='" +
-                                                                           degrees + "'/>"));
+        const LoadedScene scene =
+            scene_of_shapes(floor_square + white("rectangle", rotate('y', 90) + scale(1, 4, 1) +
+                                                                  rotate('z', static_cast<double>(turn * 180.f / pi))));
         const auto photons = [&](std::uint64_t seed) { return bright_beyond(0.f, turn, seed); };
         const std::array distances = {0.02f, 0.3f, 0.5f, 0.7f, 0.95f};
-        test::Groups groups;
+        Groups groups;
         for (float s : distances) {
             auto& eyes = groups.emplace_back();
             for (int i = -2; i <= 2; ++i) {
@@ -104,10 +101,9 @@ TEST(SurfaceDisc, NothingIsSeenThroughAThinWall) {
 // lose beyond the edges is known. A quarter of a fixed disc has 25 photons: the standard error is 1 / sqrt(25 x 300),
 // times 1.15 at most for the kernel.
 TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
-    const LoadedScene scene =
-        scene_of_shapes(white("rectangle", "<translate x='1' y='1'/>") +
-                        white("rectangle", "<rotate y='1' angle='90'/><translate y='1' z='1'/>") +
-                        white("rectangle", "<rotate x='1' angle='-90'/><translate x='1' z='1'/>"));
+    const LoadedScene scene = scene_of_shapes(white("rectangle", translate(1, 1, 0)) +
+                                              white("rectangle", rotate('y', 90) + translate(0, 1, 1)) +
+                                              white("rectangle", rotate('x', -90) + translate(1, 0, 1)));
     const Vec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2);
     const auto photons = [&](std::uint64_t seed) {
         std::vector<Photon> all;
@@ -116,10 +112,10 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
         spread(all, n, Vec3::Zero(), x, z, Vec3(0, 1, 0), 4000.f, seed + 200000);
         return all;
     };
-    const test::Groups groups = {{down_at(0.05f * r, 0.05f * r)},
-                                 {down_at(0.4f * r, 0.1f * r)},
-                                 {down_at(0.4f * r, 0.6f * r)},
-                                 {down_at(3.f * r, 0.3f * r)}};
+    const Groups groups = {{down_at(0.05f * r, 0.05f * r)},
+                           {down_at(0.4f * r, 0.1f * r)},
+                           {down_at(0.4f * r, 0.6f * r)},
+                           {down_at(3.f * r, 0.3f * r)}};
     const auto found = relative_estimates(*scene.scene, estimators(), 300, 1.0, photons, groups);
     for (std::size_t e = 0; e < found.size(); ++e)
         for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -133,8 +129,7 @@ TEST(SurfaceDisc, AnInsideCornerKeepsEachWallsOwnLight) {
 // other one and of both undersides do not count.
 TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
     constexpr float gap = 3.5e-3f;
-    const LoadedScene scene =
-        scene_of_shapes(floor_square + white("rectangle", "<translate z='" + std::to_string(-gap) + "'/>"));
+    const LoadedScene scene = scene_of_shapes(floor_square + white("rectangle", translate(0, 0, -3.5e-3)));
     const auto photons = [&](float upper, float lower) {
         return [=](std::uint64_t seed) {
             std::vector<Photon> all;
@@ -163,7 +158,7 @@ TEST(SurfaceDisc, ALayerCloseByIsAnotherSurface) {
 // The cap of a sphere within the chord d has the area pi d^2, so nothing is cut, inside or outside, for radii up to
 // nearly the sphere's own.
 TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
-    const LoadedScene scene = scene_of_shapes("<shape type='sphere'>" + test::diffuse(1.0) + "</shape>");
+    const LoadedScene scene = scene_of_shapes(white("sphere"));
     const auto photons = [](float side) {
         return [side](std::uint64_t seed) {
             std::vector<Photon> all;
@@ -171,7 +166,7 @@ TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
                 const Vec2 u = Sampler(PointSet::independent, seed, i, 0).get_2d(0);
                 const float z = 1.f - 2.f * u.x(), s = std::sqrt(std::max(1.f - z * z, 0.f));
                 const Vec3 p(s * std::cos(2.f * pi * u.y()), s * std::sin(2.f * pi * u.y()), z);
-                all.push_back(test::photon_at(p, side * p, 4.f * pi / n));
+                all.push_back(photon_at(p, side * p, 4.f * pi / n));
             }
             return all;
         };
@@ -191,5 +186,96 @@ TEST(SurfaceDisc, ACurvedSurfaceIsNotCut) {
     }
 }
 
+/// The square [-1, 1]^2 in z = 0 and a wall across it at x = 0.5.
+const std::string floor_and_wall = white("rectangle") + white("rectangle", rotate('y', 90) + translate(0.5, 0, 0));
+
+LoadedScene seen_in_parallel(const std::string& shapes) {
+    return Scene(element("sensor", "orthographic", box_film(4)), shapes).load();
+}
+
+/// Asks about points of the floor where `distance(x, y)` is that to the nearest end or obstacle.
+template <typename Distance, typename Ask>
+void for_floor(const LoadedScene& loaded, const Distance& distance, const Ask& ask) {
+    const FlatRegions regions(*loaded.scene, 32);
+    for (float x = -0.98f; x < 1.f; x += 0.0317f)
+        for (float y = -0.98f; y < 1.f; y += 0.0317f) {
+            const auto hit = loaded.scene->intersect(down_at(x, y));
+            ASSERT_TRUE(hit);
+            const float d = distance(x, y);
+            ask(regions, *hit, d);
+        }
+}
+
+// The grid has voxels of 1/16 and may be too careful by three of them; it looks 6 voxels far.
+TEST(FlatRegions, EndAtWallsAndWhereTheSurfaceEnds) {
+    constexpr float voxel = 1.f / 16;
+    int flat = 0;
+    for_floor(
+        seen_in_parallel(floor_and_wall),
+        [](float x, float y) {
+            return std::min({std::abs(x - 0.5f), 1.f - std::abs(x), 1.f - std::abs(y)});
+        },
+        [&](const FlatRegions& regions, const SurfaceHit& hit, float d) {
+            EXPECT_FALSE(regions.flat_around(hit, 1.001f * d)) << hit.p.transpose();
+            const float surely = std::min(d - 3.1f * voxel, 5.9f * voxel);
+            if (!(surely > 0.f)) return;
+            EXPECT_TRUE(regions.flat_around(hit, surely)) << hit.p.transpose();
+            ++flat;
+        });
+    EXPECT_GT(flat, 500);
+}
+
+// Two floors in one mesh, the same triangles twice: each edge at their end belongs to two triangles.
+TEST(FlatRegions, EndWhereASurfaceThatIsThereTwiceEnds) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("twice.obj",
+                                          "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+                                          "f 1 2 3\nf 1 3 4\nf 1 2 3\nf 1 3 4\n");
+    const LoadedScene loaded =
+        seen_in_parallel(shape("obj", text("filename", file), flag("face_normals"), diffuse(0.5)));
+    for_floor(
+        loaded, [](float x, float y) { return std::min(1.f - std::abs(x), 1.f - std::abs(y)); },
+        [](const FlatRegions& regions, const SurfaceHit& hit, float d) {
+            EXPECT_FALSE(regions.flat_around(hit, 1.001f * d)) << hit.p.transpose();
+        });
+}
+
+TEST(FlatRegions, EndUnderASphere) {
+    const LoadedScene loaded =
+        seen_in_parallel(white("rectangle") + white("sphere", scale(0.5) + translate(0, 0, 0.55)) +
+                         white("sphere", scale(0.5) + translate(0, 0, -0.55)));
+    const FlatRegions regions(*loaded.scene, 32);
+    const auto hit = loaded.scene->intersect(down_at(0.02f, 0.02f, 0.04f));
+    ASSERT_TRUE(hit);
+    EXPECT_FALSE(regions.flat_around(*hit, 0.06f));
+}
+
+// Rays would have found nothing where the grid says that there is nothing, so that no bit changes.
+TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
+    const LoadedScene loaded = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const gib::Scene& scene = *loaded.scene;
+    auto walk = trace_photons(scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
+    const PhotonMap map(walk.photons, walk.unit);
+    const FlatRegions regions(scene, FlatRegions::resolution_for(200000));
+    for (const std::size_t k : {std::size_t{50}, all_photons}) {
+        DensityEstimator with{Kernel::uniform, k, 0.01f * scene.diagonal(), DiscArea::surface};
+        const DensityEstimator without = with;
+        with.flat_regions = &regions;
+        RayQueries rays(scene), probed(scene);
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x) {
+                const Ray eye = scene.sensor().generate_ray(x, y, Vec2(0.5f, 0.5f));
+                const auto hit = scene.intersect(eye);
+                if (!hit) continue;
+                const Sampler u(PointSet::independent, 1, static_cast<std::uint64_t>(32 * y + x), 0);
+                const Reflected a = with.reflected_radiance(map, rays, *hit, -eye.d, EyePath{100}, u, 0);
+                const Reflected b = without.reflected_radiance(map, probed, *hit, -eye.d, EyePath{100}, u, 0);
+                ASSERT_TRUE((a.between_surfaces == b.between_surfaces).all()) << x << ' ' << y;
+                ASSERT_EQ(a.near_obstacle, b.near_obstacle);
+            }
+        EXPECT_LT(3 * rays.count(), 2 * probed.count());
+    }
+}
+
 }  // namespace
-}  // namespace gib::surface_disc_test
+}  // namespace gib::test::surface_disc_test

@@ -38,8 +38,8 @@ double power_of(const StoredPhotons& stored) {
 
 TEST(StoredLight, IsHeldByTheRunsOfTheMethodsThatAreListed) {
     const auto scene =
-        scene_of(scene_xml("<sensor type='perspective'>" + box_film(4) + "</sensor><shape type='rectangle'>" +
-                           diffuse(0.5) + "</shape>" + point_light("0 0 1", 1)));
+        Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.5)), point_light(0, 0, 1, 1))
+            .load();
     for (const MethodDescription& method : method_registry()) {
         StageTimes stages;
         const auto made = ConfiguredMethod(MethodLabel{method.name, {}}).create({scene.max_edges});
@@ -107,7 +107,7 @@ TEST(StoredLight, OfAProgressiveMapperIsThatOfTheLastPass) {
 // A closed box of reflectance rho with a lamp of power P inside: the patches together reflect
 // P rho / (1 - rho), as every surface returns the share rho of all light that it gets.
 TEST(StoredLight, OfRadiosityIsThePowerThatPatchesReflect) {
-    const auto room = scene_of(scene_xml(inside_view + hollow_cube(one_sided("0.5")) + point_light("0 0 0", 1)));
+    const auto room = seen_from_inside(hollow_cube(one_sided("0.5")) + point_light(0, 0, 0, 1));
     EXPECT_TRUE(stored_after(room, "radiosity patch=0.1", 0).empty()) << "before the first sweep";
     const StoredPatches patches = stored_after(room, "radiosity patch=0.1 adapt=off", 20).patches;
     ASSERT_EQ(patches.corners.size(), patches.radiosity.size());
