@@ -4,18 +4,14 @@
 
 #include "experiments/results/judgement.h"
 
+#include "tests/support/constant_image.h"
+
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
-namespace gib::scene_light_test {
+namespace gib::test::scene_light_test {
 namespace {
 
-Image constant(float value) {
-    Image image(2, 2);
-    std::fill(image.rgb.begin(), image.rgb.end(), value);
-    return image;
-}
+Image constant(float value) { return constant_image(value, 2, 2); }
 
 /// A reference with `direct` light and a black `emission`, which does not resolve `caustic` and `volume`, of which it shows
 /// nothing.
@@ -69,4 +65,4 @@ TEST(Judgement, HasNoTotalWhereNothingIsJudged) {
 }
 
 }  // namespace
-}  // namespace gib::scene_light_test
+}  // namespace gib::test::scene_light_test
