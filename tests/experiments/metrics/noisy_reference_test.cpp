@@ -196,7 +196,7 @@ TEST(RelativeEpsilon, GivesMakersTheSameSharesInAnyUnitOfLight) {
     EXPECT_NEAR(dark.error2_work / bright.error2_work, 1, 1e-4);
 }
 
-constexpr double group_noise = 0.1;  ///< of a group's pixel
+constexpr double group_noise = 0.1;  ///< standard deviation of a group's pixel
 
 /// A layer of radiance 1 + `shift`, whose groups estimate the bias as `bias` with noise.
 ReferenceLayer layer(double shift, double bias, std::uint64_t seed) {
