@@ -1,5 +1,5 @@
 #pragma once
-// Images of one value.
+// Images of one value, and changed images.
 
 #include "common/images/image_file.h"
 
@@ -17,6 +17,14 @@ inline Image constant_image(const Color& color, int width, int height) {
     Image image(width, height);
     for (std::size_t i = 0; i < image.pixels(); ++i)
         image.set(i, color);
+    return image;
+}
+
+/// The image with f(v) for each value v.
+template <class F>
+Image mapped(Image image, const F& f) {
+    for (float& v : image.rgb)
+        v = static_cast<float>(f(v));
     return image;
 }
 

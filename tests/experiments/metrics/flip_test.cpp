@@ -248,20 +248,15 @@ TEST(HdrFlip, DarkPixelsOfTheReferenceSetNoExposure) {
 }
 
 TEST(HdrFlip, IsTheLargestErrorOverTheExposures) {
-    Image test = random_image(20, 10, 8), reference = random_image(20, 10, 9);
-    for (Image* image : {&test, &reference})
-        for (float& v : image->rgb)
-            v = 30 * v * v * v * v;
+    const auto bright = [](float v) { return 30 * v * v * v * v; };
+    const Image test = mapped(random_image(20, 10, 8), bright), reference = mapped(random_image(20, 10, 9), bright);
     const FlipMap map = hdr_flip(test, reference);
     const ExposureRange range = flip_exposures(reference);
     ASSERT_GE(range.count, 3);
     std::vector<float> largest(map.values.size(), 0.f);
     for (int i = 0; i < range.count; ++i) {
-        Image x = test, r = reference;
-        for (Image* image : {&x, &r})
-            for (float& v : image->rgb)
-                v = static_cast<float>(filmic(std::exp2(range.at(i)) * static_cast<double>(v)));
-        const FlipMap shown = ldr_flip(x, r);
+        const auto exposed = [&](float v) { return filmic(std::exp2(range.at(i)) * static_cast<double>(v)); };
+        const FlipMap shown = ldr_flip(mapped(test, exposed), mapped(reference, exposed));
         for (std::size_t p = 0; p < largest.size(); ++p)
             largest[p] = std::max(largest[p], shown.values[p]);
     }
@@ -270,12 +265,8 @@ TEST(HdrFlip, IsTheLargestErrorOverTheExposures) {
 
 TEST(HdrFlip, DoesNotDependOnTheUnitOfRadiance) {
     const Image test = random_image(24, 12, 10, 5), reference = random_image(24, 12, 11, 50);
-    const auto times = [](Image image) {
-        for (float& v : image.rgb)
-            v *= 1000;
-        return image;
-    };
-    const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(times(test), times(reference));
+    const auto scale = [](float v) { return 1000 * v; };
+    const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(mapped(test, scale), mapped(reference, scale));
     EXPECT_THAT(scaled.values, ::testing::Pointwise(FloatNear(1e-3f), map.values));
     EXPECT_NEAR(scaled.mean(), map.mean(), 1e-5);
 }

@@ -201,9 +201,8 @@ TEST(ZTest, ReplicatesSeeWhatScatterHides) {
 TEST(ZTest, MeansAgreeOnlyIfThatIsShown) {
     Random random(8);
     Truth truth;
-    const auto darkened = [](ReferenceLayer layer, double factor) {
-        for (float& v : layer.mean.rgb)
-            v *= static_cast<float>(factor);
+    const auto darkened = [](ReferenceLayer layer, float factor) {
+        layer.mean = mapped(layer.mean, [&](float v) { return factor * v; });
         return layer;
     };
     const ReferenceLayer noisy = truth.reference(random);
@@ -216,9 +215,9 @@ TEST(ZTest, MeansAgreeOnlyIfThatIsShown) {
     const ReferenceLayer r = truth.reference(random);
     const ReferenceLayer x = truth.test(random, 1);
     EXPECT_TRUE(verdict(x, r).accepted());
-    EXPECT_FALSE(verdict(darkened(x, 0.997), r).means_agree);
-    EXPECT_TRUE(verdict(darkened(x, 0.997), r).differs);
-    const auto means = z_test(darkened(x, 0.997), r, r.mean).means;
+    EXPECT_FALSE(verdict(darkened(x, 0.997f), r).means_agree);
+    EXPECT_TRUE(verdict(darkened(x, 0.997f), r).differs);
+    const auto means = z_test(darkened(x, 0.997f), r, r.mean).means;
     for (const MeanDeviation& mean : means) {
         ASSERT_TRUE(mean.interval);
         EXPECT_NEAR(mean.value, -0.003, 0.0005);
@@ -255,8 +254,7 @@ TEST(ZTest, BlocksWithoutNoiseAreEqualOrNot) {
     ReferenceLayer x{r.mean, std::nullopt, {}};
     EXPECT_TRUE(verdict(x, r).accepted());
     // The rounding of sums of floats is no difference.
-    for (float& v : x.mean.rgb)
-        v *= 1.000002f;
+    x.mean = mapped(x.mean, [](float v) { return 1.000002f * v; });
     EXPECT_TRUE(verdict(x, r).accepted());
 
     for (const bool plain_reference : {false, true}) {

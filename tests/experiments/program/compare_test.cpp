@@ -92,12 +92,8 @@ TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     const std::string r = file("r.exr", {{{"", constant(3)}, {"direct", constant(1)}, {"caustic", constant(2)}}, {}});
     CompareOptions options{{}, r};
     for (int i = 0; i < 4; ++i) {
-        Image direct = constant(1.5f);
-        for (float& v : direct.rgb)
-            v += 0.1f * normal(random);
-        Image total = direct;
-        for (float& v : total.rgb)
-            v += 2;
+        const Image direct = mapped(constant(1.5f), [&](float v) { return v + 0.1f * normal(random); });
+        const Image total = mapped(direct, [](float v) { return v + 2; });
         options.tests.push_back(file("x" + std::to_string(i) + ".exr", {{{"", total}, {"direct", direct}}, {}}));
     }
     const auto result = json(options);

@@ -43,14 +43,8 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
     EXPECT_EQ(none.smallest_p, 1);
     // P(|Z| > z) = 2.51e-5 at z = 4.2140. With a variance of 4 in X, Y and Z and
     // 100 samples, a deviation of 0.2 is z = 1.
-    Image variance(20, 20), x(20, 20);
-    for (std::size_t p = 0; p < x.pixels(); ++p)
-        variance.set(p, rgb_of_equal_xyz(4));
-    const auto passing_at = [&](float z) {
-        for (std::size_t p = 0; p < x.pixels(); ++p)
-            x.set(p, rgb_of_equal_xyz(0.2f * z));
-        return mitsuba_z_test(x, r, variance, 100).passing;
-    };
+    const auto image_of = [](float xyz) { return constant_image(rgb_of_equal_xyz(xyz), 20, 20); };
+    const auto passing_at = [&](float z) { return mitsuba_z_test(image_of(0.2f * z), r, image_of(4), 100).passing; };
     EXPECT_EQ(passing_at(4.20f), 1200u);
     EXPECT_EQ(passing_at(4.23f), 0u);
     EXPECT_EQ(passing_at(-4.23f), 0u);
@@ -59,11 +53,7 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
 TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
     // The variance is in Y alone; as RGB it is negative in R and B. It judges a deviation in Y alone.
     const Color y_alone(-1.537150f, 1.875991f, -0.204043f);
-    Image x(20, 20), variance(20, 20);
-    for (std::size_t p = 0; p < x.pixels(); ++p) {
-        x.set(p, 0.1f * y_alone);
-        variance.set(p, 4 * y_alone);
-    }
+    const Image x = constant_image(0.1f * y_alone, 20, 20), variance = constant_image(4 * y_alone, 20, 20);
     EXPECT_EQ(mitsuba_z_test(x, constant(0), variance, 100).passing, 1200u);  // z = 0.1 / 0.2
     // Without variance the floor of 1e-4 holds. White has Y = 1, and X and Z within 9 % of it: z = 0.0035 sqrt(100 /
     // 1e-4) = 3.5, and 5 for 0.005.
@@ -77,9 +67,7 @@ TEST(MitsubaZTest, FloatsLimitTheSmallestProbability) {
     // multiple of 2^-23, and 0 above z = 5.348.
     const Image r = constant(0, 480);
     const auto passes = [&](float z) {
-        Image x(480, 480);
-        for (std::size_t p = 0; p < x.pixels(); ++p)
-            x.set(p, rgb_of_equal_xyz(z * 1e-2f));
+        const Image x = constant_image(rgb_of_equal_xyz(z * 1e-2f), 480, 480);
         return mitsuba_z_test(x, r, r, 1).passing == 3 * x.pixels();
     };
     EXPECT_TRUE(passes(5.33f));
@@ -101,10 +89,7 @@ TEST(MitsubaZTest, ValuesThatAreNotFiniteDoNotPass) {
 class CompareZTest : public ::testing::Test {
 protected:
     Image noisy(float mean, float noise, int size = 64) {
-        Image image(size, size);
-        for (float& v : image.rgb)
-            v = mean * (1 + noise * normal_(random_));
-        return image;
+        return mapped(Image(size, size), [&](float) { return mean * (1 + noise * normal_(random_)); });
     }
     void write(const std::string& name, const LayeredImage& image) const { write_exr(folder_ / name, image); }
     void write_reference() {
