@@ -46,8 +46,8 @@ TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
         {record, "", "not a record of a cell"}};
     for (const auto& [file, content, said] : damages) {
         damage(file, content);
-        EXPECT_THAT(run(), exits(0, AllOf(HasSubstr("warning: results/e/cells/"), HasSubstr("not done again: 3"),
-                                          HasSubstr(said + "; the cell is done again"))));
+        EXPECT_THAT(run(), exits(0, HasSubstr("warning: results/e/cells/"), HasSubstr("not done again: 3"),
+                                 HasSubstr(said + "; the cell is done again")));
         EXPECT_TRUE(content_of(results("")) == good) << said;
     }
     fs::remove(image);
@@ -158,8 +158,9 @@ TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
     flip_bit(file, 0.9);  // behind the header, and in the cached reference: both names are one file
     const std::string rows = read_file(results("table.csv"));
     const auto refused = [&](const std::string& said) {
-        EXPECT_THAT(report(), exits(2, AllOf(HasSubstr(said), HasSubstr("no scene of 'results/e' has a reference that "
-                                                                        "can be read"))));
+        EXPECT_THAT(report(), exits(2, HasSubstr(said),
+                                    HasSubstr("no scene of 'results/e' has a reference that "
+                                              "can be read")));
         EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
     };
     refused("warning: results/e/images/tiny-reference.exr:1:1: ");

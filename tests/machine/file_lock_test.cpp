@@ -128,9 +128,9 @@ TEST_F(ExecutorTest, StatusCountsTheCellsOfALocalRun) {
     EXPECT_THAT(status(), prints("references: 1 of 1\ndone: 4\nrunning: 0\nwaiting: 0\nfailed: 0\nmissing: 0\n"));
     const std::string cell = "cells/" + cells().begin()->first;
     fs::remove(results(cell + "/cell.json"));
-    EXPECT_THAT(status(), prints(AllOf(HasSubstr("done: 3\n"), HasSubstr("missing: tiny, ")), 1));
+    EXPECT_THAT(status(), prints_with(1, HasSubstr("done: 3\n"), HasSubstr("missing: tiny, ")));
     write("results/e/" + cell + "/failure.txt", "no memory\n");
-    EXPECT_THAT(status(), prints(AllOf(HasSubstr(": no memory\n"), HasSubstr("failed: 1\n")), 1));
+    EXPECT_THAT(status(), prints_with(1, HasSubstr(": no memory\n"), HasSubstr("failed: 1\n")));
     EXPECT_EQ(run().code, 0);
     EXPECT_FALSE(fs::exists(results(cell + "/failure.txt"))) << "the cell is complete";
 }

@@ -93,7 +93,7 @@ TEST(FullTerminal, DoesNotEndTheProgram) {
 
 TEST_F(FullDiskTest, UnwritableFoldersAreRefusedBeforeAnyWork) {
     const auto refused = [&](const std::string& script, const std::string& said) {
-        EXPECT_THAT(shell(script), exits(2, AllOf(HasSubstr(said), Not(HasSubstr("reference of")))))
+        EXPECT_THAT(shell(script), exits(2, HasSubstr(said), Not(HasSubstr("reference of"))))
             << "or work was done: " << script;
         fs::remove_all(path("results"));
         fs::remove_all(path("r"));

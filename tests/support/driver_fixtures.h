@@ -103,18 +103,19 @@ inline void PrintTo(const ProgramResult& result, std::ostream* stream) {
     *stream << "exit code " << result.code << "\n" << result.out << result.err;
 }
 
-/// Matches a ProgramResult with this exit code, whose standard error matches `err`.
-template <class Words>
-auto exits(int code, const Words& err) {
-    return AllOf(::testing::Field("code", &ProgramResult::code, code),
-                 ::testing::Field("err", &ProgramResult::err, err));
+/// Match a ProgramResult with this exit code (0 for prints()), whose standard error or output matches all of `words`.
+inline auto exits(int code) { return ::testing::Field("code", &ProgramResult::code, code); }
+template <class... Words>
+auto exits(int code, const Words&... words) {
+    return AllOf(exits(code), ::testing::Field("err", &ProgramResult::err, AllOf(words...)));
 }
-inline auto exits(int code) { return exits(code, ::testing::_); }
-/// Matches a ProgramResult with this exit code, whose standard output matches `out`.
-template <class Words>
-auto prints(const Words& out, int code = 0) {
-    return AllOf(::testing::Field("code", &ProgramResult::code, code),
-                 ::testing::Field("out", &ProgramResult::out, out));
+template <class... Words>
+auto prints_with(int code, const Words&... words) {
+    return AllOf(exits(code), ::testing::Field("out", &ProgramResult::out, AllOf(words...)));
+}
+template <class... Words>
+auto prints(const Words&... words) {
+    return prints_with(0, words...);
 }
 
 /// Runs the built program in `folder` through a shell, so `arguments` must be quoted as a shell needs.
