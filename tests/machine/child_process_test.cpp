@@ -1,12 +1,16 @@
-// The whole output of a child process reaches its parent, and its failures are told apart.
+// The whole output of a child process reaches its parent, and its failures are told apart; and the libraries that the program
+// loads before it does anything.
 
 #include "experiments/system/child_process.h"
 
 #include "common/core/error.h"
+#include "tests/support/matchers.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/source_path.h"
 
-#include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <vector>
 
 namespace gib::test::child_process_test {
@@ -35,13 +39,23 @@ TEST(ChildProcess, AFailureIsToldWithItsLastMessage) {
         lines_of("echo beside >&2; echo 'what was wrong' >&2; exit 3");
         FAIL() << "it failed";
     } catch (const RunError& error) {
-        EXPECT_THAT(error.what(), ::testing::HasSubstr("what was wrong"));
+        EXPECT_THAT(error.what(), HasSubstr("what was wrong"));
     }
     EXPECT_THROW(lines_of("kill -9 $$"), RunError);
 }
 
 TEST(ChildProcess, OneThatCannotStartIsAnError) {
     EXPECT_THROW(run_child({"/no/such/program"}, [](const std::string&) {}), RunError);
+}
+
+// OpenImageIO's libraries take 25 MiB and, on a slow machine, 0.1 s to initialise their tables of strings.
+TEST(ProgramStart, LoadsNoLibraryOfImages) {
+    const TemporaryFolder folder;
+    const std::string command = "LD_TRACE_LOADED_OBJECTS=1 '" + program_path() + "' >'" + (folder / "libraries") + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const std::string libraries = read_file(folder / "libraries");
+    EXPECT_NE(libraries.find("libembree"), std::string::npos) << libraries;
+    EXPECT_EQ(libraries.find("OpenImageIO"), std::string::npos) << libraries;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "tests/machine/run_content.h"
 #include "tests/support/run_fixtures.h"
 
-#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include <fstream>
@@ -11,22 +10,26 @@
 namespace gib::test::damaged_cell_test {
 namespace {
 
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-
 class DamagedCellTest : public ::testing::Test, protected ExperimentFolder {
 protected:
     /// Overwrites a file in place; gibench itself only ever replaces whole files.
     static void damage(const std::string& file, const std::string& content) {
         std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
     }
+    /// Changes one bit at this share of a file.
+    static void flip_bit(const std::string& file, double place) {
+        std::string content = read_file(file);
+        content[static_cast<std::size_t>(place * static_cast<double>(content.size()))] ^= 1;
+        damage(file, content);
+    }
+    ProgramResult report() const { return gibench("report results/e"); }
     std::string file_of_cell(const std::string& name) const {
         return results("cells/" + cells().begin()->first + "/" + name);
     }
 };
 
 TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     const auto good = content_of(results(""));
     const std::string image = file_of_cell("final.exr"), record = file_of_cell("cell.json");
     const std::string pixels = read_file(image), text = read_file(record);
@@ -43,11 +46,8 @@ TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
         {record, "", "not a record of a cell"}};
     for (const auto& [file, content, said] : damages) {
         damage(file, content);
-        const ProgramResult again = run();
-        EXPECT_EQ(again.code, 0) << again.err;
-        EXPECT_THAT(again.err, HasSubstr("warning: results/e/cells/")) << said;
-        EXPECT_THAT(again.err, HasSubstr(said + "; the cell is done again"));
-        EXPECT_THAT(again.err, HasSubstr("not done again: 3"));
+        EXPECT_THAT(run(), exits(0, HasSubstr("warning: results/e/cells/"), HasSubstr("not done again: 3"),
+                                 HasSubstr(said + "; the cell is done again")));
         EXPECT_TRUE(content_of(results("")) == good) << said;
     }
     fs::remove(image);
@@ -55,21 +55,15 @@ TEST_F(DamagedCellTest, IsFoundAndDoneAgain) {
 }
 
 TEST_F(DamagedCellTest, IsLeftOutOfAReport) {
-    ASSERT_EQ(run().code, 0);
-    std::string pixels = read_file(file_of_cell("final.exr"));
-    pixels[pixels.size() / 2] ^= 1;
-    damage(file_of_cell("final.exr"), pixels);
-    const ProgramResult report = run_gibench("report results/e", path());
-    EXPECT_EQ(report.code, 0);
-    EXPECT_THAT(report.err,
-                HasSubstr("final.exr: its content is not that of the image that was rendered; the cell is left "
-                          "out"));
-    const CsvTable rows = table("table.csv");
-    EXPECT_EQ(rows.rows.at(0).at(3), "1") << "seeds of the first method";
+    complete();
+    flip_bit(file_of_cell("final.exr"), 0.5);
+    EXPECT_THAT(report(), exits(0, HasSubstr("final.exr: its content is not that of the image that was rendered; the "
+                                             "cell is left out")));
+    EXPECT_EQ(field_of(table(), "seeds"), "1") << "seeds of the first method";
 }
 
 TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     std::string frame;  // a frame of a cell with seed 1
     for (const auto& [name, time] : cells())
         if (fs::exists(results("cells/" + name + "/frames/2.exr"))) frame = "cells/" + name + "/frames/2.exr";
@@ -79,17 +73,15 @@ TEST_F(DamagedCellTest, ADamagedImageOnTheWayIsLeftOutAndSaid) {
     flipped[flipped.size() - 10] ^= 1;
     for (const std::string& content : {pixels.substr(0, pixels.size() / 2), std::string(), flipped}) {
         damage(results(frame), content);
-        for (const ProgramResult& said : {run(), run_gibench("report results/e", path())}) {
-            EXPECT_EQ(said.code, 0) << said.err;
-            EXPECT_THAT(said.err, HasSubstr("warning: results/e/" + frame +
-                                            ": it cannot be read; the image on the way is left out\n"));
-        }
+        for (const ProgramResult& said : {run(), report()})
+            EXPECT_THAT(said, exits(0, HasSubstr("warning: results/e/" + frame +
+                                                 ": it cannot be read; the image on the way is left out\n")));
         EXPECT_EQ(read_file(results("table.csv")), rows);
     }
 }
 
 TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     const std::string record = file_of_cell("flip.json"), map = file_of_cell("flip.png");
     const std::string text = read_file(record), picture = read_file(map), rows = read_file(results("table.csv"));
     std::vector<std::pair<std::string, std::string>> damages = {
@@ -104,20 +96,19 @@ TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
     for (const std::string& command : {std::string("run e.toml --threads 1"), std::string("report results/e")}) {
         for (const auto& [file, content] : damages) {
             damage(file, content);
-            const ProgramResult again = run_gibench(command, path());
-            EXPECT_EQ(again.code, 0) << again.err;
+            EXPECT_THAT(gibench(command), exits(0));
             EXPECT_EQ(read_file(record), text) << command << content;
             EXPECT_EQ(read_file(map), picture) << command << content;
             EXPECT_EQ(read_file(results("table.csv")), rows) << command << content;
         }
         fs::remove(map);
-        EXPECT_EQ(run_gibench(command, path()).code, 0);
+        EXPECT_EQ(gibench(command).code, 0);
         EXPECT_EQ(read_file(map), picture) << "it is made again";
     }
 }
 
 TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     const auto good = content_of(results(""));
     std::vector<std::string> folders;
     for (const auto& [name, time] : cells())
@@ -129,13 +120,11 @@ TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
 }
 
 TEST_F(DamagedCellTest, EpsilonHasBounds) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     nlohmann::json index = nlohmann::json::parse(read_file(results("index.json")));
     index["epsilon"] = 0;
     damage(results("index.json"), index.dump());
-    const ProgramResult report = run_gibench("report results/e", path());
-    EXPECT_EQ(report.code, 2);
-    EXPECT_THAT(report.err, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0"));
+    EXPECT_THAT(report(), exits(2, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0")));
 }
 
 TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
@@ -146,9 +135,7 @@ TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
     ASSERT_EQ(run().code, 0);
     const std::string file = results("images/tiny-reference.exr");
     const auto left_out = [&](const std::string& said) {
-        const ProgramResult report = run_gibench("report results/e", path());
-        EXPECT_EQ(report.code, 0) << report.err;
-        EXPECT_THAT(report.err, HasSubstr(said));
+        EXPECT_THAT(report(), exits(0, HasSubstr(said)));
         for (const char* name : {"table.csv", "curves.csv"}) {
             const CsvTable rows = table(name);
             EXPECT_FALSE(rows.rows.empty()) << name;
@@ -166,26 +153,21 @@ TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
 }
 
 TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     const std::string file = results("images/tiny-reference.exr");
-    std::string pixels = read_file(file);
-    pixels[pixels.size() * 9 / 10] ^= 1;  // after the header
-    damage(file, pixels);                 // and the cached reference: both names are one file
+    flip_bit(file, 0.9);  // behind the header, and in the cached reference: both names are one file
     const std::string rows = read_file(results("table.csv"));
     const auto refused = [&](const std::string& said) {
-        const ProgramResult report = run_gibench("report results/e", path());
-        EXPECT_EQ(report.code, 2);
-        EXPECT_THAT(report.err, HasSubstr(said));
-        EXPECT_THAT(report.err, HasSubstr("no scene of 'results/e' has a reference that can be read"));
+        EXPECT_THAT(report(), exits(2, HasSubstr(said),
+                                    HasSubstr("no scene of 'results/e' has a reference that "
+                                              "can be read")));
         EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
     };
     refused("warning: results/e/images/tiny-reference.exr:1:1: ");
     fs::remove(file);
     refused("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
-    const ProgramResult again = run();
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.err, HasSubstr("made again"));
-    EXPECT_EQ(run_gibench("report results/e", path()).code, 0);
+    EXPECT_THAT(run(), exits(0, HasSubstr("made again")));
+    EXPECT_EQ(report().code, 0);
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
-// Two runs at once: in the same folder the second one is refused; for the same reference it waits.
+// Who works on an experiment, and how far that has come: the executors (tests/experiments/slurm has the tests with Slurm), and
+// two runs at once: in the same folder the second one is refused; for the same reference it waits.
 
 #include "experiments/system/file_lock.h"
 
 #include "tests/support/run_fixtures.h"
 
-#include <gmock/gmock.h>
+#include <cstdlib>
 
 namespace gib::test::file_lock_test {
 namespace {
-
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 class FileLockTest : public ::testing::Test, protected ExperimentFolder {
 protected:
@@ -20,6 +18,9 @@ protected:
             if (entry.path().extension() == ".exr") return entry.path().string();
         ADD_FAILURE() << "no reference in " << path("results/references");
         return "";
+    }
+    static auto refused_for(const BackgroundRun& first) {
+        return exits(2, HasSubstr("process " + std::to_string(first.pid()) + " is working in 'results/e'"));
     }
 };
 
@@ -46,9 +47,7 @@ TEST_F(FileLockTest, ASecondRunInTheFolderIsRefusedWithThePid) {
     write_experiment("[100000000]");  // would take hours
     BackgroundRun first(path());
     ASSERT_TRUE(comes_true([&] { return fs::exists(results("index.json")); }));
-    const ProgramResult second = run();
-    EXPECT_EQ(second.code, 2);
-    EXPECT_THAT(second.err, HasSubstr("process " + std::to_string(first.pid()) + " is working in 'results/e'"));
+    EXPECT_THAT(run(), refused_for(first));
     EXPECT_EQ(first.interrupt(SIGTERM), 130);
     EXPECT_FALSE(fs::exists(results(".lock")));
 }
@@ -57,13 +56,10 @@ TEST_F(FileLockTest, AReportBesideARunIsRefusedWithThePid) {
     write_experiment("[1, 100000000]");
     BackgroundRun first(path());
     ASSERT_TRUE(comes_true([&] { return cells().size() == 1; }));
-    const ProgramResult beside = run_gibench("report results/e", path());
-    EXPECT_EQ(beside.code, 2);
-    EXPECT_THAT(beside.err, HasSubstr("process " + std::to_string(first.pid()) + " is working in 'results/e'"));
+    EXPECT_THAT(gibench("report results/e"), refused_for(first));
     EXPECT_FALSE(fs::exists(results("table.csv")));
     EXPECT_EQ(first.interrupt(SIGTERM), 130);
-    const ProgramResult after = run_gibench("report results/e", path());
-    EXPECT_EQ(after.code, 0) << after.err;
+    EXPECT_THAT(gibench("report results/e"), exits(0));
     EXPECT_FALSE(fs::exists(results(".lock")));
 }
 
@@ -75,13 +71,12 @@ TEST_F(FileLockTest, AKilledRunLocksNothing) {
     ASSERT_TRUE(fs::exists(results(".lock")));
 
     write_experiment("[1]");
-    const ProgramResult second = run();
-    EXPECT_EQ(second.code, 0) << second.err;
+    EXPECT_THAT(run(), exits(0));
     EXPECT_FALSE(fs::exists(results(".lock")));
 }
 
 TEST_F(FileLockTest, AReferenceThatAnotherProcessMakesIsWaitedForAndUsed) {
-    ASSERT_EQ(run().code, 0);
+    complete();
     const std::string reference = cached_reference();
     const std::string content = read_file(reference);
     fs::remove_all(results(""));
@@ -105,6 +100,39 @@ TEST_F(FileLockTest, WaitingEndsOnCtrlC) {
     ASSERT_TRUE(comes_true([&] { return second.said().find("waiting") != std::string::npos; })) << second.said();
     EXPECT_EQ(second.interrupt(SIGINT), 130);
     EXPECT_FALSE(fs::exists(path("r.exr")));
+}
+
+class ExecutorTest : public ::testing::Test, protected ExperimentFolder {};
+
+TEST_F(ExecutorTest, AnUnknownOneIsAnErrorThatNamesTheOthers) {
+    EXPECT_THAT(gibench("run e.toml --on slrum"), exits(2, "--on knows no 'slrum'; there are: local, slurm\n"));
+}
+
+TEST_F(ExecutorTest, SlurmThatIsNotThereIsAnError) {
+    const std::string before = std::getenv("PATH");
+    ::setenv("PATH", path().c_str(), 1);
+    EXPECT_THAT(gibench("run e.toml --on slurm"), exits(2, HasSubstr("'sbatch', which is not on the PATH")));
+    ::setenv("PATH", before.c_str(), 1);
+    EXPECT_FALSE(fs::exists(path("results"))) << "nothing is begun";
+}
+
+TEST_F(ExecutorTest, OptionsOfSlurmNeedSlurm) {
+    EXPECT_THAT(gibench("run e.toml --sbatch=--partition=short"), exits(2, "--sbatch is for --on slurm\n"));
+    EXPECT_EQ(gibench("run e.toml --tasks 2").err, "--tasks is for --on slurm\n");
+}
+
+TEST_F(ExecutorTest, StatusCountsTheCellsOfALocalRun) {
+    const auto status = [&] { return gibench("status results/e"); };
+    EXPECT_EQ(status().code, 2) << "there is none yet";
+    complete();
+    EXPECT_THAT(status(), prints("references: 1 of 1\ndone: 4\nrunning: 0\nwaiting: 0\nfailed: 0\nmissing: 0\n"));
+    const std::string cell = "cells/" + cells().begin()->first;
+    fs::remove(results(cell + "/cell.json"));
+    EXPECT_THAT(status(), prints_with(1, HasSubstr("done: 3\n"), HasSubstr("missing: tiny, ")));
+    write("results/e/" + cell + "/failure.txt", "no memory\n");
+    EXPECT_THAT(status(), prints_with(1, HasSubstr(": no memory\n"), HasSubstr("failed: 1\n")));
+    EXPECT_EQ(run().code, 0);
+    EXPECT_FALSE(fs::exists(results(cell + "/failure.txt"))) << "the cell is complete";
 }
 
 }  // namespace

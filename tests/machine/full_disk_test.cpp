@@ -6,16 +6,11 @@
 #include "tests/support/run_fixtures.h"
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <unistd.h>
 #include <set>
 
 namespace gib::test::full_disk_test {
 namespace {
-
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 class FullDiskTest : public ::testing::Test, protected ExperimentFolder {
 protected:
@@ -53,8 +48,7 @@ TEST_F(FullDiskTest, AtEveryStageIsSaidAndGoesOnWithSpace) {
             "cp -r results/e saved; exit \\$code\"\n");
         const std::string said = read_file(path("full.txt"));
         EXPECT_EQ(result.code, 1) << size << ": " << said << result.err;
-        EXPECT_THAT(said, HasSubstr("No space left on device")) << size;
-        EXPECT_THAT(said, HasSubstr("results/")) << size;
+        EXPECT_THAT(said, AllOf(HasSubstr("No space left on device"), HasSubstr("results/"))) << size;
         EXPECT_EQ(read_file(path("left.txt")), "") << size;
         EXPECT_THAT(read_file(path("again.txt")), Not(HasSubstr("warning"))) << size << ": half-written files";
         EXPECT_TRUE(content_of(path("saved/e")) == whole) << size;
@@ -67,12 +61,8 @@ TEST_F(FullDiskTest, AtEveryStageIsSaidAndGoesOnWithSpace) {
 TEST_F(FullDiskTest, AFileThatMayNotGrowIsSaid) {
     // The size of files is limited for the process instead of the disk, which needs no privileges.
     write_experiment("[1]");
-    const ProgramResult result = shell("ulimit -f 4\nexec \"$gibench\" run e.toml --threads 1");
-    EXPECT_EQ(result.code, 1) << result.err;
-    EXPECT_THAT(result.err, HasSubstr("File too large"));
-    const ProgramResult again = run();
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.err, Not(HasSubstr("warning")));
+    EXPECT_THAT(shell("ulimit -f 4\nexec \"$gibench\" run e.toml --threads 1"), exits(1, HasSubstr("File too large")));
+    EXPECT_THAT(run(), exits(0, Not(HasSubstr("warning"))));
 }
 
 TEST_F(FullDiskTest, StandardOutputToo) { EXPECT_EQ(shell("exec \"$gibench\" list methods >/dev/full").code, 1); }
@@ -82,10 +72,10 @@ TEST_F(FullDiskTest, OfStandardErrorLosesMessagesAlone) {
     ASSERT_EQ(run().code, 0);
     const auto whole = content_of(results(""));
     fs::remove_all(path("results"));
-    EXPECT_EQ(shell("exec \"$gibench\" run e.toml --threads 1 2>/dev/full").code, 0);
+    for (const std::string command : {"run e.toml --threads 1", "reference tiny.xml --target 40% -o r.exr",
+                                      "render tiny.xml --method 'path spp=1' -o x.exr"})
+        EXPECT_EQ(shell("exec \"$gibench\" " + command + " 2>/dev/full").code, 0) << command;
     EXPECT_TRUE(content_of(results("")) == whole);
-    EXPECT_EQ(shell("exec \"$gibench\" reference tiny.xml --target 40% -o r.exr 2>/dev/full").code, 0);
-    EXPECT_EQ(shell("exec \"$gibench\" render tiny.xml --method 'path spp=1' -o x.exr 2>/dev/full").code, 0);
 }
 
 TEST(FullTerminal, DoesNotEndTheProgram) {
@@ -103,10 +93,8 @@ TEST(FullTerminal, DoesNotEndTheProgram) {
 
 TEST_F(FullDiskTest, UnwritableFoldersAreRefusedBeforeAnyWork) {
     const auto refused = [&](const std::string& script, const std::string& said) {
-        const ProgramResult result = shell(script);
-        EXPECT_EQ(result.code, 2) << script << ": " << result.err;
-        EXPECT_THAT(result.err, HasSubstr(said)) << script;
-        EXPECT_THAT(result.err, Not(HasSubstr("reference of"))) << "work was done: " << script;
+        EXPECT_THAT(shell(script), exits(2, HasSubstr(said), Not(HasSubstr("reference of"))))
+            << "or work was done: " << script;
         fs::remove_all(path("results"));
         fs::remove_all(path("r"));
     };

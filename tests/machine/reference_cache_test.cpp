@@ -1,14 +1,19 @@
-// References are made to a target, kept, topped up, and made again if their file is damaged.
+// References are made to a target, kept, topped up, and made again if their file is damaged. Of batches that other processes make,
+// the reference is the same whoever made them, and its standard error falls with their number as theory says.
 
 #include "experiments/measuring/reference.h"
 
 #include "common/images/image_digest.h"
 #include "common/sampling/sampler.h"
 
+#include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
+#include "experiments/metrics/epsilon.h"
+#include "experiments/plan/reference_methods.h"
+#include "experiments/run/run_plan.h"
+#include "tests/support/constant_image.h"
 #include "tests/support/driver_fixtures.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/source_path.h"
 
 #include <fstream>
 #include <functional>
@@ -19,7 +24,9 @@
 namespace gib::test::reference_cache_test {
 namespace {
 
-MethodDescription fake_description() {
+/// Noise of 0.5.
+template <int pass_milliseconds = 0, int halvings = 0>
+MethodDescription fake_method() {
     return {"fake",
             "noise",
             {},
@@ -27,8 +34,13 @@ MethodDescription fake_description() {
             {Component::direct},
             true,
             [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
-                return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.5});
+                return std::make_unique<FakeMethod>(FakeBehaviour{
+                    .noise = 0.5, .pass_seconds = 0.001 * pass_milliseconds, .unit = std::ldexp(1.f, -halvings)});
             }};
+}
+
+std::uint32_t passes_of(const FinishedReference& r) {
+    return static_cast<std::uint32_t>(std::stoul(r.reference.metadata.at("passes")));
 }
 
 class ReferenceCacheTest : public ::testing::Test {
@@ -40,40 +52,36 @@ protected:
     TemporaryFolder folder_;
     std::string path_ = folder_ / "reference.exr";
     LoadedScene scene_ = scene_of(tiny_scene_xml());
-    MethodDescription method_ = fake_description();
+    MethodDescription method_ = fake_method();
 };
 
 TEST_F(ReferenceCacheTest, MeetsItsTarget) {
     const FinishedReference r = make(0.02);
     EXPECT_LE(r.relative_error, 0.02);
     // Noise of 0.5 in n samples has an error of 0.5 / sqrt(n): the target needs about 613.
-    const double samples = 16 * std::stod(r.reference.metadata.at("passes"));
-    EXPECT_GT(samples, 400);
-    EXPECT_LT(samples, 1300) << "no more work than the target needs";
+    const auto samples = 16 * passes_of(r);
+    EXPECT_GT(samples, 400u);
+    EXPECT_LT(samples, 1300u) << "no more work than the target needs";
     EXPECT_NEAR(mean_of(r.reference.total.mean)[0], 1.0, 0.01);
     EXPECT_EQ(r.reference.total.groups.size(), static_cast<std::size_t>(reference_groups));
 }
 
 // With an absolute epsilon, noise in a dark picture is below every target.
 TEST_F(ReferenceCacheTest, StopsAfterTheSamePassesInAnyUnitOfLight) {
-    MethodDescription dim = method_;
-    dim.create = [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
-        return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.5, .unit = 0x1p-13f});
-    };
+    const MethodDescription dim = fake_method<0, 13>();
     const auto made = [&](const MethodDescription& method, std::optional<double> epsilon, const std::string& file) {
         ProgressLine progress(false);
         return make_reference(
             {scene_, {&method}, MethodLabel{"fake", {}}, {0.02, std::nullopt}, epsilon, folder_ / file}, progress);
     };
-    const auto passes = [](const FinishedReference& r) { return std::stoul(r.reference.metadata.at("passes")); };
     const FinishedReference bright = made(method_, std::nullopt, "bright.exr");
     const FinishedReference dark = made(dim, std::nullopt, "dark.exr");
-    EXPECT_EQ(passes(dark), passes(bright));
+    EXPECT_EQ(passes_of(dark), passes_of(bright));
     EXPECT_NEAR(dark.relative_error, bright.relative_error, 1e-6);
     EXPECT_NEAR(bright.epsilon, 0.01, 0.001) << "the mean is 1";
     EXPECT_NEAR(dark.epsilon / bright.epsilon, 0x1p-26, 1e-12);
     EXPECT_EQ(std::stod(dark.reference.metadata.at("epsilon")), dark.epsilon);
-    EXPECT_LT(2 * passes(made(dim, 0.01, "absolute.exr")), passes(bright));
+    EXPECT_LT(2 * passes_of(made(dim, 0.01, "absolute.exr")), passes_of(bright));
 }
 
 TEST_F(ReferenceCacheTest, AGoodOneIsNotTouched) {
@@ -95,25 +103,14 @@ TEST_F(ReferenceCacheTest, IsToppedUpAndNotMadeAgain) {
     EXPECT_LE(better.relative_error, 0.02);
 }
 
-TEST_F(ReferenceCacheTest, ADamagedFileIsMadeAgainWithAWarning) {
-    make(0.05);
-    const std::string content = read_file(path_);
-    std::ofstream(path_, std::ios::binary) << content.substr(0, content.size() / 2);
-    const FinishedReference r = make(0.05);
-    ASSERT_FALSE(r.warnings.empty());
-    EXPECT_THAT(r.warnings.front(), ::testing::HasSubstr("made again"));
-    EXPECT_LE(r.relative_error, 0.05);
-    EXPECT_EQ(make(0.05).rounds_added, 0u);
-}
-
 TEST_F(ReferenceCacheTest, AnotherSceneIsNoticed) {
     make(0.05);
     scene_.content_hash[0] = scene_.content_hash[0] == '0' ? '1' : '0';
-    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("not the reference of this scene")));
+    EXPECT_THAT(make(0.05).warnings, Contains(HasSubstr("not the reference of this scene")));
 }
 
 /// The digest of all that a top-up starts from.
-std::string content_of(const Reference& reference) {
+std::string start_of(const Reference& reference) {
     return image_digest(layers_of(reference, true), {"passes", "rounds", "unresolved"});
 }
 
@@ -126,7 +123,7 @@ LayeredImage writable_image(const std::string& path) {
 }
 
 TEST_F(ReferenceCacheTest, NoFlippedBitIsBelieved) {
-    const std::string good = content_of(make(0.05).reference);
+    const std::string good = start_of(make(0.05).reference);
     const std::string file = read_file(path_);
     std::mt19937 random(1);
     int found = 0;
@@ -136,63 +133,56 @@ TEST_F(ReferenceCacheTest, NoFlippedBitIsBelieved) {
         damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
         std::ofstream(path_, std::ios::binary) << damaged;
         const FinishedReference r = make(0.05);
-        EXPECT_EQ(content_of(r.reference), good) << "byte " << at;
+        EXPECT_EQ(start_of(r.reference), good) << "byte " << at;
         if (r.rounds_added == 0) continue;  // the bit does not matter, such as in the program's name
         ++found;
         ASSERT_FALSE(r.warnings.empty()) << "byte " << at;
-        EXPECT_THAT(r.warnings.front(), ::testing::HasSubstr("made again"));
+        EXPECT_THAT(r.warnings.front(), HasSubstr("made again"));
     }
     EXPECT_GT(found, 80);
 }
 
 TEST_F(ReferenceCacheTest, ValuesThatStillDecodeAreCompared) {
-    Reference reference = make(0.05).reference;
-    const std::string good = content_of(reference);
+    const std::string good = start_of(make(0.05).reference);
     const LayeredImage written = writable_image(path_);
-    LayeredImage edited = written;
-    edited.layers.back().second.rgb[7] *= 1.0000002f;
-    write_exr(path_, edited);
-    EXPECT_THROW(read_reference(path_), InputError);
-    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
-    EXPECT_EQ(content_of(read_reference(path_)), good);
-    edited = written;
-    edited.metadata["passes"] = "1000000";
-    write_exr(path_, edited);
-    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
-    edited = written;
-    edited.metadata["not_finite"] = "5";
-    write_exr(path_, edited);
-    EXPECT_THAT(make(0.05).warnings, ::testing::Contains(::testing::HasSubstr("digest")));
+    const auto edit = [&](const std::function<void(LayeredImage&)>& change) {
+        LayeredImage edited = written;
+        change(edited);
+        write_exr(path_, edited);
+        EXPECT_THROW(read_reference(path_), InputError);
+        EXPECT_THAT(make(0.05).warnings, Contains(HasSubstr("digest")));
+        EXPECT_EQ(start_of(read_reference(path_)), good);
+    };
+    edit([](LayeredImage& image) { image.layers.back().second.rgb[7] *= 1.0000002f; });
+    edit([](LayeredImage& image) { image.metadata["passes"] = "1000000"; });
+    edit([](LayeredImage& image) { image.metadata["not_finite"] = "5"; });
 }
 
 TEST_F(ReferenceCacheTest, FilesThatAreNoReferenceAreMadeAgain) {
-    const std::string good = content_of(make(0.05).reference);
-    const std::vector<std::function<void()>> damages = {[&] { std::ofstream(path_, std::ios::trunc); },
-                                                        [&] { std::ofstream(path_) << "no image\n"; },
-                                                        [&] {
-                                                            write_exr(path_, {{{"", Image(8, 8)}}, {}});
-                                                        }};
+    const std::string good = start_of(make(0.05).reference);
+    const std::string content = read_file(path_);
+    LayeredImage without_digest = writable_image(path_);
+    without_digest.metadata.erase("digest");
+    const std::vector<std::pair<std::function<void()>, std::string>> damages = {
+        {[&] { std::ofstream(path_, std::ios::trunc); }, "made again"},
+        {[&] { std::ofstream(path_) << "no image\n"; }, "made again"},
+        {[&] { std::ofstream(path_, std::ios::binary) << content.substr(0, content.size() / 2); }, "made again"},
+        {[&] { write_exr(path_, one_layer(Image(8, 8))); }, "made again"},
+        {[&] { write_exr(path_, without_digest); }, "it has no digest"}};
     for (std::size_t i = 0; i < damages.size(); ++i) {
-        damages[i]();
+        damages[i].first();
         const FinishedReference r = make(0.05);
-        EXPECT_THAT(r.warnings, ::testing::Contains(::testing::HasSubstr("made again"))) << i;
-        EXPECT_EQ(content_of(read_reference(path_)), good) << i;
+        EXPECT_GT(r.rounds_added, 0u) << i;
+        EXPECT_LE(r.relative_error, 0.05) << i;
+        EXPECT_THAT(r.warnings, Contains(HasSubstr(damages[i].second))) << i;
+        EXPECT_EQ(start_of(read_reference(path_)), good) << i;
+        EXPECT_EQ(make(0.05).rounds_added, 0u) << i;
     }
-}
-
-TEST_F(ReferenceCacheTest, OneWithoutADigestIsMadeAgain) {
-    make(0.05);
-    LayeredImage file = writable_image(path_);
-    file.metadata.erase("digest");
-    write_exr(path_, file);
-    const FinishedReference again = make(0.05);
-    EXPECT_GT(again.rounds_added, 0u);
-    EXPECT_THAT(again.warnings, ::testing::Contains(::testing::HasSubstr("it has no digest")));
 }
 
 TEST_F(ReferenceCacheTest, TimeThatIsUpIsSaidOnceAndForAll) {
     const FinishedReference r = make(1e-6, 0.05);
-    EXPECT_THAT(r.warnings, ::testing::Contains(::testing::HasSubstr("target")));
+    EXPECT_THAT(r.warnings, Contains(HasSubstr("target")));
     EXPECT_GE(r.rounds_added, 1u);
     EXPECT_EQ(make(1e-6, 0.05).rounds_added, 0u) << "its seconds are spent";
 }
@@ -237,22 +227,18 @@ TEST(BatchSeeds, AreDistinctAndNoCells) {
 
 TEST(UnresolvedComponents, ArePathsFromDeltaLightsThroughSpecularSurfaces) {
     const auto unresolved = [](const std::string& light) {
-        const LoadedScene scene = scene_of(scene_xml("<sensor type='perspective'>" + box_film(4) + "</sensor>" + light +
-                                                     "<shape type='rectangle'>" + diffuse(0.5) +
-                                                     "</shape><shape type='sphere'>"
-                                                     "<bsdf type='dielectric'/></shape>"));
+        const LoadedScene scene = Scene(element("sensor", "perspective", box_film(4)), light,
+                                        shape("rectangle", diffuse(0.5)), shape("sphere", bsdf("dielectric")))
+                                      .load();
         const auto& path = find_method("path");
         const auto method =
             path.create(ParameterValues(all_parameters(path), MethodLabel{"path", {}}), {scene.max_edges});
         return method->plan(*scene.scene).unresolved;
     };
     for (const char* type : {"point", "spot", "directional"})
-        EXPECT_THAT(unresolved(std::string("<emitter type='") + type + "'/>"),
-                    ::testing::ElementsAre(Component::caustic, Component::indirect));
-    EXPECT_THAT(unresolved("<emitter type='constant'/>"), ::testing::IsEmpty());
-    EXPECT_THAT(
-        unresolved("<shape type='rectangle'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>"),
-        ::testing::IsEmpty());
+        EXPECT_THAT(unresolved(emitter(type)), ElementsAre(Component::caustic, Component::indirect));
+    EXPECT_THAT(unresolved(emitter("constant")), ::testing::IsEmpty());
+    EXPECT_THAT(unresolved(shape("rectangle", area_light(1))), ::testing::IsEmpty());
 }
 
 TEST(HeavyTails, OneGroupThatCarriesTheScatterIsSeen) {
@@ -269,6 +255,176 @@ TEST(HeavyTails, OneGroupThatCarriesTheScatterIsSeen) {
     }
     EXPECT_LT(dominance_of_one_group(even), 0.4);
     EXPECT_GT(dominance_of_one_group(spiked), 0.8);
+}
+
+class ReferenceBatchesTest : public ::testing::Test {
+protected:
+    FinishedReference make(const std::string& file, std::optional<double> most_own_work = std::nullopt,
+                           std::optional<double> seconds = std::nullopt) {
+        ProgressLine progress(false);
+        return make_reference(work(file, most_own_work, seconds), progress);
+    }
+    ReferenceWork work(const std::string& file, std::optional<double> most_own_work = std::nullopt,
+                       std::optional<double> seconds = std::nullopt) {
+        return {.scene = scene_,
+                .methods = {&method_},
+                .label = {"fake", {}},
+                .goal = {0.02, seconds},
+                .epsilon = 0.01,
+                .path = folder_ / file,
+                .most_own_work = most_own_work};
+    }
+    /// A reference all of whose batches are made by others. Counts the submissions.
+    FinishedReference make_by_others(const std::string& file, int& submissions) {
+        for (submissions = 0;; ++submissions) {
+            FinishedReference r = make(file, 0);
+            if (r.missing.empty()) return r;
+            make_batches(file, r);
+        }
+    }
+    /// Makes the batches that the reference still lacks.
+    void make_batches(const std::string& file, const FinishedReference& reference) {
+        for (const ReferenceBatch& batch : reference.missing)
+            make_batch(work(file), batch);
+    }
+    static std::string content_of(const FinishedReference& r) {
+        return image_digest(layers_of(r.reference, true)) + r.reference.metadata.at("passes") +
+               r.reference.metadata.at("work");
+    }
+    std::string batch_file(const std::string& file) {
+        return fs::directory_iterator(folder_ / (file + ".batches"))->path().string();
+    }
+
+    TemporaryFolder folder_;
+    LoadedScene scene_ = scene_of(tiny_scene_xml());
+    MethodDescription method_ = fake_method();
+};
+
+TEST_F(ReferenceBatchesTest, MakeTheSameReferenceWhoeverMadeThem) {
+    const FinishedReference alone = make("alone.exr");
+    int submissions = 0;
+    const FinishedReference shared = make_by_others("shared.exr", submissions);
+    EXPECT_EQ(content_of(shared), content_of(alone));
+    EXPECT_EQ(shared.identity, alone.identity);
+    EXPECT_GE(submissions, 2);
+    EXPECT_LE(submissions, 6) << "rounds are foreseen";
+    EXPECT_FALSE(fs::exists(folder_ / "shared.exr.batches")) << "they are in the reference";
+}
+
+TEST_F(ReferenceBatchesTest, DependOnNoTime) {
+    const std::string quick = content_of(make("quick.exr"));
+    EXPECT_EQ(content_of(make("limit.exr", std::nullopt, 1000)), quick) << "a limit out of sight";
+    method_ = fake_method<2>();
+    EXPECT_EQ(content_of(make("slow.exr")), quick);
+}
+
+TEST_F(ReferenceBatchesTest, ADamagedOneIsMadeAgain) {
+    const std::string good = content_of(make("good.exr"));
+    const FinishedReference first = make("damaged.exr", 0);
+    ASSERT_FALSE(first.missing.empty());
+    make_batches("damaged.exr", first);
+    const std::string file = batch_file("damaged.exr");
+    const std::string content = read_file(file);
+    std::ofstream(file, std::ios::binary) << content.substr(0, content.size() - 20);
+    EXPECT_EQ(content_of(make("damaged.exr")), good);
+}
+
+TEST_F(ReferenceBatchesTest, AnEditedOneIsMadeAgain) {
+    const std::string good = content_of(make("good.exr"));
+    const ReferenceBatch batch = make("edited.exr", 0).missing.at(0);
+    make_batch(work("edited.exr"), batch);
+    const std::string file = batch_file("edited.exr");
+    LayeredImage edited = read_image(file);
+    edited.metadata.erase("compression");  // which OpenImageIO adds and OpenEXR does not take as text
+    for (auto& [name, layer] : edited.layers)
+        for (float& value : layer.rgb)
+            value *= 1.01f;
+    write_exr(file, edited);
+    EXPECT_EQ(content_of(make("edited.exr")), good);
+}
+
+TEST_F(ReferenceBatchesTest, TakesBatchesOfOthers) {
+    const FinishedReference first = make("others.exr", 0);
+    make_batches("others.exr", first);
+    method_ = fake_method<5000>();  // it would take 40 s for each group
+    const FinishedReference second = make("others.exr", 0);
+    EXPECT_EQ(second.rounds_added, 4u) << "of 1, 1, 2 and 4 passes";
+}
+
+TEST_F(ReferenceBatchesTest, WhatIsShortIsDoneByTheProcessItself) {
+    const FinishedReference all = make("all.exr", std::numeric_limits<double>::max());
+    EXPECT_FALSE(all.missing.empty()) << "nothing is known before the first round";
+    make_batches("all.exr", all);
+    EXPECT_TRUE(make("all.exr", std::numeric_limits<double>::max()).missing.empty());
+}
+
+// The standard errors of n and of 4 n rounds of equal batches, each estimated from 16 groups on 64 pixels: the ratio of
+// the variances is 4 times an F variable of 960 and 960 degrees of freedom, and lies within 4 exp(+-0.212) with a
+// probability of 99.9 %.
+TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
+    constexpr std::uint32_t rounds = 4, passes = 4;
+    const BatchFolder batches(folder_ / "n.exr.batches");
+    const auto error_of = [&](std::uint32_t first, std::uint32_t count) {
+        ReferenceGroups groups;
+        for (std::uint32_t round = first; round < first + count; ++round) {
+            std::vector<ComponentImages> images;
+            for (std::uint32_t g = 0; g < reference_groups; ++g) {
+                const ReferenceBatch batch{0, round * reference_groups + g, passes, round * passes};
+                make_batch(work("n.exr"), batch);
+                images.push_back(batches.read(batch).value().images);
+            }
+            groups.add_round(images, passes);
+        }
+        return relative_standard_error(groups.reference().total, 0.01);
+    };
+    const double few = error_of(0, rounds), many = error_of(rounds, 4 * rounds);
+    EXPECT_NEAR(2 * std::log(few / many), std::log(4), 0.212);
+}
+
+// Several makers share the work of a unit, so that few units are enough, which only their shares tell.
+TEST(StoredReference, OfSeveralMakersIsNotToppedUpWithoutNeed) {
+    const TemporaryFolder folder;
+    const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{24, 24}}, {}});
+    const ReferenceWork work{.scene = scene,
+                             .methods = reference_methods({"auto", {}}),
+                             .label = {"auto", {}},
+                             .goal = {0.3, std::nullopt},
+                             .epsilon = 0.01,
+                             .path = folder / "reference.exr"};
+    ProgressLine progress(false);
+    const FinishedReference first = make_reference(work, progress);
+    ASSERT_LT(passes_of(first), 8u);
+    EXPECT_EQ(make_reference(work, progress).rounds_added, 0u);
+}
+
+TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
+    const ReferenceGoal goal{0.01, std::nullopt};
+    const ReferenceSchedule schedule(goal);
+    const std::vector<MakerShare> shares = {{"a", 2, {}}, {"b", 0, {}}, {"c", 1, {}}};
+    const ReferenceState state{.rounds = 5, .passes = 16, .error = 0.0199, .work = 1e6, .seconds = 3};
+    EXPECT_EQ(schedule.next_passes(state, shares), 16u) << "at most as many as before";
+    const auto batches = schedule.next_batches(state, shares);
+    ASSERT_EQ(batches.size(), 2u * reference_groups) << "no batch of a maker without a share";
+    EXPECT_EQ(batches[1].maker, 2u);
+    EXPECT_EQ(batches[2].passes, 32u);
+    EXPECT_EQ(batches[2].passes_before, 32u);
+    EXPECT_EQ(batches[2].number, 5u * reference_groups + 1);
+    // 47.4 passes are left: a round of 16 and one of 32.
+    EXPECT_EQ(schedule.batches_ahead(state, shares).size(), 2 * batches.size());
+    EXPECT_NEAR(schedule.work_left(state, shares), 2.96e6, 1e3);
+    ReferenceState long_rounds = state;
+    long_rounds.work = 16 * 5e7;
+    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "1e8 rays and samples";
+    long_rounds.work *= 100;
+    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "an eighth of what is done";
+}
+
+TEST(SharedOut, PartsAreEvenAndKeepTheOrder) {
+    const std::vector<int> things = {0, 1, 2, 3, 4, 5, 6};
+    const auto parts = shared_out(things, 3);
+    EXPECT_THAT(parts, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 3), ElementsAre(4, 5, 6)));
+    EXPECT_EQ(shared_out(things, 100).size(), things.size());
+    EXPECT_TRUE(shared_out(std::vector<int>(), 3).empty());
 }
 
 }  // namespace

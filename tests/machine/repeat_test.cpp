@@ -4,21 +4,14 @@
 #include "experiments/analysis/analysis.h"
 #include "tests/support/run_fixtures.h"
 
-#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 namespace gib::test::repeat_test {
 namespace {
 
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
 class RepeatTest : public ::testing::Test, protected ExperimentFolder {
 protected:
-    ProgramResult repeat(const std::string& options = "results/e") const {
-        return run_gibench("run --repeat " + options, path());
-    }
+    ProgramResult repeat(const std::string& options = "results/e") const { return gibench("run --repeat " + options); }
     nlohmann::json manifest(const std::string& folder = "results/e") const {
         return nlohmann::json::parse(read_file(path(folder + "/manifest.json")));
     }
@@ -34,11 +27,9 @@ protected:
 TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
     write_experiment("[4, 8]", "target = '40%'\n", "resolution = [12, 6]\n");
     ASSERT_EQ(run("--only spp=4").code, 0);
-    const ProgramResult again = repeat();
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"
-                                     "identical     tiny, path spp=4, seed 2, 4 passes\n2 of 2 identical\n"));
-    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    EXPECT_THAT(repeat(), prints(HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"
+                                           "identical     tiny, path spp=4, seed 2, 4 passes\n2 of 2 identical\n"),
+                                 Not(HasSubstr("spp=8"))));
     for (const char* name : {"table.csv", "report.html", "images/tiny-path_spp=4.exr", "images/tiny-reference.exr"})
         EXPECT_TRUE(fs::exists(path("results/e-repeat/" + std::string(name)))) << name;
     EXPECT_EQ(read_image(path("results/e-repeat/images/tiny-path_spp=4.exr")).layers[0].second.width, 12);
@@ -46,7 +37,7 @@ TEST_F(RepeatTest, RendersTheCompleteCellsAgain) {
     EXPECT_EQ(manifest().at("resolution"), nlohmann::json({12, 6}));
     // A repetition can be repeated, and a report can be made from its folder.
     EXPECT_EQ(repeat("results/e-repeat/ --out elsewhere").code, 0);
-    EXPECT_EQ(run_gibench("report elsewhere", path()).code, 0);
+    EXPECT_EQ(gibench("report elsewhere").code, 0);
 }
 
 TEST_F(RepeatTest, ABudgetOfTimeBecomesItsPasses) {
@@ -64,9 +55,7 @@ TEST_F(RepeatTest, ABudgetOfTimeBecomesItsPasses) {
 TEST_F(RepeatTest, AChangedSceneIsNamedBeforeAnythingIsDone) {
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
     write("tiny.xml", tiny_scene_xml(9));
-    const ProgramResult again = repeat("results/e --out b");
-    EXPECT_EQ(again.code, 2);
-    EXPECT_THAT(again.err, HasSubstr("tiny.xml:1:1: the scene was changed"));
+    EXPECT_THAT(repeat("results/e --out b"), exits(2, HasSubstr("tiny.xml:1:1: the scene was changed")));
     EXPECT_FALSE(fs::exists(path("b")));
 }
 
@@ -75,20 +64,16 @@ TEST_F(RepeatTest, OtherImagesAreToldApart) {
     auto changed = manifest();
     changed["cells"][0]["image"] = std::string(40, '0');
     set_manifest(changed);
-    ProgramResult again = repeat();
-    EXPECT_EQ(again.code, 1);
-    EXPECT_THAT(again.out, HasSubstr("differs       tiny, path spp=4, seed 1, 4 passes: 0 of "));
-    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=8, seed 1, 8 passes\n1 of 2 identical"));
+    EXPECT_THAT(repeat(), prints_with(1, HasSubstr("differs       tiny, path spp=4, seed 1, 4 passes: 0 of "),
+                                      HasSubstr("identical     tiny, path spp=8, seed 1, 8 passes\n1 of 2 identical")));
 
     changed = manifest();
     changed["cells"][0]["passes"] = 3;  // the image has 4 passes
     changed["cells"][1]["method"] = "path spp=16";
     set_manifest(changed);
-    again = repeat();
-    EXPECT_EQ(again.code, 1);
-    EXPECT_THAT(again.out,
-                ::testing::ContainsRegex("differs       tiny, path spp=4, seed 1, 3 passes: [1-9][0-9]* of 1"));
-    EXPECT_THAT(again.out, HasSubstr("not repeated  tiny, path spp=16"));
+    EXPECT_THAT(repeat(),
+                prints_with(1, ContainsRegex("differs       tiny, path spp=4, seed 1, 3 passes: [1-9][0-9]* of 1"),
+                            HasSubstr("not repeated  tiny, path spp=16")));
 }
 
 TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
@@ -96,10 +81,8 @@ TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
     block_cell("results/e", "path spp=8");
     ASSERT_EQ(run("--seeds 1 --fresh").code, 1);
     ASSERT_EQ(manifest().at("cells").size(), 1u);
-    const ProgramResult again = repeat();
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n1 of 1 identical\n"));
-    EXPECT_THAT(again.out, Not(HasSubstr("spp=8")));
+    EXPECT_THAT(repeat(), prints(HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n1 of 1 identical\n"),
+                                 Not(HasSubstr("spp=8"))));
     EXPECT_FALSE(fs::exists(path("results/e-repeat/cells/" + cell_folder_name("tiny", "path spp=8", 1))));
 }
 
@@ -107,12 +90,11 @@ TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
     ASSERT_EQ(run("--seeds 1").code, 0);
     ASSERT_EQ(repeat().code, 0);
     block_cell("results/e-repeat", "path spp=8");
-    const ProgramResult again = repeat();
-    EXPECT_EQ(again.code, 1);
-    EXPECT_THAT(again.out, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"));
-    EXPECT_THAT(again.out, ::testing::ContainsRegex(
-                               "not repeated  tiny, path spp=8, seed 1, 8 passes: [^\n]*final.exr: cannot write"));
-    EXPECT_THAT(again.out, HasSubstr("1 of 2 identical\n"));
+    EXPECT_THAT(
+        repeat(),
+        prints_with(1, HasSubstr("identical     tiny, path spp=4, seed 1, 4 passes\n"),
+                    ContainsRegex("not repeated  tiny, path spp=8, seed 1, 8 passes: [^\n]*final.exr: cannot write"),
+                    HasSubstr("1 of 2 identical\n")));
 }
 
 TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
@@ -124,8 +106,8 @@ TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
     const ProgramResult again = repeat();
     EXPECT_EQ(again.code, 1);
     for (const std::string passes : {"4", "8"})
-        EXPECT_THAT(again.out, ::testing::ContainsRegex("not repeated  tiny, path spp=" + passes + ", seed 1, " +
-                                                        passes + " passes: [^\n]*cannot write here"));
+        EXPECT_THAT(again.out, ContainsRegex("not repeated  tiny, path spp=" + passes + ", seed 1, " + passes +
+                                             " passes: [^\n]*cannot write here"));
     EXPECT_THAT(again.out, HasSubstr("0 of 2 identical\n"));
 }
 
@@ -136,19 +118,17 @@ TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
     changed["libraries"]["Embree"] = "0.1";
     set_manifest(changed);
     write("elsewhere/x", "");
-    const ProgramResult again = run_gibench("run --repeat ../results/e", path("elsewhere"));
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.err, HasSubstr("warning: the compiler is another one: 'Other 1.0' then"));
-    EXPECT_THAT(again.err, HasSubstr("warning: the Embree is another one: '0.1' then"));
-    EXPECT_THAT(again.err, Not(HasSubstr("the processor is another")));
+    EXPECT_THAT(
+        run_gibench("run --repeat ../results/e", path("elsewhere")),
+        exits(0, HasSubstr("warning: the compiler is another one: 'Other 1.0' then"),
+              HasSubstr("warning: the Embree is another one: '0.1' then"), Not(HasSubstr("the processor is another"))));
 }
 
 TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
     ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
     for (const auto& [folder, here] :
          {std::pair("results/e", "."), std::pair("results/e", "./"), std::pair("results/e/cells", "..")}) {
-        const ProgramResult again = run_gibench("run --repeat " + std::string(here), path(folder));
-        EXPECT_EQ(again.code, 0) << here << again.err;
+        EXPECT_THAT(run_gibench("run --repeat " + std::string(here), path(folder)), exits(0)) << here;
         EXPECT_TRUE(fs::exists(path("results/e-repeat/report.html"))) << here;
         EXPECT_FALSE(fs::exists(path("results/e/.-repeat"))) << here;
         EXPECT_FALSE(fs::exists(path("results/e/..-repeat"))) << here;
@@ -159,9 +139,7 @@ TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
 // If numbers were converted without a check, -1 would be 2^32 - 1 passes, which take days, and 4294967298 would be 2.
 TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     const auto refused = [&](const std::string& arguments, const std::string& said) {
-        const ProgramResult result = run_gibench("run " + arguments, path());
-        EXPECT_EQ(result.code, 2) << arguments;
-        EXPECT_THAT(result.err, HasSubstr(said)) << arguments;
+        EXPECT_THAT(gibench("run " + arguments), exits(2, HasSubstr(said))) << arguments;
     };
     refused("", "EXPERIMENT or --repeat");
     refused("--repeat results/e e.toml", "excludes");

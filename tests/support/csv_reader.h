@@ -5,6 +5,8 @@
 #include "experiments/text/csv.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,6 +58,12 @@ inline CsvTable parse_csv(std::string_view text, const std::string& file) {
         table.rows.push_back(std::move(records[i]));
     }
     return table;
+}
+
+/// A row's field in this column. Throws std::out_of_range if there is no such row or column.
+inline const std::string& field_of(const CsvTable& table, const std::string& column, std::size_t row = 0) {
+    const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
+    return table.rows.at(row).at(static_cast<std::size_t>(at));
 }
 
 }  // namespace gib

@@ -5,6 +5,7 @@
 #include "common/images/film.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
+#include "tests/support/matchers.h"
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
 
@@ -19,14 +20,11 @@ namespace gib::test {
 
 /// A wall under a spherical lamp, seen by a camera of `size` x `size` pixels.
 inline std::string tiny_scene_xml(int size = 8) {
-    return scene_xml("<sensor type='perspective'>" + box_film(size) +
-                     "<sampler type='independent'><integer name='sample_count' value='4'/></sampler></sensor>"
-                     "<shape type='rectangle'><transform name='to_world'><translate z='5'/><rotate y='1' angle='180'/>"
-                     "<translate z='10'/></transform>" +
-                     diffuse(0.5) +
-                     "</shape>"
-                     "<shape type='sphere'><point name='center' x='0' y='3' z='2'/><float name='radius' value='0.5'/>"
-                     "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>");
+    return Scene(element("sensor", "perspective", box_film(size),
+                         element("sampler", "independent", integer("sample_count", 4))))
+        .add(shape("rectangle", to_world(translate(0, 0, 5), rotate('y', 180), translate(0, 0, 10)), diffuse(0.5)))
+        .sphere(0, 3, 2, 0.5, area_light(5))
+        .xml();
 }
 
 /// How a FakeMethod behaves. Every pixel is 1 plus noise of standard deviation `noise`, a pure function of the seed,
@@ -101,6 +99,24 @@ struct ProgramResult {
     int code;
     std::string out, err;
 };
+inline void PrintTo(const ProgramResult& result, std::ostream* stream) {
+    *stream << "exit code " << result.code << "\n" << result.out << result.err;
+}
+
+/// Match a ProgramResult with this exit code (0 for prints()), whose standard error or output matches all of `words`.
+inline auto exits(int code) { return ::testing::Field("code", &ProgramResult::code, code); }
+template <class... Words>
+auto exits(int code, const Words&... words) {
+    return AllOf(exits(code), ::testing::Field("err", &ProgramResult::err, AllOf(words...)));
+}
+template <class... Words>
+auto prints_with(int code, const Words&... words) {
+    return AllOf(exits(code), ::testing::Field("out", &ProgramResult::out, AllOf(words...)));
+}
+template <class... Words>
+auto prints(const Words&... words) {
+    return prints_with(0, words...);
+}
 
 /// Runs the built program in `folder` through a shell, so `arguments` must be quoted as a shell needs.
 inline ProgramResult run_gibench(const std::string& arguments, const std::string& folder) {

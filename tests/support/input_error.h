@@ -18,4 +18,12 @@ std::string input_error_of(const Read& read) {
     return "no error";
 }
 
+/// The same from the first `file` on, without the folders before it.
+template <typename Read>
+std::string input_error_in(const std::string& file, const Read& read) {
+    const std::string what = input_error_of(read);
+    const std::size_t place = what.find(file);
+    return place == std::string::npos ? what : what.substr(place);
+}
+
 }  // namespace gib::test

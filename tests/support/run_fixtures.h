@@ -8,7 +8,6 @@
 #include <signal.h>
 #include <spawn.h>
 
-#include <filesystem>
 #include <map>
 #include <string>
 
@@ -28,16 +27,22 @@ public:
         folder_.write("e.toml", "title = 'Tiny'\nscenes = ['tiny.xml']\nseeds = 2\n" + more + "[reference]\n" +
                                     reference + "[[method]]\nname = 'path'\nspp = " + spp + "\n");
     }
-    ProgramResult run(const std::string& options = "") const {
-        return run_gibench("run e.toml --threads 1 " + options, folder_ / "");
+    ProgramResult run(const std::string& options = "") const { return gibench("run e.toml --threads 1 " + options); }
+    /// Puts the results here that run() has in a new folder. They are made once in a process; the copied files keep their times
+    /// and their links.
+    void complete() const {
+        static const ExperimentFolder whole;
+        static const ProgramResult made = whole.run();
+        ASSERT_THAT(made, exits(0));
+        ASSERT_EQ(std::system(("cp -a '" + whole.path("results") + "' '" + path() + "'").c_str()), 0);
     }
+    ProgramResult gibench(const std::string& arguments) const { return run_gibench(arguments, folder_ / ""); }
     std::string path(const std::string& name = "") const { return folder_ / name; }
     std::string results(const std::string& name) const { return folder_ / ("results/e/" + name); }
     void write(const std::string& name, const std::string& content) { folder_.write(name, content); }
-    CsvTable table(const std::string& name) const { return parse_csv(read_file(results(name)), name); }
+    CsvTable table(const std::string& name = "table.csv") const { return parse_csv(read_file(results(name)), name); }
     /// The time when each cell.json was last written, by the name of its cell's folder.
-    std::map<std::string, std::filesystem::file_time_type> cells() const {
-        namespace fs = std::filesystem;
+    std::map<std::string, fs::file_time_type> cells() const {
         std::map<std::string, fs::file_time_type> times;
         if (!fs::exists(results("cells"))) return times;
         for (const auto& cell : fs::directory_iterator(results("cells")))
@@ -91,7 +96,7 @@ public:
     /// The program's standard error so far.
     std::string said() const {
         const std::string file = folder_ + "/err.txt";
-        return std::filesystem::exists(file) ? read_file(file) : "";
+        return fs::exists(file) ? read_file(file) : "";
     }
 
 private:

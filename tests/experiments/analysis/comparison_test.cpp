@@ -1,39 +1,37 @@
-// Comparisons of methods: errors at equal time, the Pareto frontier, and the law of the bias in a sweep.
+// Rows and cells beside each other: errors at equal time, the Pareto frontier, the law of the bias in a sweep, labels that
+// differ in spp alone, unlike processors, and bias that is 0 by theory; which components hold light, and what is judged of an
+// image whose reference does not resolve all of them.
 #include "experiments/analysis/comparison.h"
 
+#include "experiments/analysis/known_bias.h"
+#include "experiments/analysis/price.h"
+#include "experiments/analysis/processors.h"
+#include "experiments/analysis/same_method.h"
+#include "experiments/analysis/scene_light.h"
 #include "experiments/report/report.h"
-
-#include <gmock/gmock.h>
+#include "experiments/report/row_columns.h"
+#include "experiments/results/judgement.h"
+#include "tests/support/constant_image.h"
+#include "tests/support/matchers.h"
+#include "tests/support/table_fixtures.h"
 
 #include <cmath>
 
-namespace gib::comparison_test {
+namespace gib::test::comparison_test {
 namespace {
 
-/// A run whose rel_mse is c / seconds, with checkpoints at first, 2 first, 4 first, ... up to `seconds`.
-Cell run(const std::string& method, double c, double first, double seconds) {
-    Cell cell;
-    cell.scene = "box";
-    cell.method = method;
-    std::uint32_t passes = 1;
-    for (double t = first; t <= seconds; t *= 2, passes *= 2)
-        cell.checkpoints.push_back({{passes, t, {}, 0}, {{"total", {0, 0, 0, 0, c / t}}}});
-    return cell;
-}
-
-TableRow row(const std::string& method, std::optional<Estimate> bias2 = {}) {
-    TableRow row;
-    row.scene = "box";
-    row.method = method;
-    row.component = "total";
-    row.statistics = ReplicateStatistics{5, {1, {}}, {1, {}}, {1, {}}, 1, 1, bias2, {}, {}};
-    return row;
+Analysis analysis_of(std::vector<Cell> cells) {
+    Analysis analysis;
+    analysis.cells = std::move(cells);
+    for (const Cell& cell : analysis.cells)
+        if (analysis.rows.empty() || analysis.rows.back().method != cell.method)
+            analysis.rows.push_back(row_of(cell.method, "total", {}, 5));
+    return analysis;
 }
 
 TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
-    Analysis analysis;
-    analysis.cells = {run("path", 4e-4, 0.7, 90), run("slow_start", 1e-4, 64, 128), run("photons", 1e-4, 1, 16)};
-    analysis.rows = {row("path"), row("slow_start"), row("photons")};
+    const Analysis analysis = analysis_of(
+        {run_of("path", 4e-4, 0.7, 90), run_of("slow_start", 1e-4, 64, 128), run_of("photons", 1e-4, 1, 16)});
     const auto rows = equal_time_rows(analysis);
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 16);
@@ -42,15 +40,13 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     EXPECT_NEAR(rows[0].entries[0].relative_rmse, std::sqrt(1e-4 / 16), 1e-12);
     // The error lies between the checkpoints at 11.2 and 22.4 s.
     EXPECT_NEAR(rows[0].entries[1].relative_rmse, std::sqrt(4e-4 / 16), 1e-12);
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
 }
 
 // Its runs end after 8 and 12 s. After 10 s, their mean, the second one is not complete.
 TEST(EqualTime, TheFastestHasTheErrorOfItsFinalImages) {
-    Analysis analysis;
-    analysis.cells = {run("fast", 4e-4, 1, 8), run("fast", 4e-4, 1.5, 12), run("slow", 1e-2, 1, 64)};
-    analysis.rows = {row("fast"), row("slow")};
-    const auto rows = equal_time_rows(analysis);
+    const auto rows = equal_time_rows(
+        analysis_of({run_of("fast", 4e-4, 1, 8), run_of("fast", 4e-4, 1.5, 12), run_of("slow", 1e-2, 1, 64)}));
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 10);
     EXPECT_EQ(rows[0].entries.at(0).method, "fast");
@@ -59,8 +55,9 @@ TEST(EqualTime, TheFastestHasTheErrorOfItsFinalImages) {
 
 // More time would not change the image of a method that has converged.
 TEST(EqualTime, DoesNotEndWithAMethodThatHasConverged) {
-    Analysis analysis;
-    analysis.cells = {run("path", 4e-4, 0.7, 90), run("solution", 1e-2, 1, 4), run("photons", 1e-4, 1, 16)};
+    Analysis analysis =
+        analysis_of({run_of("path", 4e-4, 0.7, 90), run_of("solution", 1e-2, 1, 4), run_of("photons", 1e-4, 1, 16)});
+    analysis.rows.clear();
     analysis.cells[1].converged = true;
     const auto methods = [&] { return cells_by_method(analysis, "box"); };
     EXPECT_EQ(equal_time(methods()), 16);
@@ -72,34 +69,37 @@ TEST(EqualTime, DoesNotEndWithAMethodThatHasConverged) {
 // At 1, 2, 4 and 8 s the quick method has 4e-4 / t; the slow one starts at 4 s with 1e-4 / t.
 TEST(ParetoFrontier, IsOfTheCheckpointsThatNoOtherBeats) {
     Analysis analysis;
-    analysis.cells = {run("quick", 4e-4, 1, 8), run("slow", 1e-4, 4, 16)};
+    analysis.cells = {run_of("quick", 4e-4, 1, 8), run_of("slow", 1e-4, 4, 16)};
     const auto frontier = pareto_frontier(analysis);
-    std::vector<std::pair<std::string, double>> found;
+    using Point = std::pair<std::string, double>;
+    std::vector<Point> found;
     for (const auto& point : frontier) {
         found.emplace_back(point.method, point.seconds);
         EXPECT_NEAR(point.relative_rmse, std::sqrt((point.method == "quick" ? 4e-4 : 1e-4) / point.seconds), 1e-12);
     }
-    using Point = std::pair<std::string, double>;
-    EXPECT_THAT(found, ::testing::ElementsAre(Point("quick", 1), Point("quick", 2), Point("slow", 4), Point("slow", 8),
-                                              Point("slow", 16)));
+    EXPECT_THAT(found, ElementsAre(Point("quick", 1), Point("quick", 2), Point("slow", 4), Point("slow", 8),
+                                   Point("slow", 16)));
     EXPECT_EQ(frontier[3].passes, 2u);
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| box | 8.00 | 0.35 | 2 | slow |"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | 8.00 | 0.35 | 2 | slow |"));
     analysis.cells.resize(1);
     EXPECT_TRUE(pareto_frontier(analysis).empty());
 }
 
 TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     Analysis analysis;
-    analysis.cells = {run("photons k=50 photons=1e4", 1, 1, 2)};
-    const auto bias = [](double photons, double spread) {
+    analysis.cells = {run_of("photons k=50 photons=1e4", 1, 1, 2)};
+    const auto add = [&](const std::string& method, const Estimate& bias2) {
+        analysis.rows.push_back(row_of(method, "total", bias2, 5));
+    };
+    const auto bias = [](double photons) {
         const double value = 3 * std::pow(photons, -1.5);
-        return Estimate{value, Interval{value / spread, value * spread}};
+        return Estimate{value, Interval{value / 1.2, value * 1.2}};
     };
     for (const auto& [text, x] : {std::pair{"1e4", 1e4}, {"1e5", 1e5}, {"1e6", 1e6}})
-        analysis.rows.push_back(row(std::string("photons k=50 photons=") + text, bias(x, 1.2)));
+        add(std::string("photons k=50 photons=") + text, bias(x));
     // The first row is below what the reference resolves, the second belongs to another sweep.
-    analysis.rows.push_back(row("photons k=50 photons=1e7", Estimate{1e-10, Interval{-1e-9, 1e-9}}));
-    analysis.rows.push_back(row("photons k=auto photons=1e5", bias(1e7, 1.2)));
+    add("photons k=50 photons=1e7", Estimate{1e-10, Interval{-1e-9, 1e-9}});
+    add("photons k=auto photons=1e5", bias(1e7));
     const auto laws = bias_laws(analysis);
     ASSERT_EQ(laws.size(), 1u);
     EXPECT_EQ(laws[0].method, "photons k=50");
@@ -116,13 +116,180 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
 
 TEST(BiasLaws, SayNothingOfTwoPoints) {
     Analysis analysis;
-    for (const char* text : {"1e4", "1e5"}) {
-        analysis.cells.push_back(run(std::string("photons photons=") + text, 1, 1, 2));
-        analysis.rows.push_back(row(std::string("photons photons=") + text, Estimate{1, Interval{0.5, 2}}));
+    for (const std::string method : {"photons photons=1e4", "photons photons=1e5"}) {
+        analysis.cells.push_back(run_of(method, 1, 1, 2));
+        analysis.rows.push_back(row_of(method, "total", Estimate{1, Interval{0.5, 2}}, 5));
     }
     EXPECT_TRUE(bias_laws(analysis).empty());
-    EXPECT_THAT(markdown_table(analysis), ::testing::Not(::testing::HasSubstr("How bias falls")));
+    EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("How bias falls")));
+}
+
+/// Three labels of one method, of which the clock says that the shortest is the quickest, and another one.
+Analysis sweep() {
+    Analysis analysis;
+    analysis.index.methods = {"path spp=4", "path spp=64", "path spp=16", "photon_mapper k=5 spp=64"};
+    analysis.cells = {run_of("path spp=4", 1, 0.9, 4 * 0.9), run_of("path spp=64", 1, 1, 64),
+                      run_of("path spp=16", 1, 0.95, 16 * 0.95), run_of("photon_mapper k=5 spp=64", 1, 2, 128)};
+    for (const Cell& cell : analysis.cells) {
+        analysis.rows.push_back(row_of(cell.method));
+        analysis.rows.back().seconds = cell.last().seconds;
+    }
+    return analysis;
+}
+
+TEST(SameMethod, LabelsLoseTheirSpp) {
+    EXPECT_EQ(label_without_spp("path spp=4"), "path");
+    EXPECT_EQ(label_without_spp("photon_mapper spp=4 photons=1e5"), "photon_mapper photons=1e5");
+    EXPECT_EQ(label_without_spp("path"), "path");
+}
+
+TEST(SameMethod, TheLongestRunStandsForAll) {
+    const Analysis merged = one_label_a_method(sweep());
+    std::vector<std::string> methods;
+    for (const TableRow& row : merged.rows)
+        methods.push_back(row.method);
+    EXPECT_THAT(methods, ElementsAre("path spp=64", "photon_mapper k=5 spp=64"));
+    EXPECT_EQ(merged.cells.size(), 2u);
+    EXPECT_THAT(merged.stops.at({"box", "path spp=64"}), ElementsAre(4u, 16u));
+    EXPECT_EQ(merged.stops.count({"box", "photon_mapper k=5 spp=64"}), 0u);
+    EXPECT_EQ(merged.index.methods.size(), 4u) << "colours and places of the labels stay";
+}
+
+// A run that was interrupted must not hide one that has all seeds.
+TEST(SameMethod, MoreCompleteSeedsComeBeforeMorePasses) {
+    Analysis analysis = sweep();
+    analysis.cells.push_back(run_of("path spp=16", 1, 0.95, 16 * 0.95, 0, 2));
+    EXPECT_THAT(one_label_a_method(analysis).stops.at({"box", "path spp=16"}), ElementsAre(4u, 64u));
+}
+
+TEST(SameMethod, NoTableComparesItWithItself) {
+    EXPECT_THAT(markdown_table(sweep()),
+                AllOf(Not(HasSubstr("path spp=4 ")), Not(HasSubstr("path spp=16 ")),
+                      HasSubstr("| path spp=64 (stopped at spp = 4, 16 too) |"), HasSubstr("photon_mapper k=5")));
+}
+
+Cell measured_on(const std::string& cpu, const std::string& scene, const std::string& method) {
+    Cell cell = cell_of(method);
+    cell.scene = scene;
+    cell.cpu = cpu;
+    return cell;
+}
+
+TEST(Processors, UnlikeOnesOfAScene) {
+    const std::vector<Cell> cells = {measured_on("A", "box", "path"),   measured_on("A", "box", "path"),
+                                     measured_on("B", "box", "vcm"),    measured_on("B", "box", "path"),
+                                     measured_on("A", "glass", "path"), measured_on("", "glass", "vcm")};
+    EXPECT_THAT(unlike_processors(cells, "box"), HasSubstr("; on 'A': path; on 'B': path, vcm"));
+    EXPECT_EQ(unlike_processors(cells, "glass"), "") << "a record of an older version has no name";
+}
+
+TEST(Processors, OfARow) {
+    std::vector<Cell> cells;
+    for (const char* cpu : {"B", "A", "B", ""})
+        cells.push_back(measured_on(cpu, "box", "path"));
+    EXPECT_EQ(processors_of({&cells[0], &cells[1], &cells[2], &cells[3]}), "A;B");
+    EXPECT_EQ(processors_of({&cells[3]}), "");
+}
+
+TEST(KnownBias, IsThatOfMethodsThatDeclareIt) {
+    EXPECT_TRUE(is_unbiased(row_of("path spp=16"), ""));
+    EXPECT_TRUE(is_unbiased(row_of("bidirectional spp=16", "caustic"), ""));
+    EXPECT_FALSE(is_unbiased(row_of("photon_mapper photons=1e4"), ""));
+    EXPECT_FALSE(is_unbiased(row_of("radiosity", "indirect"), ""));
+    EXPECT_FALSE(is_unbiased(row_of("a_method_of_an_older_program"), ""));
+}
+
+TEST(KnownBias, NeedsEveryPathOfTheComponent) {
+    EXPECT_FALSE(is_unbiased(row_of("path spp=16"), "caustic"));
+    EXPECT_FALSE(is_unbiased(row_of("path spp=16", "caustic"), "caustic;volume"));
+    EXPECT_TRUE(is_unbiased(row_of("path spp=16", "direct"), "caustic;volume"));
+    EXPECT_FALSE(is_unbiased(row_of("path max_depth=3 spp=16"), "")) << "shorter paths than the reference";
+    TableRow row = row_of("path spp=16");
+    row.nonfinite = 1;
+    EXPECT_FALSE(is_unbiased(row, "")) << "a dropped sample";
+    row = row_of("path spp=16");
+    row.effects_missing = "caustics";
+    EXPECT_FALSE(is_unbiased(row, ""));
+}
+
+// The columns of bias^2 keep the measured values; a column of its own says that theory knows better.
+TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
+    TableRow row = row_of("path spp=16", "total", Estimate{0.5, Interval{0.25, 0.75}});
+    row.statistics->rel_bias2 = row.statistics->bias2;
+    row.statistics->variance = Estimate{1, {}};
+    row.law = PriceLaw{};
+    row.law->floor.value = 1;
+    const auto field = [&](const std::string& name) {
+        for (const RowColumn& column : row_columns())
+            if (column.name == name) return column.csv_text(row);
+        return std::string("no such column");
+    };
+    EXPECT_EQ(field("bias_state"), "measured");
+    EXPECT_EQ(floor_bias2(row), 0.5);
+    row.is_unbiased = true;
+    EXPECT_EQ(field("bias_state"), "unbiased");
+    EXPECT_EQ(field("bias2"), "0.5");
+    EXPECT_EQ(floor_bias2(row), 0);
+    for (const RowColumn& column : row_columns())
+        if (column.heading == "share of bias^2") {
+            EXPECT_EQ(column.section_text(row), "none: unbiased");
+        }
+    row.statistics->bias2.reset();
+    EXPECT_EQ(field("bias_state"), "") << "one seed";
+}
+
+Image constant(float value) { return constant_image(value, 2, 2); }
+
+/// A reference with `direct` light and a black `emission`, which does not resolve `caustic` and `volume`, of which it shows
+/// nothing.
+Reference reference_of(float direct) {
+    Reference reference;
+    reference.total = {.mean = constant(direct), .standard_error = std::nullopt, .groups = {}};
+    for (const auto& [c, value] : {std::pair(Component::direct, direct), std::pair(Component::emission, 0.f),
+                                   std::pair(Component::caustic, 0.f), std::pair(Component::volume, 0.f)})
+        reference.components[static_cast<std::size_t>(index_of(c))] =
+            ReferenceLayer{.mean = constant(value), .standard_error = std::nullopt, .groups = {}};
+    reference.unresolved = {Component::caustic, Component::volume};
+    return reference;
+}
+
+ComponentImages image_of(float caustic, float volume) {
+    ComponentImages image{.width = 2, .height = 2, .parts = {}};
+    image[Component::caustic] = constant(caustic);
+    image[Component::volume] = constant(volume);
+    return image;
+}
+
+TEST(SceneLight, IsUnknownUntilSomeImageHasAllPathsOfAComponent) {
+    SceneLight light(reference_of(1));
+    EXPECT_EQ(light.holding_light("emission;direct;caustic;volume"), "direct;caustic;volume")
+        << "the reference resolves that emission is black, and cannot tell of the unresolved ones";
+    light.add({image_of(0, 0)}, "caustic");
+    EXPECT_EQ(light.holding_light("caustic;volume"), "caustic") << "this method has all paths of `volume`: it is black";
+    light.add({image_of(0, 0)}, "");
+    EXPECT_EQ(light.holding_light("caustic;volume"), "");
+}
+
+TEST(SceneLight, IsSeenInAnyImage) {
+    SceneLight light(reference_of(1));
+    light.add({image_of(0, 0)}, "");
+    light.add({image_of(0, 0), image_of(0, 0.5f)}, "caustic;volume");
+    EXPECT_EQ(light.holding_light("caustic;volume"), "volume");
+}
+
+// An image whose judged part is black on both sides would have no error at all.
+TEST(Judgement, HasNoTotalWhereNothingIsJudged) {
+    const ComponentImages image = image_of(1, 1);
+    const Reference whole = reference_of(1), nothing = reference_of(0);
+    const Judgement judged(whole), empty(nothing);
+    EXPECT_FALSE(judged.is_empty());
+    EXPECT_EQ(judged.errors(image, 0.01).count(total_name), 1u);
+    EXPECT_TRUE(empty.is_empty());
+    EXPECT_EQ(empty.errors(image, 0.01).count(total_name), 0u);
+    Reference black = reference_of(0);
+    black.unresolved.clear();
+    EXPECT_FALSE(Judgement(black).is_empty()) << "a scene without light is judged";
 }
 
 }  // namespace
-}  // namespace gib::comparison_test
+}  // namespace gib::test::comparison_test

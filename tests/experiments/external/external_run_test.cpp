@@ -1,60 +1,46 @@
-// Commands of other renderers as methods of an experiment. The renderer is toy_renderer.sh, which is right, too dark, or fails in one way.
+// What was made elsewhere: commands of other renderers as methods of an experiment, and references (`image` in
+// [reference]). The renderer is toy_renderer.sh, which is right, too dark, or fails in one way.
 
 #include "common/images/image_file.h"
+#include "experiments/metrics/reference_image.h"
 #include "experiments/results/result_folder.h"
+#include "tests/support/constant_image.h"
 #include "tests/support/run_fixtures.h"
 #include "tests/support/source_path.h"
 
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <filesystem>
+#include <limits>
 
 namespace gib::test::external_run_test {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-class ExternalRun : public ::testing::Test {
+class ExternalRun : public ::testing::Test, protected ExperimentFolder {
 protected:
-    ExternalRun() { folder_.write("tiny.xml", tiny_scene_xml()); }
-
     /// A [[method]] that runs the toy renderer in this mode.
     static std::string toy(const std::string& mode, const std::string& more = "") {
         return "[[method]]\nname = '" + mode + "'\ncommand = \"sh " +
                source_path("tests/experiments/external/toy_renderer.sh") + " " + mode + " " + program_path() +
                " {scene} {spp} {seed} {out}\"\n" + more;
     }
-    void write(const std::string& methods, int seeds = 1, const std::string& target = "40%") {
-        folder_.write("e.toml", "scenes = ['tiny.xml']\nseeds = " + std::to_string(seeds) +
-                                    "\n[reference]\ntarget = '" + target + "'\n" + methods);
+    void write_methods(const std::string& methods, int seeds = 1, const std::string& target = "40%") {
+        write("e.toml", "scenes = ['tiny.xml']\nseeds = " + std::to_string(seeds) + "\n[reference]\ntarget = '" +
+                            target + "'\n" + methods);
     }
-    ProgramResult run(const std::string& options = "") {
-        return run_gibench("run e.toml --threads 1 " + options, folder_ / "");
-    }
-    std::string results(const std::string& name) const { return folder_ / ("results/e/" + name); }
     std::string cell(const std::string& method, const std::string& file) const {
         return results("cells/" + cell_folder_name("tiny", method, 1) + "/" + file);
     }
     /// A column of the row of `total` of a method.
     std::string field(const std::string& method, const std::string& column) const {
-        const CsvTable table = parse_csv(read_file(results("table.csv")), "table.csv");
-        const auto at = static_cast<std::size_t>(std::find(table.columns.begin(), table.columns.end(), column) -
-                                                 table.columns.begin());
-        for (const auto& row : table.rows)
-            if (row[1] == method && row[2] == "total") return row.at(at);
+        const CsvTable rows = table();
+        for (std::size_t i = 0; i < rows.rows.size(); ++i)
+            if (rows.rows[i][1] == method && rows.rows[i][2] == "total") return field_of(rows, column, i);
         return "no row of " + method;
     }
-    TemporaryFolder folder_;
 };
 
 // The toy renderer is `path` itself, so that its image is that of the method, bit for bit.
 TEST_F(ExternalRun, ARightRendererHasARowLikeAnyOther) {
-    write(toy("right", "spp = [4, 8]\n") + "[[method]]\nname = 'path'\nspp = 8\n", 2);
-    const ProgramResult result = run();
-    ASSERT_EQ(result.code, 0) << result.err;
+    write_methods(toy("right", "spp = [4, 8]\n") + "[[method]]\nname = 'path'\nspp = 8\n", 2);
+    ASSERT_THAT(run(), exits(0));
     for (const char* column : {"rmse", "rel_mse", "bias2", "variance", "noise_centroid", "seeds"})
         EXPECT_EQ(field("right spp=8", column), field("path spp=8", column)) << column;
     EXPECT_EQ(field("right spp=8", "external"), "yes");
@@ -62,19 +48,18 @@ TEST_F(ExternalRun, ARightRendererHasARowLikeAnyOther) {
     const LayeredImage external = read_image(cell("right spp=8", "final.exr"));
     ASSERT_EQ(external.layers.size(), 1u);
     EXPECT_EQ(external.layers[0].second.rgb, read_image(cell("path spp=8", "final.exr")).find("")->rgb);
-    const std::string text = read_file(results("table.md"));
-    EXPECT_THAT(text, AllOf(HasSubstr("| right spp=8 (external) |"), HasSubstr("| right spp=4 (external) |")));
-    EXPECT_THAT(text, HasSubstr("| tiny | right spp=8 (external) |")) << "the strip of images";
+    EXPECT_THAT(read_file(results("table.md")),
+                AllOf(HasSubstr("| right spp=8 (external) |"), HasSubstr("| right spp=4 (external) |"),
+                      HasSubstr("| tiny | right spp=8 (external) |")));
     EXPECT_THAT(read_file(results("report.html")),
                 AllOf(HasSubstr(">external<"), HasSubstr("<b class=\"name\">right spp=8</b> (external)")));
-    EXPECT_THAT(run_gibench("run --repeat results/e", folder_ / "").out, HasSubstr("6 of 6 identical"));
+    EXPECT_THAT(gibench("run --repeat results/e").out, HasSubstr("6 of 6 identical"));
 }
 
 // The seeds are fixed; each verdict of equal footing has a 99 % interval.
 TEST_F(ExternalRun, ARendererThatIsTwoPercentTooDarkIsToldByEqualFooting) {
-    write(toy("right", "spp = 256\n") + toy("dark", "spp = 256\n"), 5, "0.1%");
-    const ProgramResult result = run();
-    ASSERT_EQ(result.code, 0) << result.err;
+    write_methods(toy("right", "spp = 256\n") + toy("dark", "spp = 256\n"), 5, "0.1%");
+    ASSERT_THAT(run(), exits(0));
     EXPECT_EQ(field("dark spp=256", "footing"), "differs");
     EXPECT_NEAR(std::stod(field("dark spp=256", "energy_excess")), -0.02, 0.008);
     EXPECT_NE(field("right spp=256", "footing"), "differs");
@@ -83,8 +68,9 @@ TEST_F(ExternalRun, ARendererThatIsTwoPercentTooDarkIsToldByEqualFooting) {
 }
 
 TEST_F(ExternalRun, EveryFailureIsReportedAsWhatItIs) {
-    write(toy("fails") + toy("crashes") + toy("hangs", "timeout = 0.5\n") + toy("nan", "image_format = 'pfm'\n") +
-          toy("small", "image_format = 'pfm'\n") + toy("nothing") + toy("right"));
+    write_methods(toy("fails") + toy("crashes") + toy("hangs", "timeout = 0.5\n") +
+                  toy("nan", "image_format = 'pfm'\n") + toy("small", "image_format = 'pfm'\n") + toy("nothing") +
+                  toy("right"));
     const ProgramResult result = run();
     EXPECT_EQ(result.code, 1);
     for (const std::string line :
@@ -102,54 +88,114 @@ TEST_F(ExternalRun, EveryFailureIsReportedAsWhatItIs) {
 }
 
 TEST_F(ExternalRun, TheWholeCommandIsChargedAndItsMemoryIsItsOwn) {
-    write(toy("slow", "spp = 1\n") + toy("right", "spp = 1\n"));
+    write_methods(toy("slow", "spp = 1\n") + toy("right", "spp = 1\n"));
     ASSERT_EQ(run().code, 0);
-    EXPECT_GE(std::stod(field("slow spp=1", "seconds")), 0.5);
-    EXPECT_LT(std::stod(field("slow spp=1", "seconds")), 60);
-    EXPECT_GE(std::stod(field("slow spp=1", "peak_rss_mib")), 128);
-    EXPECT_LT(std::stod(field("slow spp=1", "peak_rss_mib")), 160);
+    const double seconds = std::stod(field("slow spp=1", "seconds"));
+    EXPECT_TRUE(0.5 <= seconds && seconds < 60) << seconds;
+    const double memory = std::stod(field("slow spp=1", "peak_rss_mib"));
+    EXPECT_TRUE(128 <= memory && memory < 160) << memory;
     EXPECT_LT(std::stod(field("right spp=1", "peak_rss_mib")), 128);
 }
 
 TEST_F(ExternalRun, CompleteCellsAreKeptUntilTheirCommandChanges) {
-    write(toy("right", "spp = 4\n"), 2);
+    write_methods(toy("right", "spp = 4\n"), 2);
     ASSERT_EQ(run().code, 0);
     EXPECT_THAT(run().err, HasSubstr("cells complete already, not done again: 2"));
-    write(toy("right", "spp = 4\n") + "timeout = 100\n", 2);
+    write_methods(toy("right", "spp = 4\n") + "timeout = 100\n", 2);
     EXPECT_THAT(run().err, HasSubstr("cells complete already, not done again: 2")) << "a timeout changes no image";
     std::string changed = toy("right", "spp = 4\n");
     changed.replace(changed.find("sh /"), 3, "nice sh ");
-    write(changed, 2);
+    write_methods(changed, 2);
     EXPECT_THAT(run().err,
                 AllOf(HasSubstr("command or number of threads, done again: 2"), Not(HasSubstr("not done again"))));
 }
 
 TEST_F(ExternalRun, PlaceholdersAreFilledAndPathsAreThoseOfTheExperiment) {
-    folder_.write("say.sh", "echo \"$@\" >said.txt\n");
-    folder_.write(
-        "e.toml",
-        "scenes = ['tiny.xml']\nresolution = [6, 5]\n[budget]\nseconds = 2.5\n[reference]\ntarget = '40%'\n"
-        "[[method]]\nname = 'say'\nquality = 'high'\nspp = 3\n"
-        "command = \"sh say.sh {spp} {seconds} {seed} {threads} {width} {height} {quality} ${NO} {scene} {out}\"\n");
+    write("say.sh", "echo \"$@\" >said.txt\n");
+    write("e.toml",
+          "scenes = ['tiny.xml']\nresolution = [6, 5]\n[budget]\nseconds = 2.5\n[reference]\ntarget = '40%'\n"
+          "[[method]]\nname = 'say'\nquality = 'high'\nspp = 3\n"
+          "command = \"sh say.sh {spp} {seconds} {seed} {threads} {width} {height} {quality} ${NO} {scene} {out}\"\n");
     EXPECT_EQ(run().code, 1);
-    const std::string said = read_file(folder_ / "said.txt");
+    const std::string said = read_file(path("said.txt"));
     EXPECT_THAT(said, ::testing::StartsWith("3 2.5 1 1 6 5 high /"));
-    EXPECT_THAT(said, AllOf(HasSubstr(folder_ / "tiny.xml "), HasSubstr("/results/e/command/image.exr\n")));
+    EXPECT_THAT(said, AllOf(HasSubstr(path("tiny.xml ")), HasSubstr("/results/e/command/image.exr\n")));
 }
 
 TEST_F(ExternalRun, AnInterruptEndsTheCommand) {
-    write(toy("hangs"));
-    BackgroundRun background(folder_ / "");
-    ASSERT_TRUE(comes_true([&] { return std::filesystem::exists(cell("hangs", "stderr.txt")); }));
+    write_methods(toy("hangs"));
+    BackgroundRun background(path());
+    ASSERT_TRUE(comes_true([&] { return fs::exists(cell("hangs", "stderr.txt")); }));
     EXPECT_EQ(background.interrupt(SIGINT), 130) << background.said();
 }
 
 TEST_F(ExternalRun, WhatPovrayCannotExpressStopsBeforeAnythingIsRendered) {
-    write("[[method]]\nname = 'pov'\nscene_format = 'povray'\ncommand = 'povray {scene} {out}'\n");
-    const ProgramResult result = run();
-    EXPECT_EQ(result.code, 2);
-    EXPECT_THAT(result.err, AllOf(HasSubstr("tiny.xml:1:"), HasSubstr("area emitters on parallelograms")));
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "results/references"));
+    write_methods("[[method]]\nname = 'pov'\nscene_format = 'povray'\ncommand = 'povray {scene} {out}'\n");
+    EXPECT_THAT(run(), exits(2, HasSubstr("tiny.xml:1:"), HasSubstr("area emitters on parallelograms")));
+    EXPECT_FALSE(fs::exists(path("results/references")));
+}
+
+class GivenReferenceRun : public ::testing::Test, protected ExperimentFolder {
+protected:
+    GivenReferenceRun() { write_experiment("4", "image = 'r.exr'\n"); }
+    /// Writes an image of one value as r.exr, with a layer of the standard error if that is not empty.
+    void write_image(int size, float value, std::optional<float> standard_error = {}) const {
+        LayeredImage file = one_layer(constant_image(value, size, size));
+        if (standard_error) file.layers.emplace_back("stderr", constant_image(*standard_error, size, size));
+        write_exr(path("r.exr"), file);
+    }
+    std::string field(const std::string& column) const { return field_of(table(), column); }
+};
+
+TEST_F(GivenReferenceRun, WithoutAStandardErrorTheNoiseFloorIsUnknown) {
+    write_image(8, 0.5f);
+    ASSERT_THAT(run(), exits(0));
+    EXPECT_EQ(field("rel_mse_resolved"), "");
+    EXPECT_NE(field("rel_mse"), "");
+    EXPECT_THAT(read_file(results("table.md")),
+                AllOf(HasSubstr("Reference of tiny: the image r.exr, standard error unknown with epsilon"),
+                      HasSubstr("how much of each error is its own is unknown"), Not(HasSubstr("samples a pixel"))));
+    EXPECT_THAT(read_file(results("report.html")), HasSubstr("how much of each error is its own is unknown"));
+    EXPECT_THAT(run().err, HasSubstr("cells complete already, not done again: 2"));
+}
+
+TEST_F(GivenReferenceRun, WithAStandardErrorItIsSubtracted) {
+    write_image(8, 0.5f, 0.05f);
+    ASSERT_THAT(run(), exits(0));
+    const double epsilon = std::stod(field("epsilon")), expected = 0.05 * 0.05 / (0.25 + epsilon);
+    EXPECT_NEAR(std::stod(field("rel_mse")) - std::stod(field("rel_mse_corrected")), expected, 1e-4 * expected);
+    EXPECT_GT(std::stod(field("rel_mse_resolved")), 0);
+    EXPECT_THAT(read_file(results("table.md")), HasSubstr("relative standard error 9.95"));
+}
+
+TEST_F(GivenReferenceRun, AnotherImageMeasuresTheCellsAgain) {
+    write_image(8, 0.5f);
+    ASSERT_EQ(run().code, 0);
+    const std::string before = field("rel_mse");
+    write_image(8, 0.25f);
+    EXPECT_THAT(run().err, HasSubstr("done again: 2"));
+    EXPECT_NE(field("rel_mse"), before);
+}
+
+TEST_F(GivenReferenceRun, AReferenceThatDoesNotFitFailsWithItsReason) {
+    write_image(4, 0.5f);
+    EXPECT_THAT(run().err, HasSubstr("r.exr:1:1: the reference has 4 x 4 pixels, the scene has 8 x 8"));
+    write_image(8, std::numeric_limits<float>::quiet_NaN());
+    EXPECT_THAT(run().err, HasSubstr("the reference has values that are not finite"));
+    write_image(8, 0.5f, -1.f);
+    EXPECT_EQ(run().code, 1);
+    write("other.xml", tiny_scene_xml(8) + "<!-- another -->");
+    ASSERT_EQ(gibench("reference other.xml --target 40% -o r.exr --replace").code, 0);
+    EXPECT_THAT(run().err, HasSubstr("the reference is that of another scene"));
+}
+
+// A reference of gibench keeps its groups, so that all intervals contain its uncertainty.
+TEST_F(GivenReferenceRun, AReferenceOfGibenchCountsWithItsGroups) {
+    ASSERT_EQ(gibench("reference tiny.xml --target 10% -o r.exr").code, 0);
+    ASSERT_EQ(run().code, 0);
+    EXPECT_EQ(read_reference(results("images/tiny-reference.exr")).total.groups.size(),
+              static_cast<std::size_t>(reference_groups));
+    EXPECT_THAT(read_file(results("table.md")), HasSubstr("samples a pixel, relative standard error"));
 }
 
 }  // namespace

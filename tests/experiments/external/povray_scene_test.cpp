@@ -7,36 +7,27 @@
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/input_error.h"
 
-#include <gmock/gmock.h>
-
-#include <algorithm>
 #include <numbers>
 #include <regex>
 
 namespace gib::test::povray_scene_test {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-/// A grey floor under a lamp of 2 x 1 and radiance 3, 6, 9 at height 4, with a red wall at one side.
-const std::string lit_floor =
-    "<shape type='rectangle'><transform name='to_world'><scale value='5'/><rotate x='1' angle='-90'/></transform>"
-    "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf></bsdf></shape>\n"
-    "<shape type='rectangle'><transform name='to_world'><scale value='5'/><rotate y='1' angle='90'/>"
-    "<translate x='-4'/></transform><bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' "
-    "value='0.8,0.2,0.1'/></bsdf></bsdf></shape>\n"
-    "<shape type='rectangle'><transform name='to_world'><scale x='1' y='0.5'/><rotate x='1' angle='90'/>"
-    "<translate y='4'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf>"
-    "<emitter type='area'><rgb name='radiance' value='3,6,9'/></emitter></shape>\n";
+/// A grey floor under a lamp of 2 x 1 and radiance 3, 6, 9 at height 4, with a red wall at one side; a line each.
+const std::string lit_floor = shape("rectangle", to_world(scale(5), rotate('x', -90)), diffuse(0.5)) + "\n" +
+                              shape("rectangle", to_world(scale(5), rotate('y', 90), translate(-4, 0, 0)),
+                                    bsdf("twosided", one_sided("0.8,0.2,0.1"))) +
+                              "\n" +
+                              shape("rectangle", to_world(scale(1, 0.5, 1), rotate('x', 90), translate(0, 4, 0)),
+                                    one_sided("0"), area_light("3,6,9")) +
+                              "\n";
 
 /// A camera that looks down on the floor, not straight.
 std::string sensor_of(int width, int height, const std::string& filter = "box", const std::string& more = "") {
-    return "<sensor type='perspective'><float name='fov' value='50'/>" + more +
-           "<transform name='to_world'><lookat origin='2,6,8' target='-0.5,1,0' up='0,1,0'/></transform>"
-           "<film type='hdrfilm'><integer name='width' value='" +
-           std::to_string(width) + "'/><integer name='height' value='" + std::to_string(height) + "'/><rfilter type='" +
-           filter + "'/></film></sensor>\n";
+    return camera(50, more, to_world(look_at("2,6,8", "-0.5,1,0")),
+                  element("film", "hdrfilm", integer("width", width), integer("height", height),
+                          element("rfilter", filter))) +
+           "\n";
 }
 
 std::string povray_text(const std::string& xml) {
@@ -86,13 +77,10 @@ TEST(PovrayScene, TheCameraHasTheRaysOfTheSensor) {
 }
 
 TEST(PovrayScene, GlassAndMirrorsAreAimedAt) {
-    const std::string plain = povray_text(lit_scene(lit_floor));
-    EXPECT_THAT(plain, Not(HasSubstr("target")));
-    const std::string text = povray_text(lit_scene(
-        lit_floor +
-        "<shape type='sphere'><bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
-        "value='1'/></bsdf></shape><shape type='sphere'><point name='center' x='3' y='1' z='0'/><bsdf type='conductor'>"
-        "<string name='material' value='none'/></bsdf></shape>"));
+    EXPECT_THAT(povray_text(lit_scene(lit_floor)), Not(HasSubstr("target")));
+    const std::string text = povray_text(
+        lit_scene(lit_floor + shape("sphere", bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1))) +
+                  shape("sphere", center(3, 1, 0), bsdf("conductor", test::text("material", "none")))));
     EXPECT_THAT(text, HasSubstr("interior { ior 1.5 }"));
     EXPECT_THAT(text, HasSubstr("reflection { rgb <1,1,1> }"));
     const std::regex target("target reflection on refraction on");
@@ -100,32 +88,26 @@ TEST(PovrayScene, GlassAndMirrorsAreAimedAt) {
 }
 
 TEST(PovrayScene, WhatCannotBeExpressedIsAnErrorAtItsPlace) {
-    const auto error = [](const std::string& body, const std::string& sensor = sensor_of(8, 6)) {
-        const std::string what = input_error_of([&] { povray_text(lit_scene(body, sensor)); });
-        const std::size_t place = what.find("s.xml");
-        return place == std::string::npos ? what : what.substr(place);
-    };
-    const std::string sphere = "<shape type='sphere'>";
-    EXPECT_THAT(error(lit_floor + "\n" + sphere + "\n<bsdf type='roughconductor'/></shape>"),
-                HasSubstr("s.xml:7:1: POV-Ray's form of a scene has no such bsdf 'roughconductor'"));
-    EXPECT_THAT(error(lit_floor + sphere +
-                      "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'/>"
-                      "</bsdf></shape>"),
-                HasSubstr("s.xml:5:22: POV-Ray's form of a scene has no such bsdf 'diffuse'"));
-    EXPECT_THAT(
-        error(lit_floor + sphere + "<bsdf type='conductor'><string name='material' value='Au'/></bsdf></shape>"),
-        HasSubstr("no such bsdf 'conductor'"));
-    EXPECT_THAT(error(lit_floor + "<shape type='disk'/>"),
-                HasSubstr("s.xml:5:1: POV-Ray's form of a scene has no shape 'disk'"));
-    EXPECT_THAT(error(lit_floor + sphere + "<emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>"),
-                HasSubstr("s.xml:5:22: POV-Ray's form of a scene has area emitters on parallelograms"));
-    EXPECT_THAT(error(lit_floor + "<emitter type='constant'/>"),
-                HasSubstr("s.xml:5:1: POV-Ray's form of a scene has only the emitters 'area' and 'point'"));
-    EXPECT_THAT(error(lit_floor, sensor_of(8, 6, "gaussian")), HasSubstr("has only the rfilter 'box'"));
-    EXPECT_THAT(error(lit_floor, sensor_of(8, 6, "box", "<float name='near_clip' value='9'/>")),
-                HasSubstr("near_clip"));
-    EXPECT_THAT(error(lit_floor + "<shape type='shapegroup' id='g'>" + sphere + "</shape></shape>"),
-                HasSubstr("s.xml:5:1: POV-Ray's form of a scene has no 'shapegroup'"));
+    const std::string form = ": POV-Ray's form of a scene has ", near_clip = number("near_clip", 9);
+    const std::vector<std::array<std::string, 3>> cases = {
+        // elements, the sensor, the error
+        {"\n<shape type='sphere'>\n<bsdf type='roughconductor'/></shape>", "",
+         "s.xml:7:1" + form + "no such bsdf 'roughconductor'"},
+        {shape("sphere", bsdf("diffuse", "<texture name='reflectance' type='checkerboard'/>")), "",
+         "s.xml:5:22" + form + "no such bsdf 'diffuse'"},
+        {shape("sphere", bsdf("conductor", test::text("material", "Au"))), "", "no such bsdf 'conductor'"},
+        {"<shape type='disk'/>", "", "s.xml:5:1" + form + "no shape 'disk'"},
+        {shape("sphere", area_light(1)), "", "s.xml:5:22" + form + "area emitters on parallelograms"},
+        {emitter("constant"), "", "s.xml:5:1" + form + "only the emitters 'area' and 'point'"},
+        {"", sensor_of(8, 6, "gaussian"), "has only the rfilter 'box'"},
+        {"", sensor_of(8, 6, "box", near_clip), "near_clip"},
+        {"<shape type='shapegroup' id='g'>" + shape("sphere") + "</shape>", "",
+         "s.xml:5:1" + form + "no 'shapegroup'"}};
+    for (const auto& [body, sensor, error] : cases)
+        EXPECT_THAT(
+            input_error_in(
+                "s.xml", [&] { povray_text(lit_scene(lit_floor + body, sensor.empty() ? sensor_of(8, 6) : sensor)); }),
+            HasSubstr(error));
 }
 
 // The direct light of POV-Ray on diffuse polygons is that of `path max_depth=2`: within 1 % in the mean, and within 10 % as a
@@ -133,21 +115,16 @@ TEST(PovrayScene, WhatCannotBeExpressedIsAnErrorAtItsPlace) {
 TEST(PovrayRun, DirectLightAgreesWithPathTracing) {
     if (std::system("command -v povray >/dev/null") != 0) GTEST_SKIP() << "there is no povray";
     TemporaryFolder folder;
-    folder.write("floor.xml", lit_scene(lit_floor + "<shape type='sphere'><point name='center' x='1.5' y='0.8' z='1'/>"
-                                                    "<float name='radius' value='0.8'/><bsdf type='diffuse'/></shape>",
+    folder.write("floor.xml", lit_scene(lit_floor + shape("sphere", center(1.5, 0.8, 1), radius(0.8), bsdf("diffuse")),
                                         sensor_of(48, 32)));
     folder.write("e.toml",
                  "scenes = ['floor.xml']\nseeds = 2\n[reference]\nmethod = 'path max_depth=2'\ntarget = '1%'\n"
                  "[[method]]\nname = 'povray'\nscene_format = 'povray'\n"
                  "command = 'povray +I{scene} +O{out} +W{width} +H{height} +WT{threads} +FE -D -GA +A0.0 +AM1 +R4 "
                  "Declare=LampPoints=8'\n");
-    const ProgramResult result = run_gibench("run e.toml --threads 1", folder / "");
-    ASSERT_EQ(result.code, 0) << result.err;
+    ASSERT_THAT(run_gibench("run e.toml --threads 1", folder / ""), exits(0));
     const CsvTable table = parse_csv(read_file(folder / "results/e/table.csv"), "table.csv");
-    const auto field = [&](const std::string& column) {
-        const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
-        return std::stod(table.rows.at(0).at(static_cast<std::size_t>(at)));
-    };
+    const auto field = [&](const std::string& column) { return std::stod(field_of(table, column)); };
     EXPECT_NEAR(field("energy_excess"), 0, 0.01);
     EXPECT_LT(std::sqrt(field("rel_mse")), 0.1);
     EXPECT_GT(field("peak_rss_mib"), 5);

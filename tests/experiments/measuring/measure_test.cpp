@@ -4,8 +4,6 @@
 
 #include "tests/support/driver_fixtures.h"
 
-#include <gmock/gmock.h>
-
 namespace gib::test::measure_test {
 namespace {
 
@@ -30,14 +28,14 @@ TEST_F(MeasureTest, ChargesStartAndPassesButNotImages) {
 
 TEST_F(MeasureTest, CheckpointsAreLogSpacedAndEndWithTheLastPass) {
     run({}, 50);
-    EXPECT_THAT(seen_, ::testing::ElementsAre(1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 50));
+    EXPECT_THAT(seen_, ElementsAre(1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 50));
 }
 
 TEST_F(MeasureTest, TheLastImageMayBeTheOnlyOne) {
     const FakeMethod method({});
     const auto see = [&](const Checkpoint& c, const ComponentImages&) { seen_.push_back(c.passes); };
     measure({.scene = *scene_.scene, .method = method, .seed = 1, .spp = 50, .budget = {}, .only_last = true}, see);
-    EXPECT_THAT(seen_, ::testing::ElementsAre(50));
+    EXPECT_THAT(seen_, ElementsAre(50));
 }
 
 TEST_F(MeasureTest, CheckpointsAreTheSameInEveryReplicate) {

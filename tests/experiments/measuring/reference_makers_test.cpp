@@ -5,14 +5,10 @@
 #include "common/sampling/sampler.h"
 #include "experiments/plan/reference_methods.h"
 #include "tests/support/lit_rooms.h"
+#include "tests/support/matchers.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-namespace gib::reference_makers_test {
+namespace gib::test::reference_makers_test {
 namespace {
-
-using testing::HasSubstr;
 
 /// The groups of a maker: `mean` and uniform noise of this standard deviation in each group, by component. The pixels
 /// of the left half are lacking the share `lacking`.
@@ -41,16 +37,18 @@ std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
 MakerPilot pilot_of(const Made& made, std::uint64_t seed, double work_of_pass = 1) {
     return {.groups = groups_of(made, seed), .passes = 1, .work = reference_groups * work_of_pass, .unresolved = {}};
 }
+/// The plan of two makers whose pass takes this work.
+MakerPlan plan_of(const Made& a, const Made& b, double work_of_a = 1, double work_of_b = 1) {
+    return plan_of_least_variance({"a", "b"}, {pilot_of(a, 1, work_of_a), pilot_of(b, 2, work_of_b)}, 0.01);
+}
 double weight(const MakerPlan& plan, std::size_t maker, Component c) {
     return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];
 }
 
 // With variances v of a pass, times t of a pass and n passes, the weights of least variance are in proportion to n / v.
 TEST(MakerPlan, WeighsByPassesAndVariance) {
-    const MakerPlan plan = plan_of_least_variance({"a", "b"},
-                                                  {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.4}, 1),
-                                                   pilot_of({.direct_noise = 0.4, .caustic_noise = 0.1}, 2, 3)},
-                                                  0.01);
+    const MakerPlan plan =
+        plan_of({.direct_noise = 0.1, .caustic_noise = 0.4}, {.direct_noise = 0.4, .caustic_noise = 0.1}, 1, 3);
     const double passes_a = plan.shares[0].passes, passes_b = plan.shares[1].passes;
     ASSERT_GT(passes_a, 0);
     ASSERT_GT(passes_b, 0);
@@ -65,22 +63,20 @@ TEST(MakerPlan, WeighsByPassesAndVariance) {
 // One maker is better at both components: it gets all the time. If it takes longer, the other does.
 TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
     const Made better{.direct_noise = 0.1, .caustic_noise = 0.1}, worse{.direct_noise = 0.2, .caustic_noise = 0.2};
-    const MakerPlan plan = plan_of_least_variance({"a", "b"}, {pilot_of(better, 1), pilot_of(worse, 2)}, 0.01);
+    const MakerPlan plan = plan_of(better, worse);
     EXPECT_GT(plan.shares[0].passes, 0u);
     EXPECT_EQ(plan.shares[1].passes, 0u);
     EXPECT_EQ(weight(plan, 0, Component::direct), 1);
     // The predicted squared error of one second: the variances of both components over r^2 + epsilon.
     EXPECT_NEAR(plan.error2_work, 2 * 0.01 / (4 + 0.01), 0.05 * 0.005);
-    const MakerPlan slow = plan_of_least_variance({"a", "b"}, {pilot_of(better, 1, 100), pilot_of(worse, 2)}, 0.01);
+    const MakerPlan slow = plan_of(better, worse, 100);
     EXPECT_EQ(slow.shares[0].passes, 0u);
 }
 
 // Each maker is a little better at one component: together they would be 3 % sooner, which is not worth it.
 TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
-    const MakerPlan plan = plan_of_least_variance({"a", "b"},
-                                                  {pilot_of({.direct_noise = 0.1, .caustic_noise = 0.12}, 1),
-                                                   pilot_of({.direct_noise = 0.12, .caustic_noise = 0.1}, 2)},
-                                                  0.01);
+    const MakerPlan plan =
+        plan_of({.direct_noise = 0.1, .caustic_noise = 0.12}, {.direct_noise = 0.12, .caustic_noise = 0.1});
     EXPECT_EQ(plan.shares[0].passes + plan.shares[1].passes, 1u);
     const std::size_t busy = plan.shares[0].passes > 0 ? 0 : 1;
     EXPECT_EQ(weight(plan, busy, Component::direct), 1);
@@ -89,9 +85,7 @@ TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
 
 // A maker without noise that lacks light has not found it yet.
 TEST(MakerPlan, TakesLackingLightForVariance) {
-    const MakerPlan plan = plan_of_least_variance(
-        {"blind", "noisy"}, {pilot_of({.caustic_noise = 1e-4, .lacking = 0.9}, 1), pilot_of({.caustic_noise = 0.3}, 2)},
-        0.01);
+    const MakerPlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
     EXPECT_LT(weight(plan, 0, Component::caustic), 0.1);
 }
 
@@ -104,8 +98,7 @@ TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
 }
 
 TEST(MakerPlan, IsReadFromItsText) {
-    const MakerPlan plan = plan_of_least_variance(
-        {"a", "b"}, {pilot_of({.direct_noise = 0.3}, 1), pilot_of({.caustic_noise = 0.3}, 2)}, 0.01);
+    const MakerPlan plan = plan_of({.direct_noise = 0.3}, {.caustic_noise = 0.3});
     const auto read = shares_in(text_of(plan.shares));
     ASSERT_EQ(read.size(), 2u);
     for (std::size_t m = 0; m < 2; ++m) {
@@ -137,16 +130,14 @@ TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {
         names.push_back(method->name);
     EXPECT_EQ(names, (std::vector<std::string>{"path", "light_tracer", "bidirectional"}));
     EXPECT_EQ(reference_methods(MethodLabel::parse("auto max_depth=3")).size(), 3u);
-    EXPECT_THROW(reference_methods(MethodLabel::parse("auto spp=3")), InputError);
-    EXPECT_THROW(reference_methods(MethodLabel::parse("auto photons=3")), InputError);
-    EXPECT_THROW(reference_methods(MethodLabel::parse("best")), InputError);
+    for (const char* wrong : {"auto spp=3", "auto photons=3", "best"})
+        EXPECT_THROW(reference_methods(MethodLabel::parse(wrong)), InputError) << wrong;
 }
 
 // Light of a point through glass, seen through the same glass: bidirectional path tracing leaves it out, and merging makes
 // the rest.
 TEST(ReferenceMaker, TakesTheRemainder) {
-    const auto scene =
-        test::room({.light = test::lit_rooms::point, .glossy_wall = "", .ball = test::lit_rooms::glass_ball});
+    const auto scene = room({.light = lit_rooms::point, .glossy_wall = "", .ball = lit_rooms::glass_ball});
     const MethodDescription& method = find_method("bidirectional");
     const ReferenceMaker alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
     EXPECT_FALSE(alone.unresolved().empty());
@@ -157,15 +148,15 @@ TEST(ReferenceMaker, TakesTheRemainder) {
         return maker.make(7, 256, passes_before, [] {}).images;
     };
     const ComponentImages part = make(alone, 0), whole = make(both, 0), later = make(both, 1000000);
-    EXPECT_GT(test::mean_of(*whole[Component::caustic]).sum(), 1.02 * test::mean_of(*part[Component::caustic]).sum());
+    EXPECT_GT(mean_of(*whole[Component::caustic]).sum(), 1.02 * mean_of(*part[Component::caustic]).sum());
     EXPECT_EQ(whole[Component::direct]->rgb, part[Component::direct]->rgb);
     ASSERT_TRUE(whole.bias[static_cast<std::size_t>(index_of(Component::caustic))]);
     // It goes on where others have stopped, with a smaller radius.
     EXPECT_NE(later[Component::caustic]->rgb, whole[Component::caustic]->rgb);
     // Nothing remains under a lamp.
-    const auto lit = test::room({.light = test::lit_rooms::lamp, .ball = test::lit_rooms::glass_ball});
+    const auto lit = room({.light = lit_rooms::lamp, .ball = lit_rooms::glass_ball});
     EXPECT_FALSE(ReferenceMaker(method, {"auto", {}}, lit, true).makes_remainder());
 }
 
 }  // namespace
-}  // namespace gib::reference_makers_test
+}  // namespace gib::test::reference_makers_test

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <random>
 
-namespace gib::coverage_test {
+namespace gib::test::coverage_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -188,4 +188,4 @@ INSTANTIATE_TEST_SUITE_P(Noises, Coverage, ::testing::Values(Noise::lognormal, N
                          name_of_noise);
 
 }  // namespace
-}  // namespace gib::coverage_test
+}  // namespace gib::test::coverage_test

@@ -9,8 +9,9 @@
 #include "experiments/metrics/flip_filters.h"
 #include "experiments/results/color_maps.h"
 #include "tests/experiments/metrics/paper_flip.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/constant_image.h"
+#include "tests/support/input_error.h"
+#include "tests/support/matchers.h"
 
 #include <limits>
 #include <random>
@@ -18,21 +19,13 @@
 namespace gib::test::flip_test {
 namespace {
 
-using ::testing::Each;
 using ::testing::FloatEq;
-using ::testing::Ge;
-using ::testing::HasSubstr;
+using ::testing::FloatNear;
 using ::testing::Le;
-using ::testing::ThrowsMessage;
 
 constexpr auto all_channels = {OpponentChannel::achromatic, OpponentChannel::red_green, OpponentChannel::blue_yellow};
 
-Image constant_image(const Color& color, int width = 5, int height = 4) {
-    Image image(width, height);
-    for (std::size_t i = 0; i < image.pixels(); ++i)
-        image.set(i, color);
-    return image;
-}
+Image constant(const Color& color, int width = 5, int height = 4) { return constant_image(color, width, height); }
 
 /// Independent values in [0, largest).
 Image random_image(int width, int height, unsigned seed, float largest = 1) {
@@ -74,7 +67,7 @@ TEST(FlipFilters, AConstantStaysAndHasNoFeatures) {
         std::fill(plane.values.begin(), plane.values.end(), 0.3f);
         for (const auto channel : all_channels)
             EXPECT_THAT(contrast_filtered(plane, channel, default_pixels_per_degree).values,
-                        Each(::testing::FloatNear(0.3f, 1e-6f)));
+                        Each(FloatNear(0.3f, 1e-6f)));
         const Features features = detected_features(plane, default_pixels_per_degree);
         EXPECT_THAT(features.edges.values, Each(Le(1e-6f)));
         EXPECT_THAT(features.points.values, Each(Le(1e-6f)));
@@ -122,15 +115,15 @@ TEST(Flip, IsSymmetricAndFromZeroToOne) {
     const Image a = random_image(40, 21, 2), b = random_image(40, 21, 3);
     const FlipMap map = ldr_flip(a, b);
     EXPECT_EQ(map.values, ldr_flip(b, a).values);
-    EXPECT_THAT(map.values, Each(::testing::AllOf(Ge(0.f), Le(1.f))));
+    EXPECT_THAT(map.values, Each(AllOf(::testing::Ge(0.f), Le(1.f))));
     EXPECT_GT(map.mean(), 0.1);
 }
 
 // Black and white are 100 apart in lightness and equal in colour. Green and blue are 203.302 apart: the knee is 0.4
 // of 203.302^0.7 = 41.2761, so the error is 0.95 + 0.05 (100^0.7 - 16.5104) / (41.2761 - 16.5104) = 0.967380.
 TEST(Flip, BlackAgainstWhiteIsAsTheFormulasSay) {
-    const FlipMap map = ldr_flip(constant_image({0, 0, 0}), constant_image({1, 1, 1}));
-    EXPECT_THAT(map.values, Each(::testing::FloatNear(0.967380f, 1e-5f)));
+    const FlipMap map = ldr_flip(constant({0, 0, 0}), constant({1, 1, 1}));
+    EXPECT_THAT(map.values, Each(FloatNear(0.967380f, 1e-5f)));
 }
 
 TEST(Flip, ConstantColorsDifferByTheirColorErrorAtEverySize) {
@@ -142,14 +135,14 @@ TEST(Flip, ConstantColorsDifferByTheirColorErrorAtEverySize) {
                 const double expected =
                     paper::color_error(paper::hunt_lab(a.cast<double>()), paper::hunt_lab(b.cast<double>()));
                 // Equal colours have the error 0; rounding is 1e-5 of 100 in lightness, to the power 0.7.
-                EXPECT_THAT(ldr_flip(constant_image(a, width, height), constant_image(b, width, height)).values,
-                            Each(::testing::FloatNear(static_cast<float>(expected), 2e-4f)));
+                EXPECT_THAT(ldr_flip(constant(a, width, height), constant(b, width, height)).values,
+                            Each(FloatNear(static_cast<float>(expected), 2e-4f)));
             }
 }
 
 // No two colours of a screen are further apart than green and blue.
 TEST(Flip, GreenAgainstBlueAloneIsOne) {
-    const auto corner = [](int i) { return constant_image(Color(float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1))); };
+    const auto corner = [](int i) { return constant(Color(float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1))); };
     constexpr int green = 2, blue = 4;
     for (int a = 0; a < 8; ++a)
         for (int b = 0; b < a; ++b) {
@@ -162,7 +155,7 @@ TEST(Flip, GreenAgainstBlueAloneIsOne) {
 TEST(Flip, IsThePapersMapComputedByPlainSums) {
     for (const double pixels_per_degree : {8.0, 40.0}) {
         // The cases are noise, and an image with a bright point against one with an edge: features of both kinds.
-        Image smooth = constant_image({0.3f, 0.4f, 0.2f}, 17, 13), edge = smooth;
+        Image smooth = constant({0.3f, 0.4f, 0.2f}, 17, 13), edge = smooth;
         for (std::size_t i = 0; i < smooth.pixels(); ++i) {
             if (i % 17 > 8) edge.set(i, {0.7f, 0.6f, 0.1f});
             if (i == 100) smooth.set(i, {1, 1, 0.8f});
@@ -179,7 +172,7 @@ TEST(Flip, IsThePapersMapComputedByPlainSums) {
 }
 
 TEST(Flip, PointsAndEdgesCountMoreThanTheirColor) {
-    const Image grey = constant_image({0.2f, 0.2f, 0.2f}, 41, 41);
+    const Image grey = constant({0.2f, 0.2f, 0.2f}, 41, 41);
     Image point = grey, edge = grey;
     const std::size_t middle = 20 * 41 + 20;
     point.set(middle, {1, 1, 1});
@@ -214,7 +207,7 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
     EXPECT_EQ(filmic(0), 0);
     EXPECT_EQ(filmic(1e30), 1);
 
-    Image image = constant_image(Color::Constant(shown / 8), 5, 1);
+    Image image = constant(Color::Constant(shown / 8), 5, 1);
     image.set(1, Color::Constant(shown * 4));
     image.set(3, Color::Constant(shown / 1024));
     image.set(4, {-1, -1, -1});
@@ -225,7 +218,7 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
     EXPECT_NEAR(range.at(range.count - 1), 3, 1e-5);
 
     // The median of an even number of pixels lies between two: (1/8 + 7/8) / 2 = 1/2.
-    Image even = constant_image(Color::Constant(shown / 8), 4, 1);
+    Image even = constant(Color::Constant(shown / 8), 4, 1);
     even.set(0, Color::Constant(shown * 3.5f));
     even.set(1, Color::Constant(shown * 7 / 8));
     const ExposureRange of_even = flip_exposures(even);
@@ -233,13 +226,13 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestToTheMedian) {
     EXPECT_NEAR(of_even.start, -std::log2(3.5), 1e-5);
     EXPECT_EQ(of_even.count, 3) << "2.8 exposures, rounded up";
 
-    const ExposureRange of_constant = flip_exposures(constant_image({1, 1, 1}));
+    const ExposureRange of_constant = flip_exposures(constant({1, 1, 1}));
     EXPECT_EQ(of_constant.start, of_constant.stop);
     EXPECT_EQ(of_constant.count, 2);
 }
 
 TEST(HdrFlip, DarkPixelsOfTheReferenceSetNoExposure) {
-    Image mostly_black = constant_image({0, 0, 0}, 5, 1);
+    Image mostly_black = constant({0, 0, 0}, 5, 1);
     mostly_black.set(0, {2.118872f, 2.118872f, 2.118872f});
     // 1e-9 is rounding that is left where equal components were subtracted.
     mostly_black.set(2, {1e-9f, 1e-9f, 1e-9f});
@@ -247,28 +240,23 @@ TEST(HdrFlip, DarkPixelsOfTheReferenceSetNoExposure) {
     EXPECT_NEAR(range.start, 0, 1e-5);
     EXPECT_NEAR(range.stop, 0, 1e-5);
 
-    const Image black = constant_image({0, 0, 0});
+    const Image black = constant({0, 0, 0});
     EXPECT_EQ(flip_exposures(black).start, 0);
     EXPECT_EQ(flip_exposures(black).stop, 0);
     EXPECT_THAT(hdr_flip(black, black).values, Each(0.f));
-    EXPECT_THAT(hdr_flip(constant_image({9, 9, 9}), black).values, Each(::testing::FloatNear(0.967380f, 1e-3f)));
+    EXPECT_THAT(hdr_flip(constant({9, 9, 9}), black).values, Each(FloatNear(0.967380f, 1e-3f)));
 }
 
 TEST(HdrFlip, IsTheLargestErrorOverTheExposures) {
-    Image test = random_image(20, 10, 8), reference = random_image(20, 10, 9);
-    for (Image* image : {&test, &reference})
-        for (float& v : image->rgb)
-            v = 30 * v * v * v * v;
+    const auto bright = [](float v) { return 30 * v * v * v * v; };
+    const Image test = mapped(random_image(20, 10, 8), bright), reference = mapped(random_image(20, 10, 9), bright);
     const FlipMap map = hdr_flip(test, reference);
     const ExposureRange range = flip_exposures(reference);
     ASSERT_GE(range.count, 3);
     std::vector<float> largest(map.values.size(), 0.f);
     for (int i = 0; i < range.count; ++i) {
-        Image x = test, r = reference;
-        for (Image* image : {&x, &r})
-            for (float& v : image->rgb)
-                v = static_cast<float>(filmic(std::exp2(range.at(i)) * static_cast<double>(v)));
-        const FlipMap shown = ldr_flip(x, r);
+        const auto exposed = [&](float v) { return filmic(std::exp2(range.at(i)) * static_cast<double>(v)); };
+        const FlipMap shown = ldr_flip(mapped(test, exposed), mapped(reference, exposed));
         for (std::size_t p = 0; p < largest.size(); ++p)
             largest[p] = std::max(largest[p], shown.values[p]);
     }
@@ -277,12 +265,9 @@ TEST(HdrFlip, IsTheLargestErrorOverTheExposures) {
 
 TEST(HdrFlip, DoesNotDependOnTheUnitOfRadiance) {
     const Image test = random_image(24, 12, 10, 5), reference = random_image(24, 12, 11, 50);
-    Image scaled_test = test, scaled_reference = reference;
-    for (Image* image : {&scaled_test, &scaled_reference})
-        for (float& v : image->rgb)
-            v *= 1000;
-    const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(scaled_test, scaled_reference);
-    EXPECT_THAT(scaled.values, ::testing::Pointwise(::testing::FloatNear(1e-3f), map.values));
+    const auto scale = [](float v) { return 1000 * v; };
+    const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(mapped(test, scale), mapped(reference, scale));
+    EXPECT_THAT(scaled.values, ::testing::Pointwise(FloatNear(1e-3f), map.values));
     EXPECT_NEAR(scaled.mean(), map.mean(), 1e-5);
 }
 
@@ -308,20 +293,18 @@ TEST(FlipImage, HasTheColorsOfMagma) {
 
 TEST(HdrFlip, WrongInputIsAnErrorThatNamesIt) {
     const FloatTrapsPaused paused;  // a NaN is passed below
-    const Image image = constant_image({1, 1, 1});
+    const Image image = constant({1, 1, 1});
     Image bad = image;
     bad.rgb[7] = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_THAT([&] { hdr_flip(bad, image); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
-    EXPECT_THAT([&] { hdr_flip(image, bad); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
-    EXPECT_THAT(
-        [&] {
-            hdr_flip(constant_image({1, 1, 1}, 3, 7), image);
-        },
-        ThrowsMessage<InputError>(::testing::AllOf(HasSubstr("3 x 7"), HasSubstr("5 x 4"))));
-    EXPECT_THAT([&] { hdr_flip(Image(), Image()); }, ThrowsMessage<InputError>(HasSubstr("one pixel")));
+    const auto error = [](const Image& test, const Image& reference) {
+        return input_error_of([&] { hdr_flip(test, reference); });
+    };
+    EXPECT_THAT(error(bad, image), HasSubstr("not finite"));
+    EXPECT_THAT(error(image, bad), HasSubstr("not finite"));
+    EXPECT_THAT(error(constant({1, 1, 1}, 3, 7), image), AllOf(HasSubstr("3 x 7"), HasSubstr("5 x 4")));
+    EXPECT_THAT(error(Image(), Image()), HasSubstr("one pixel"));
     for (const double pixels_per_degree : {0.5, -1.0, std::nan("")})
-        EXPECT_THAT([&] { ldr_flip(image, image, pixels_per_degree); },
-                    ThrowsMessage<InputError>(HasSubstr("per degree")));
+        EXPECT_THAT(input_error_of([&] { ldr_flip(image, image, pixels_per_degree); }), HasSubstr("per degree"));
 }
 
 }  // namespace

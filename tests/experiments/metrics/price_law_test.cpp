@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-namespace gib::price_law_test {
+namespace gib::test::price_law_test {
 namespace {
 
 using Runs = std::vector<std::vector<ErrorPoint>>;
@@ -158,4 +158,4 @@ TEST(PriceLaw, IntervalsContainTheTruth) {
 }
 
 }  // namespace
-}  // namespace gib::price_law_test
+}  // namespace gib::test::price_law_test

@@ -1,6 +1,8 @@
 // Spectra of noise and of bias: noise of known spectra, masks, and patterns below the noise.
 #include "experiments/metrics/spectrum.h"
 
+#include "tests/support/constant_image.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +10,7 @@
 #include <functional>
 #include <random>
 
-namespace gib::spectrum_test {
+namespace gib::test::spectrum_test {
 namespace {
 
 /// White noise after a convolution with a Gaussian (periodic), or, if `blue`, the white noise less the result.
@@ -97,14 +99,19 @@ double smooth(int x, int, int size) { return std::pow(10.0, static_cast<double>(
 double step(int x, int, int size) { return x < size / 2 ? 1 : 10; }
 double black_disc(int x, int y, int size) { return std::hypot(x - size / 2, y - size / 2) < size / 5 ? 0 : 1; }
 
+/// The grey image of value(x, y).
+Image image_of(int size, const std::function<double(int, int)>& value) {
+    Image image(size, size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            image.set(static_cast<std::size_t>(y * size + x), Color::Constant(static_cast<float>(value(x, y))));
+    return image;
+}
+
 /// A spectrum from `seeds` replicates; the brightness of their noise and of the reference is `amplitude`.
 NoiseSpectrum measure(const Filter& filter, int size, int seeds, const Amplitude& amplitude, std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    Image reference(size, size);
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            reference.set(static_cast<std::size_t>(y * size + x),
-                          Color::Constant(static_cast<float>(5 * amplitude(x, y, size))));
+    const Image reference = image_of(size, [&](int x, int y) { return 5 * amplitude(x, y, size); });
     std::vector<Image> replicates;
     for (int i = 0; i < seeds; ++i) {
         const Noise noise = draw(random, size, filter);
@@ -170,9 +177,7 @@ TEST(NoiseSpectrum, TheNoiseOfEdgesIsMasked) {
     // The pixels of an edge scatter a hundred times more, as sampling positions in a pixel make them do.
     std::mt19937_64 random(3);
     const int size = 96;
-    Image reference(size, size);
-    for (std::size_t p = 0; p < reference.pixels(); ++p)
-        reference.set(p, Color::Constant(p % static_cast<std::size_t>(size) < 40 ? 1.f : 2.f));
+    const Image reference = image_of(size, [](int x, int) { return x < 40 ? 1 : 2; });
     std::vector<Image> replicates;
     for (int i = 0; i < 4; ++i) {
         const Noise noise = draw(random, size, {});
@@ -189,8 +194,7 @@ TEST(NoiseSpectrum, TheNoiseOfEdgesIsMasked) {
 }
 
 TEST(NoiseSpectrum, IsEmptyWithoutScatterOrWithTwoSeeds) {
-    Image image(16, 12);
-    std::fill(image.rgb.begin(), image.rgb.end(), 0.3f);
+    const Image image = constant_image(0.3f, 16, 12);
     EXPECT_FALSE(noise_spectrum({image, image, image}, image).has_value());
     Image other = image;
     other.rgb[40] = 1;
@@ -207,13 +211,8 @@ TEST(NoiseSpectrum, IsEmptyWithoutScatterOrWithTwoSeeds) {
 TEST(BiasSpectrum, FindsAPatternBelowTheNoiseAtItsFrequency) {
     std::mt19937_64 random(9);
     constexpr int size = 64;
-    constexpr double amplitude = 0.2;
     const Image truth(size, size);
-    Image biased(size, size);
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            biased.set(static_cast<std::size_t>(y * size + x),
-                       Color::Constant(static_cast<float>(amplitude * std::cos(2 * M_PI * 8 * x / size))));
+    const Image biased = image_of(size, [](int x, int) { return 0.2 * std::cos(2 * M_PI * 8 * x / size); });
     const auto noisy = [&](const Image& mean) {
         Image image = mean;
         const Noise noise = draw(random, size, {});
@@ -240,4 +239,4 @@ TEST(BiasSpectrum, FindsAPatternBelowTheNoiseAtItsFrequency) {
 }
 
 }  // namespace
-}  // namespace gib::spectrum_test
+}  // namespace gib::test::spectrum_test

@@ -4,50 +4,42 @@
 #include "common/core/error.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/metrics/time_to_error.h"
+#include "tests/support/constant_image.h"
+#include "tests/support/moments.h"
+#include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <random>
 
-namespace gib::statistics_test {
+namespace gib::test::statistics_test {
 namespace {
 
 using Random = std::mt19937_64;
 
-Image constant(int width, int height, float value) {
-    Image image(width, height);
-    std::fill(image.rgb.begin(), image.rgb.end(), value);
-    return image;
-}
+Image constant(int width, int height, float value) { return constant_image(value, width, height); }
 
 /// Normal noise of variance 1 with a Gaussian-like correlation (binomial filter of width 5, sigma 1 pixel; periodic).
 std::vector<double> correlated_noise(Random& random, int size) {
     std::normal_distribution<double> normal;
     const double kernel[5] = {1 / std::sqrt(70.0), 4 / std::sqrt(70.0), 6 / std::sqrt(70.0), 4 / std::sqrt(70.0),
                               1 / std::sqrt(70.0)};
-    const auto at = [size](int x, int y) {
-        return static_cast<std::size_t>((y + size) % size * size + (x + size) % size);
+    const auto filtered = [&](const std::vector<double>& values, int dx, int dy) {
+        std::vector<double> sums(values.size());
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                for (int d = -2; d <= 2; ++d)
+                    sums[static_cast<std::size_t>(y * size + x)] +=
+                        kernel[d + 2] * values[static_cast<std::size_t>((y + d * dy + size) % size * size +
+                                                                        (x + d * dx + size) % size)];
+        return sums;
     };
-    std::vector<double> noise(static_cast<std::size_t>(size * size)), rows(noise.size());
+    std::vector<double> noise(static_cast<std::size_t>(size * size));
     for (double& v : noise)
         v = normal(random);
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x) {
-            rows[at(x, y)] = 0;
-            for (int d = -2; d <= 2; ++d)
-                rows[at(x, y)] += kernel[d + 2] * noise[at(x + d, y)];
-        }
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x) {
-            noise[at(x, y)] = 0;
-            for (int d = -2; d <= 2; ++d)
-                noise[at(x, y)] += kernel[d + 2] * rows[at(x, y + d)];
-        }
-    return noise;
+    return filtered(filtered(noise, 1, 0), 0, 1);
 }
 
 /// A method of known bias and variance, with its replicates and references.
@@ -64,8 +56,8 @@ struct Synthetic {
             bias2 += sqr(static_cast<double>(biased.rgb[i]) - static_cast<double>(truth.rgb[i]));
             variance += sqr(amplitude(i / 3));
         }
-        bias2 /= static_cast<double>(truth.rgb.size());
-        variance /= static_cast<double>(truth.rgb.size());
+        for (double* sum : {&bias2, &variance})
+            *sum /= static_cast<double>(truth.rgb.size());
     }
     double amplitude(std::size_t pixel) const {
         return 0.5 + static_cast<double>(pixel) / static_cast<double>(truth.pixels());
@@ -94,13 +86,15 @@ bool contains(const Estimate& e, double truth) {
 
 TEST(StudentT, QuantilesAgreeWithTables) {
     // Abramowitz and Stegun, table 26.10, and closed forms for 1 and 2 degrees of freedom.
-    EXPECT_NEAR(student_t_two_sided(0.05, 1), std::tan(0.475 * M_PI), 1e-7);
-    EXPECT_NEAR(student_t_two_sided(0.05, 2), 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95)), 1e-8);
-    EXPECT_NEAR(student_t_two_sided(0.05, 4), 2.776, 5e-4);
-    EXPECT_NEAR(student_t_two_sided(0.05, 7), 2.365, 5e-4);
-    EXPECT_NEAR(student_t_two_sided(0.01, 30), 2.750, 5e-4);
-    EXPECT_NEAR(student_t_two_sided(0.05, 1e6), 1.959966, 1e-5);
-    EXPECT_NEAR(student_t_two_sided(0.05, std::numeric_limits<double>::infinity()), 1.9599639845, 1e-9);
+    for (const auto& [alpha, degrees, quantile, tolerance] :
+         {std::tuple{0.05, 1., std::tan(0.475 * M_PI), 1e-7},
+          {0.05, 2., 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95)), 1e-8},
+          {0.05, 4., 2.776, 5e-4},
+          {0.05, 7., 2.365, 5e-4},
+          {0.01, 30., 2.750, 5e-4},
+          {0.05, 1e6, 1.959966, 1e-5},
+          {0.05, std::numeric_limits<double>::infinity(), 1.9599639845, 1e-9}})
+        EXPECT_NEAR(student_t_two_sided(alpha, degrees), quantile, tolerance) << degrees;
     const double between = student_t_two_sided(0.05, 4.5);
     EXPECT_LT(between, student_t_two_sided(0.05, 4));
     EXPECT_GT(between, student_t_two_sided(0.05, 5));
@@ -152,7 +146,8 @@ TEST(ReferenceImage, SurvivesAFile) {
     reference.components[2] = layer_of_groups({constant(2, 2, 0.5f), constant(2, 2, 0.25f)});
     reference.unresolved = {Component::caustic, Component::volume};
     reference.metadata["method"] = "path";
-    const std::string path = ::testing::TempDir() + "gib_reference_" + std::to_string(::getpid()) + ".exr";
+    const TemporaryFolder folder;
+    const std::string path = folder / "r.exr";
     write_exr(path, layers_of(reference, true));
     const Reference read = read_reference(path);
     EXPECT_EQ(read.total.mean.rgb, reference.total.mean.rgb);
@@ -167,7 +162,6 @@ TEST(ReferenceImage, SurvivesAFile) {
     write_exr(path, layers_of(reference, false));
     EXPECT_TRUE(read_reference(path).total.groups.empty());
     EXPECT_TRUE(read_reference(path).total.standard_error.has_value());
-    std::filesystem::remove(path);
 }
 
 TEST(ReplicateStatistics, MseIsBias2PlusVarianceWithAnExactReference) {
@@ -208,18 +202,14 @@ TEST(ReplicateStatistics, Bias2AndVarianceAreUnbiased) {
     for (const double bias : {0.0, 0.5}) {
         Random random(7);
         const Synthetic method(bias, 2);
-        double sums[4] = {};
-        constexpr int repetitions = 400;
-        for (int i = 0; i < repetitions; ++i) {
+        Moments bias2, variance;
+        for (int i = 0; i < 400; ++i) {
             const auto s = method.measure(random, 3);
-            const double errors[2] = {s.bias2->value - method.bias2, s.variance->value - method.variance};
-            for (int k = 0; k < 2; ++k) {
-                sums[2 * k] += errors[k];
-                sums[2 * k + 1] += sqr(errors[k]);
-            }
+            bias2.add(s.bias2->value - method.bias2);
+            variance.add(s.variance->value - method.variance);
         }
-        for (int k = 0; k < 2; ++k)
-            EXPECT_LT(std::abs(sums[2 * k]) / std::sqrt(sums[2 * k + 1]), 4) << "bias " << bias << ", moment " << k;
+        for (const Moments& error : {bias2, variance})
+            EXPECT_LT(std::abs(error.mean()), 4 * error.standard_error()) << "bias " << bias;
     }
 }
 
@@ -310,4 +300,4 @@ TEST(TimeToError, HasTheWiderIntervalOnTheSideOfTheLongerTail) {
 }
 
 }  // namespace
-}  // namespace gib::statistics_test
+}  // namespace gib::test::statistics_test

@@ -3,16 +3,15 @@
 #include "experiments/metrics/z_statistic.h"
 
 #include "experiments/metrics/student_t.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/support/constant_image.h"
+#include "tests/support/matchers.h"
 
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
 
-namespace gib::z_statistic_test {
+namespace gib::test::z_statistic_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -37,24 +36,23 @@ struct Truth {
         const int hits = std::poisson_distribution<int>(0.05)(random);
         return (hits - 0.05) / std::sqrt(0.05);
     }
-    Image image(Random& random, double level) const {
+    /// The image whose values are value(x, y, channel).
+    Image image_of(const std::function<double(int, int, std::size_t)>& value) const {
         Image result(width, height);
         std::size_t i = 0;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
                 for (std::size_t k = 0; k < 3; ++k, ++i)
-                    result.rgb[i] =
-                        static_cast<float>(radiance(x, k) * (1 + relative_noise(y, level) * deviation(random)));
+                    result.rgb[i] = static_cast<float>(value(x, y, k));
         return result;
     }
+    Image image(Random& random, double level) const {
+        return image_of([&](int x, int y, std::size_t k) {
+            return radiance(x, k) * (1 + relative_noise(y, level) * deviation(random));
+        });
+    }
     Image standard_error(double level) const {
-        Image result(width, height);
-        std::size_t i = 0;
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
-                for (std::size_t k = 0; k < 3; ++k, ++i)
-                    result.rgb[i] = static_cast<float>(radiance(x, k) * relative_noise(y, level));
-        return result;
+        return image_of([&](int x, int y, std::size_t k) { return radiance(x, k) * relative_noise(y, level); });
     }
     ReferenceLayer reference(Random& random) const {
         // The mean of many samples is normal, whatever the distribution of one sample.
@@ -142,12 +140,10 @@ int rejections(const Truth& truth, int replicates, const std::function<double(in
     for (int i = 0; i < 10; ++i) {
         const ReferenceLayer r = truth.reference(random);
         ReferenceLayer x = truth.test(random, replicates);
+        const Image factors = truth.image_of([&](int column, int row, std::size_t) { return factor(column, row); });
         const auto change = [&](Image& image) {
-            for (int row = 0; row < truth.height; ++row)
-                for (int column = 0; column < truth.width; ++column)
-                    for (int k = 0; k < 3; ++k)
-                        image.rgb[static_cast<std::size_t>(3 * (row * truth.width + column) + k)] *=
-                            static_cast<float>(factor(column, row));
+            std::transform(image.rgb.begin(), image.rgb.end(), factors.rgb.begin(), image.rgb.begin(),
+                           std::multiplies());
         };
         change(x.mean);
         for (Image& group : x.groups)
@@ -161,15 +157,12 @@ TEST(ZTest, CatchesSmallDifferences) {
     Truth truth;
     truth.noise = 0.03;
     truth.reference_noise = 0.01;
-    const auto nothing = [](int, int) { return 1.0; };
-    const auto everywhere = [](int, int) { return 0.995; };
-    const auto quarter = [](int x, int y) { return x < 32 && y >= 32 ? 0.99 : 1.0; };
-    const auto block = [](int x, int y) { return x / 8 == 5 && y / 8 == 6 ? 1.05 : 1.0; };
     for (const int replicates : {1, 3}) {
-        EXPECT_EQ(rejections(truth, replicates, nothing), 0);
-        EXPECT_EQ(rejections(truth, replicates, everywhere), 10);
-        EXPECT_EQ(rejections(truth, replicates, quarter), 10);
-        EXPECT_EQ(rejections(truth, replicates, block), 10);
+        EXPECT_EQ(rejections(truth, replicates, [](int, int) { return 1.0; }), 0);
+        EXPECT_EQ(rejections(truth, replicates, [](int, int) { return 0.995; }), 10);
+        EXPECT_EQ(rejections(truth, replicates, [](int x, int y) { return x < 32 && y >= 32 ? 0.99 : 1.0; }), 10);
+        EXPECT_EQ(rejections(truth, replicates, [](int x, int y) { return x / 8 == 5 && y / 8 == 6 ? 1.05 : 1.0; }),
+                  10);
     }
 }
 
@@ -191,7 +184,7 @@ TEST(ZTest, SaysWhereTheDifferenceIs) {
     EXPECT_LT(blocks.largest.t, -10);
     EXPECT_LT(blocks.adjusted_p, 1e-6);
     EXPECT_THAT((std::array{blocks.largest.x, blocks.largest.y, blocks.largest.width, blocks.largest.height}),
-                ::testing::ElementsAre(16, 48, 8, 8));
+                ElementsAre(16, 48, 8, 8));
     EXPECT_EQ(blocks.largest.channel, 2u);
 }
 
@@ -208,9 +201,8 @@ TEST(ZTest, ReplicatesSeeWhatScatterHides) {
 TEST(ZTest, MeansAgreeOnlyIfThatIsShown) {
     Random random(8);
     Truth truth;
-    const auto darkened = [](ReferenceLayer layer, double factor) {
-        for (float& v : layer.mean.rgb)
-            v *= static_cast<float>(factor);
+    const auto darkened = [](ReferenceLayer layer, float factor) {
+        layer.mean = mapped(layer.mean, [&](float v) { return factor * v; });
         return layer;
     };
     const ReferenceLayer noisy = truth.reference(random);
@@ -223,9 +215,9 @@ TEST(ZTest, MeansAgreeOnlyIfThatIsShown) {
     const ReferenceLayer r = truth.reference(random);
     const ReferenceLayer x = truth.test(random, 1);
     EXPECT_TRUE(verdict(x, r).accepted());
-    EXPECT_FALSE(verdict(darkened(x, 0.997), r).means_agree);
-    EXPECT_TRUE(verdict(darkened(x, 0.997), r).differs);
-    const auto means = z_test(darkened(x, 0.997), r, r.mean).means;
+    EXPECT_FALSE(verdict(darkened(x, 0.997f), r).means_agree);
+    EXPECT_TRUE(verdict(darkened(x, 0.997f), r).differs);
+    const auto means = z_test(darkened(x, 0.997f), r, r.mean).means;
     for (const MeanDeviation& mean : means) {
         ASSERT_TRUE(mean.interval);
         EXPECT_NEAR(mean.value, -0.003, 0.0005);
@@ -262,8 +254,7 @@ TEST(ZTest, BlocksWithoutNoiseAreEqualOrNot) {
     ReferenceLayer x{r.mean, std::nullopt, {}};
     EXPECT_TRUE(verdict(x, r).accepted());
     // The rounding of sums of floats is no difference.
-    for (float& v : x.mean.rgb)
-        v *= 1.000002f;
+    x.mean = mapped(x.mean, [](float v) { return 1.000002f * v; });
     EXPECT_TRUE(verdict(x, r).accepted());
 
     for (const bool plain_reference : {false, true}) {
@@ -282,8 +273,7 @@ TEST(ZTest, BlocksWithoutNoiseAreEqualOrNot) {
     // If all is black, there is nothing to divide by.
     const ReferenceLayer black{Image(16, 16), std::nullopt, {}};
     EXPECT_TRUE(verdict(black, black).accepted());
-    ReferenceLayer grey = black;
-    std::fill(grey.mean.rgb.begin(), grey.mean.rgb.end(), 0.5f);
+    const ReferenceLayer grey{constant_image(0.5f, 16, 16), std::nullopt, {}};
     EXPECT_TRUE(verdict(grey, black).differs);
     EXPECT_FALSE(verdict(grey, black).means_agree);
 }
@@ -305,7 +295,7 @@ TEST(ZTest, BlocksCoverEverySizeOnce) {
                     for (int column = block.x; column < block.x + block.width; ++column)
                         ++covered[static_cast<std::size_t>(y * width + column)];
             }
-            EXPECT_THAT(covered, ::testing::Each(3)) << width << " x " << height << ", " << scale_names[s];
+            EXPECT_THAT(covered, Each(3)) << width << " x " << height << ", " << scale_names[s];
         }
         EXPECT_TRUE(verdict(r, r).accepted());
         EXPECT_TRUE(verdict({r.mean, std::nullopt, {}}, r).accepted());
@@ -345,4 +335,4 @@ TEST(ZTest, ReplicatesTellNoiseThatPixelsShare) {
 }
 
 }  // namespace
-}  // namespace gib::z_statistic_test
+}  // namespace gib::test::z_statistic_test

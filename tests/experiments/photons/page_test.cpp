@@ -1,47 +1,33 @@
-// The page of stored light as text: it is one file, and its numbers are those of the run.
+// The page of stored light: as text, one file whose numbers are those of the run; its subset of the photons, with its size,
+// shares and uniformity; and the scene's surfaces as triangles, with their places, colours and shares.
 #include "experiments/photons/page.h"
+
+#include "experiments/photons/even_shares.h"
+#include "experiments/photons/photon_subset.h"
+#include "experiments/photons/surfaces.h"
 #include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
-#include "tests/support/driver_fixtures.h"
+#include "tests/support/page_reader.h"
+#include "tests/support/run_fixtures.h"
 
-#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstring>
 
 namespace gib::test::page_test {
 namespace {
 
 using nlohmann::json;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 CollectedLight light_of(const LoadedScene& scene, const std::string& label, std::size_t most, std::uint32_t passes) {
     const ConfiguredMethod method(MethodLabel::parse(label));
     return collect_stored_light({.scene = scene, .method = method, .most_passes = passes, .most_photons = most});
 }
 
-std::string element(const std::string& page, const std::string& id) {
-    const std::size_t at = page.find("id=\"" + id + "\">");
-    EXPECT_NE(at, std::string::npos) << id;
-    const std::size_t begin = page.find('>', at) + 1;
-    return page.substr(begin, page.find("</script>", begin) - begin);
-}
-
 template <typename T>
 std::vector<T> array(const std::string& page, const std::string& name) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::vector<std::uint8_t> bytes;
-    unsigned bits = 0;
-    int count = 0;
-    for (const char c : element(page, "array-" + name)) {
-        if (c == '=') break;
-        bits = (bits << 6) | static_cast<unsigned>(digits.find(c));
-        if ((count += 6) < 8) continue;
-        count -= 8;
-        bytes.push_back(static_cast<std::uint8_t>((bits >> count) & 255u));
-    }
+    const std::vector<std::uint8_t> bytes = bytes_of_base64(element_of_page(page, "array-" + name));
     EXPECT_EQ(bytes.size() % sizeof(T), 0u);
     std::vector<T> values(bytes.size() / sizeof(T));
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
@@ -66,7 +52,7 @@ TEST(PhotonsPage, HoldsThePhotonsOfTheRun) {
     const CollectedLight light = light_of(fog, label, 900, 4);
     EXPECT_EQ(light.passes, 0u) << "passes store no other photons";
     const std::string page = photons_page({fog, label, 1, light});
-    const json facts = json::parse(element(page, "facts"));
+    const json facts = json::parse(element_of_page(page, "facts"));
     EXPECT_EQ(facts.at("method"), label);
     const auto positions = array<float>(page, "photon-positions");
     const auto powers = array<std::uint8_t>(page, "photon-powers"), infos = array<std::uint8_t>(page, "photon-infos");
@@ -90,11 +76,11 @@ TEST(PhotonsPage, HoldsThePhotonsOfTheRun) {
 }
 
 TEST(PhotonsPage, HoldsWavelengthsAndPasses) {
-    const auto prism = scene_of(scene_xml(
-        "<sensor type='perspective'>" + box_film(4) + "</sensor><shape type='rectangle'>" + diffuse(0.7) +
-        "</shape><shape type='sphere'><point name='center' x='0' y='0' z='2'/><float name='radius' value='0.7'/><bsdf "
-        "type='dielectric'><float name='cauchy_b' value='0.02'/></bsdf></shape><emitter type='point'><point "
-        "name='position' x='0' y='0' z='5'/><rgb name='intensity' value='1'/></emitter>"));
+    const auto prism =
+        Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.7)),
+              shape("sphere", center(0, 0, 2), radius(0.7), bsdf("dielectric", number("cauchy_b", 0.02))),
+              point_light(0, 0, 5, 1))
+            .load();
     const CollectedLight light = light_of(prism, "progressive_photon_mapper photons=2000 radius=0.01", 5000, 3);
     EXPECT_EQ(light.passes, 3u);
     const auto infos =
@@ -106,7 +92,7 @@ TEST(PhotonsPage, HoldsWavelengthsAndPasses) {
     }
     EXPECT_GT(strata.size(), 16u);
     EXPECT_LE(*strata.rbegin(), 32);
-    EXPECT_THAT(passes, ::testing::ElementsAre(0, 1, 2));
+    EXPECT_THAT(passes, ElementsAre(0, 1, 2));
 }
 
 TEST(PhotonsPage, AsksForNothingOutsideTheFile) {
@@ -121,7 +107,7 @@ TEST(PhotonsPage, AsksForNothingOutsideTheFile) {
 TEST(PhotonsPage, LooksThroughTheScenesCamera) {
     const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{64, 32}});
     const CollectedLight light = light_of(box, "photon_mapper photons=500", 100, 1);
-    const json camera = json::parse(element(photons_page({box, "photon_mapper", 1, light}), "facts"))["camera"];
+    const json camera = json::parse(element_of_page(photons_page({box, "photon_mapper", 1, light}), "facts"))["camera"];
     EXPECT_EQ(camera["aspect"], 2);
     EXPECT_NEAR(camera["up"][1].get<double>(), 1, 1e-3);
     const Ray top = box.scene->sensor().generate_ray(32, 0, Vec2(0.5f, 0.5f));
@@ -133,41 +119,174 @@ TEST(PhotonsPage, LooksThroughTheScenesCamera) {
 TEST(Photons, CommandSaysWhatItShows) {
     const TemporaryFolder folder;
     const std::string box = "'" + source_path("scenes/cornell-box.xml") + "' --resolution 8x8 ";
-    const auto run = [&](const std::string& arguments) { return run_gibench("photons " + arguments, folder / ""); };
-    ProgramResult result = run(box + "--method 'photon_mapper photons=4000' --photons-shown 100 -o a.html");
-    EXPECT_EQ(result.code, 0) << result.err;
-    EXPECT_THAT(result.out, ::testing::ContainsRegex("global map: 100 of [0-9]+ photons shown \\([0-9.]+ %\\)"));
+    const auto run = [&](const std::string& arguments) {
+        return run_gibench("photons " + box + arguments, folder / "");
+    };
+    EXPECT_THAT(run("--method 'photon_mapper photons=4000' --photons-shown 100 -o a.html"),
+                prints(ContainsRegex("global map: 100 of [0-9]+ photons shown \\([0-9.]+ %\\)")));
     EXPECT_THAT(read_file(folder / "a.html"), HasSubstr("id=\"array-photon-positions\""));
-    result = run(box + "--method 'path spp=4' -o b.html");
-    EXPECT_EQ(result.code, 2);
-    EXPECT_THAT(result.err, HasSubstr("photon_mapper, progressive_photon_mapper, radiosity"));
+    EXPECT_THAT(run("--method 'path spp=4' -o b.html"),
+                exits(2, HasSubstr("photon_mapper, progressive_photon_mapper, radiosity")));
     for (const char* wrong : {"--method photon_mapper -o b.exr", "--method photon_mapper -o none/b.html",
                               "--method photon_mapper --photons-shown 0 -o b.html",
                               "--method progressive_photon_mapper --passes 256 -o b.html", "--method photon_mapper"}) {
-        EXPECT_EQ(run(box + wrong).code, 2) << wrong;
-        EXPECT_FALSE(std::filesystem::exists(folder / "b.html"));
+        EXPECT_EQ(run(wrong).code, 2) << wrong;
+        EXPECT_FALSE(fs::exists(folder / "b.html"));
     }
-    result = run(box + "--method 'photon_mapper photons=0' -o c.html");
-    EXPECT_EQ(result.code, 0);
-    EXPECT_THAT(result.err, HasSubstr("stores no light in this scene; skipped: "));
+    EXPECT_THAT(run("--method 'photon_mapper photons=0' -o c.html"),
+                exits(0, HasSubstr("stores no light in this scene; skipped: ")));
 }
 
 TEST(Photons, ReportLinksThePages) {
-    const TemporaryFolder folder;
-    folder.write("tiny.xml", tiny_scene_xml());
+    ExperimentFolder folder;
     folder.write("e.toml",
                  "scenes = ['tiny.xml']\n[reference]\nmethod = 'path'\ntarget = '40%'\n[[method]]\n"
                  "name = 'photon_mapper'\nphotons = 100\nspp = 2\n");
-    ASSERT_EQ(run_gibench("run e.toml --threads 1 --out results", folder / "").code, 0);
-    const std::string page = "results/images/tiny-photon_mapper_photons=100_spp=2-photons.html";
-    EXPECT_THAT(read_file(folder / "results/report.html"),
-                AllOf(HasSubstr("gibench photons"), HasSubstr(page), Not(HasSubstr("href=\"images/"))));
+    ASSERT_EQ(folder.run("--out results").code, 0);
+    const std::string page = "images/tiny-photon_mapper_photons=100_spp=2-photons.html";
+    const auto report = [&] { return read_file(folder.path("results/report.html")); };
+    EXPECT_THAT(report(),
+                AllOf(HasSubstr("gibench photons"), HasSubstr("results/" + page), Not(HasSubstr("href=\"images/"))));
     ASSERT_EQ(
-        run_gibench("photons tiny.xml --method 'photon_mapper photons=100 spp=2' -o '" + page + "'", folder / "").code,
+        folder.gibench("photons tiny.xml --method 'photon_mapper photons=100 spp=2' -o 'results/" + page + "'").code,
         0);
-    ASSERT_EQ(run_gibench("report results", folder / "").code, 0);
-    EXPECT_THAT(read_file(folder / "results/report.html"),
-                HasSubstr("href=\"images/tiny-photon_mapper_photons=100_spp=2-photons.html\""));
+    ASSERT_EQ(folder.gibench("report results").code, 0);
+    EXPECT_THAT(report(), HasSubstr("href=\"" + page + "\""));
+}
+
+/// A map of `count` photons of power 1 at x = first, first + 1, ...
+StoredPhotons photons_from(std::string_view map, std::size_t count, std::size_t first = 0) {
+    StoredPhotons stored{.map = map, .unit = 2, .photons = {}};
+    for (std::size_t i = 0; i < count; ++i)
+        stored.photons.emplace_back(Vec3(static_cast<float>(first + i), 0, 0), Color::Ones(), Vec3::UnitZ(),
+                                    Vec3::UnitZ(), 1);
+    return stored;
+}
+
+TEST(EvenShares, GiveToLargeGroupsWhatSmallOnesLeave) {
+    EXPECT_THAT(even_shares({100, 2, 50}, 42), ElementsAre(20, 2, 20));
+    EXPECT_THAT(even_shares({3, 5}, 100), ElementsAre(3, 5));
+    EXPECT_THAT(even_shares({}, 10), ElementsAre());
+    EXPECT_THAT(even_shares({5, 5}, 0), ElementsAre(0, 0));
+    for (const std::size_t shown : {0u, 1u, 7u, 99u, 100u}) {
+        std::size_t taken = 0;
+        for (std::size_t i = 0; i < 100; ++i)
+            taken += is_at_step(i, 100, shown);
+        EXPECT_EQ(taken, shown);
+    }
+}
+
+TEST(PhotonSubset, HoldsAllPhotonsIfThereIsRoom) {
+    PhotonSubset subset(100);
+    subset.add(photons_from("global", 40), 0);
+    subset.add(photons_from("global", 20, 40), 1);
+    const auto maps = subset.maps();
+    ASSERT_EQ(maps.size(), 1u);
+    EXPECT_EQ(maps[0].stored, 60u);
+    ASSERT_EQ(maps[0].shown.size(), 60u);
+    EXPECT_EQ(maps[0].mean_power(), 2) << "power 1 in units of 2 W";
+    std::set<float> places;
+    for (const auto& shown : maps[0].shown) {
+        places.insert(shown.photon.p.x());
+        EXPECT_EQ(shown.pass, shown.photon.p.x() < 40.f ? 0u : 1u);
+    }
+    EXPECT_EQ(places.size(), 60u);
+}
+
+TEST(PhotonSubset, SharesItsRoomBetweenMaps) {
+    PhotonSubset subset(1000);
+    subset.add(photons_from("global", 100000), 0);
+    subset.add(photons_from("caustic", 30), 0);
+    const auto maps = subset.maps();
+    ASSERT_EQ(maps.size(), 2u);
+    EXPECT_EQ(maps[0].shown.size(), 970u);
+    EXPECT_EQ(maps[1].shown.size(), 30u);
+    EXPECT_EQ(maps[0].stored, 100000u);
+}
+
+// Chi-square test at alpha = 0.001: photons fall into 16 bins by when they came, in four passes. Of 8000 photons each bin
+// expects 500; being drawn without replacement from 160000 lowers the sum by 5 %, which makes the test stricter in the
+// right direction only for the upper bound, 37.7 (15 degrees of freedom).
+TEST(PhotonSubset, IsUniformOverPhotonsAndPasses) {
+    constexpr std::size_t passes = 4, each = 40000, shown = 8000, bins = 16;
+    PhotonSubset subset(shown);
+    for (std::uint32_t pass = 0; pass < passes; ++pass)
+        subset.add(photons_from("global", each, pass * each), pass);
+    const auto maps = subset.maps();
+    ASSERT_EQ(maps[0].shown.size(), shown);
+    std::array<double, bins> counts{};
+    for (const auto& one : maps[0].shown)
+        ++counts[static_cast<std::size_t>(one.photon.p.x()) / (passes * each / bins)];
+    double sum = 0;
+    for (const double count : counts)
+        sum += sqr(count - shown / bins) / (shown / bins);
+    EXPECT_LT(sum, 37.7);
+}
+
+TEST(PhotonSubset, CountsPowersThatAreNotFinite) {
+    StoredPhotons stored = photons_from("global", 3);
+    stored.photons[1].set_power(Color::Constant(std::numeric_limits<float>::quiet_NaN()));
+    PhotonSubset subset(10);
+    subset.add(stored, 0);
+    const auto maps = subset.maps();
+    EXPECT_EQ(maps[0].not_finite, 1u);
+    EXPECT_EQ(maps[0].mean_power(), 2) << "of the two others";
+}
+
+Vec3 corner(const SurfaceTriangles& t, std::size_t i) {
+    return {t.positions[i][0], t.positions[i][1], t.positions[i][2]};
+}
+
+double area_of(const SurfaceTriangles& t) {
+    double area = 0;
+    for (std::size_t i = 0; i < t.positions.size(); i += 3)
+        area +=
+            0.5 * static_cast<double>((corner(t, i + 1) - corner(t, i)).cross(corner(t, i + 2) - corner(t, i)).norm());
+    return area;
+}
+
+TEST(SurfaceTriangles, CoverCurvedShapes) {
+    const std::vector<std::pair<std::string, double>> shapes = {
+        {shape("sphere", center(1, 2, 3), radius(2), diffuse(0.5)), 16 * std::numbers::pi},
+        {shape("disk", to_world(scale(3)), diffuse(0.5)), 9 * std::numbers::pi},
+        {shape("cylinder", point("p0", 0, 0, 0), point("p1", 0, 0, 4), radius(0.5), diffuse(0.5)),
+         4 * std::numbers::pi}};
+    for (const auto& [curved, area] : shapes) {
+        const auto scene = Scene(element("sensor", "perspective", box_film(4)), curved).load();
+        const SurfaceTriangles triangles = surface_triangles(*scene.scene, 100000);
+        EXPECT_NEAR(area_of(triangles), area, 0.005 * area) << curved;
+        EXPECT_GE(triangles.whole, triangles.count());
+        for (const auto& color : triangles.colors)
+            EXPECT_EQ(color, (std::array<std::uint8_t, 4>{128, 128, 128, 255}));
+    }
+}
+
+TEST(SurfaceTriangles, OfInstancesStandInTheirPlaces) {
+    const auto scene = Scene(element("sensor", "perspective", box_film(4)),
+                             "<shape type='shapegroup' id='g'>" + shape("sphere", diffuse(0.5)) + "</shape>",
+                             shape("instance", to_world(scale(2), translate(10, 0, 0)), reference("g")))
+                           .load();
+    const SurfaceTriangles triangles = surface_triangles(*scene.scene, 100000);
+    ASSERT_GT(triangles.count(), 100u);
+    for (std::size_t i = 0; i < triangles.positions.size(); ++i) {
+        const Vec3 from_center = corner(triangles, i) - scene.scene->bounds().center();
+        EXPECT_NEAR(from_center.norm(), 2.f, 1e-4f);
+        EXPECT_NEAR(from_center.x() / 2, triangles.normals[i][0] / 127.f, 0.006f);
+    }
+}
+
+TEST(SurfaceTriangles, SayWhatIsOpaqueAndHowManyAreLeftOut) {
+    const auto glass = shipped_scene("cornell-glass.xml", {{}, std::pair{4, 4}});
+    const SurfaceTriangles all = surface_triangles(*glass.scene, 100000);
+    EXPECT_GT(all.opaque, 0u);
+    EXPECT_LT(all.opaque, all.count()) << "glass";
+    EXPECT_TRUE(std::any_of(all.colors.begin(), all.colors.end(), [](const auto& c) {
+        return c[0] == 255 && c[1] > c[2];  // the lamp
+    }));
+    const SurfaceTriangles few = surface_triangles(*glass.scene, 100);
+    EXPECT_LE(few.count(), 100u);
+    EXPECT_GT(few.count(), 60u);
+    EXPECT_EQ(few.whole, all.whole);
 }
 
 }  // namespace

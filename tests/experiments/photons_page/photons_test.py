@@ -3,32 +3,23 @@
 Screenshots go to the folder that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
 """
 import base64
-import importlib.util
 import json
 import os
 import re
-import shutil
 import struct
 import subprocess
 import sys
-import tempfile
-import unittest
 
-MISSING = [name for name in ("chromium", "chromedriver") if not shutil.which(name)]
-if not importlib.util.find_spec("selenium"):
-    MISSING.append("python3-selenium")
-if MISSING:
-    print(f"skipped: not installed: {', '.join(MISSING)} (./scripts/setup scripts/packages-report.txt installs them)")
-    sys.exit(77)
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
+import browser_case  # noqa: E402  found by the line above
+from browser_case import BrowserCase, ROOT  # noqa: E402
 from selenium import webdriver  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
-ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
 LAPTOP, PHONE = (1400, 900), (400, 800)
 # Name of the page: scene and arguments of `gibench photons`.
 PAGES = {
@@ -79,41 +70,20 @@ class Page:
         return list(struct.iter_unpack("<" + form, base64.b64decode(text)))
 
 
-def browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
+class PhotonsCase(BrowserCase):
     # SwiftShader draws WebGL without a graphics processor.
-    for argument in ("--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
-                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--force-color-profile=srgb",
-                     "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1400,900"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-
-
-class PhotonsCase(unittest.TestCase):
-    program = None  # gibench
-    screenshots = ""  # a folder; empty: they are made and thrown away
+    graphics = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+    logs = ("browser", "performance")
+    phone = PHONE
     pages = {}
 
     @classmethod
-    def setUpClass(cls):
-        cls.parent = tempfile.TemporaryDirectory()
-        cls.shots = cls.screenshots or cls.parent.name
-        os.makedirs(cls.shots, exist_ok=True)
-        cls.driver = browser()
-
-    @classmethod
     def tearDownClass(cls):
-        cls.driver.quit()
-        cls.parent.cleanup()
+        super().tearDownClass()
         PhotonsCase.pages.clear()
 
     def tearDown(self):
-        # WebGL's own notes about speed are no errors of the page.
-        entries = [entry for entry in self.driver.get_log("browser")
-                   if entry["level"] != "INFO" and "GPU stall" not in entry["message"]]
-        self.assertEqual(entries, [], "nothing is missing, blocked or thrown")
+        super().tearDown()
         asked = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         urls = [message["params"]["request"]["url"] for message in asked
                 if message["method"] == "Network.requestWillBeSent"]
@@ -122,13 +92,9 @@ class PhotonsCase(unittest.TestCase):
     def open(self, name, size=LAPTOP, scheme="light"):
         if name not in self.pages:
             self.pages[name] = Page(self.program, self.parent.name, name)
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
         self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": size == PHONE})
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
-        self.driver.get("file://" + self.pages[name].path)
-        self.stage = self.driver.find_element(By.ID, "stage")
+        self.load(self.pages[name].path, size, scheme)
+        self.stage = self.find("#stage")
         WebDriverWait(self.driver, 60, 0.05).until(lambda _: self.stage.get_attribute("data-ready"), "the page starts")
         self.settle()
         return self.pages[name]
@@ -137,34 +103,34 @@ class PhotonsCase(unittest.TestCase):
         """Waits until the frame that is due has been drawn."""
         self.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
 
-    def shot(self, name):
-        self.driver.save_screenshot(os.path.join(self.shots, name + ".png"))
-
     def shown(self):
-        return self.driver.find_element(By.ID, "shown").text
+        return self.find("#shown").text
 
     def visible(self):
         """The number of photons that the page says it shows."""
         return int(re.search(r"([\d,]+) of [\d,]+ photons", self.shown())[1].replace(",", ""))
 
-    def drawn(self):
-        """The number of pixels of the stage that differ from its ground."""
-        return self.driver.execute_script("""
+    def count_bytes(self, code):
+        """What `code` returns of the `bytes` (RGBA) that the stage draws."""
+        return self.script("""
             const view = arguments[0].view;
             view.draw();
             const gl = view.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
             const bytes = new Uint8Array(4 * w * h);
-            gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);""" + code, self.stage)
+
+    def drawn(self):
+        """The number of pixels of the stage that differ from its ground."""
+        return self.count_bytes("""
             let found = 0;
             for (let i = 0; i < bytes.length; i += 4)
               if (Math.abs(bytes[i] - bytes[0]) + Math.abs(bytes[i + 1] - bytes[1]) > 4) found++;
-            return found""", self.stage)
+            return found""")
 
     def control(self, name):
         for label in self.driver.find_elements(By.CSS_SELECTOR, "#panel label"):
             if label.text.split("\n")[0] == name:
-                found = label.find_elements(By.CSS_SELECTOR, "input, select")
-                return found[0]
+                return label.find_element(By.CSS_SELECTOR, "input, select")
         raise AssertionError(f"no control is named {name}")
 
     def check(self, name):
@@ -180,7 +146,7 @@ class PhotonsCase(unittest.TestCase):
         self.settle()
 
     def camera(self):
-        return self.driver.execute_script("return arguments[0].view.camera.position.toArray()", self.stage)
+        return self.script("return arguments[0].view.camera.position.toArray()", self.stage)
 
 
 class PhotonTest(PhotonsCase):
@@ -229,7 +195,7 @@ class PhotonTest(PhotonsCase):
         for one in page.facts["maps"]:
             share = f"{one['shown']:,} of {one['stored']:,} on this page"
             whole = f"all {one['stored']:,} on this page"
-            text = self.driver.find_element(By.ID, "maps").text
+            text = self.find("#maps").text
             self.assertIn(share if one["shown"] < one["stored"] else whole, text)
         self.assertEqual(sum(one["shown"] for one in page.facts["maps"]), 3000)
 
@@ -237,18 +203,14 @@ class PhotonTest(PhotonsCase):
         self.open("rainbow")
         self.choose("Draw them", "hidden")
         self.assertEqual(Select(self.control("Colour")).first_selected_option.text, "wavelength")
-        self.assertIn("nm", self.driver.find_element(By.ID, "legend").text)
+        self.assertIn("nm", self.find("#legend").text)
         hues = {}
         for name in ("wavelength", "power", "bounces", "the light's own"):
             self.choose("Colour", name)
-            hues[name] = self.driver.execute_script("""
-                const view = arguments[0].view;
-                view.draw();
-                const gl = view.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
-                const bytes = new Uint8Array(4 * w * h), sums = [0, 0, 0];
-                gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            hues[name] = self.count_bytes("""
+                const sums = [0, 0, 0];
                 for (let i = 0; i < bytes.length; i++) if (i % 4 < 3) sums[i % 4] += bytes[i] - bytes[i % 4];
-                return sums""", self.stage)
+                return sums""")
         self.assertEqual(len({tuple(sums) for sums in hues.values()}), 4)
 
     def test_one_draw_call_holds_all_photons(self):
@@ -259,14 +221,14 @@ class PhotonTest(PhotonsCase):
     def test_a_click_tells_the_photon(self):
         self.open("passes")
         self.choose("Draw them", "hidden")
-        place = self.driver.execute_script("""
+        place = self.script("""
             const {view, layers} = arguments[0], i = 7, p = layers.photons.positions;
             const at = view.camera.position.clone().fromArray(p, 3 * i).project(view.camera);
             return [at.x, at.y]""", self.stage)
         size = self.stage.size
         ActionChains(self.driver).move_to_element_with_offset(
             self.stage, round(place[0] * size["width"] / 2), round(-place[1] * size["height"] / 2)).click().perform()
-        picked = self.driver.find_element(By.ID, "picked").text
+        picked = self.find("#picked").text
         self.assertRegex(picked, r"Photon of the global map, \d+ bounces\npower")
 
 
@@ -276,7 +238,7 @@ class AreaTest(PhotonsCase):
         count = page.facts["records"]
         self.assertGreater(count, 20)
         self.assertIn(f"{count:,} records", self.shown())
-        found = self.driver.execute_script("""
+        found = self.script("""
             const records = arguments[0].layers.records, matrix = records.discs.matrix.clone(), all = [];
             for (let i = 0; i < records.discs.count; i++) {
               records.discs.getMatrixAt(i, matrix);
@@ -306,7 +268,7 @@ class AreaTest(PhotonsCase):
         lit = self.drawn()
         self.assertGreater(lit, 10000)
         ActionChains(self.driver).move_to_element(self.stage).click().perform()
-        picked = self.driver.find_element(By.ID, "picked").text
+        picked = self.find("#picked").text
         values = [tuple(float(v) for v in line.strip("()").split(", ")) for line in picked.split("\n")[1:]]
         self.assertIn(len(values), (3, 4))
         known = page.array("patch-radiosities", "3f")
@@ -335,7 +297,7 @@ class AreaTest(PhotonsCase):
 class StageTest(PhotonsCase):
     def test_keys_turn_move_and_zoom(self):
         self.open("passes")
-        self.driver.execute_script("arguments[0].focus()", self.stage)
+        self.script("arguments[0].focus()", self.stage)
         start = self.camera()
         for keys in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", Keys.SHIFT + Keys.ARROW_RIGHT):
             before = self.camera()
@@ -384,16 +346,13 @@ class StageTest(PhotonsCase):
             self.open(name, size, scheme)
             self.shot(f"{name}-{'phone' if size == PHONE else 'laptop'}-{scheme}")
             self.assertGreater(self.drawn(), 1000)
-            wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
-            self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+            self.assert_fits(name)
             box = self.stage.rect
             self.assertGreater(box["height"], 0.5 * size[1])
             self.assertGreater(box["width"], 0.7 * size[0])
-            grounds.add(self.driver.find_element(By.ID, "panel").value_of_css_property("background-color"))
+            grounds.add(self.find("#panel").value_of_css_property("background-color"))
         self.assertEqual(len(grounds), 2, "light and dark")
 
 
 if __name__ == "__main__":
-    PhotonsCase.program = os.path.abspath(sys.argv[1])
-    PhotonsCase.screenshots = os.environ.get("GIB_SCREENSHOTS", "")
-    unittest.main(argv=[sys.argv[0]] + sys.argv[2:])
+    browser_case.main()

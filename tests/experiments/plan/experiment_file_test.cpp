@@ -1,4 +1,4 @@
-// Experiment files: their meaning, and the messages about wrong ones.
+// Experiment files: their meaning, and the messages about wrong ones; [[method]] tables with a command, and [tune].
 
 #include "experiments/plan/experiment_file.h"
 
@@ -6,49 +6,43 @@
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/input_error.h"
 
-#include <gmock/gmock.h>
-
-#include <algorithm>
-
 namespace gib::test::experiment_file_test {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 class ExperimentFileTest : public ::testing::Test {
 protected:
     ExperimentFileTest() {
-        folder_.write("a.xml", "<scene/>");
-        folder_.write("b.xml", "<scene/>");
+        for (const char* scene : {"a.xml", "b.xml"})
+            folder_.write(scene, "<scene/>");
+        folder_.write("r.exr", "");
     }
-    Experiment parse(const std::string& text) { return parse_experiment(text, folder_ / "e.toml"); }
-    std::string error_of(const std::string& text) {
-        const std::string what = test::input_error_of([&] { parse(text); });
-        const std::size_t place = what.find("e.toml");
-        return place == std::string::npos ? what : what.substr(place);
+    Experiment parse(const std::string& text) const { return parse_experiment(text, folder_ / "e.toml"); }
+    std::string error_of(const std::string& text) const {
+        return input_error_in("e.toml", [&] { parse(text); });
     }
-    std::vector<std::string> labels(const std::string& methods) {
+    static std::vector<std::string> texts_of(const Experiment& experiment) {
         std::vector<std::string> texts;
-        for (const auto& label : parse("scenes = ['a.xml']\n" + methods).methods)
+        for (const auto& label : experiment.methods)
             texts.push_back(label.text());
         return texts;
+    }
+    std::vector<std::string> labels(const std::string& methods) const {
+        return texts_of(parse("scenes = ['a.xml']\n" + methods));
     }
     TemporaryFolder folder_;
 };
 
 TEST_F(ExperimentFileTest, LabelsKeepTheOrderAndTheNumbersAsTyped) {
     EXPECT_THAT(labels("[[method]]\nname = 'photon_mapper'\nspp = 4\nphotons = 1e4\nk = 50\nradius = 0.10\n"),
-                ::testing::ElementsAre("photon_mapper spp=4 photons=1e4 k=50 radius=0.10"));
+                ElementsAre("photon_mapper spp=4 photons=1e4 k=50 radius=0.10"));
 }
 
 TEST_F(ExperimentFileTest, ListsMakeSweepsAndGrids) {
     EXPECT_THAT(labels("[[method]]\nname = 'path'\nspp = [16, 64, 2_56] # three\n"),
-                ::testing::ElementsAre("path spp=16", "path spp=64", "path spp=256"));
+                ElementsAre("path spp=16", "path spp=64", "path spp=256"));
     EXPECT_THAT(labels("[[method]]\nname = 'photon_mapper'\nphotons = [\n  1e4,\n  1E5\n]\nk = [20, 50]\n"),
-                ::testing::ElementsAre("photon_mapper photons=1e4 k=20", "photon_mapper photons=1e4 k=50",
-                                       "photon_mapper photons=1E5 k=20", "photon_mapper photons=1E5 k=50"));
+                ElementsAre("photon_mapper photons=1e4 k=20", "photon_mapper photons=1e4 k=50",
+                            "photon_mapper photons=1E5 k=20", "photon_mapper photons=1E5 k=50"));
 }
 
 TEST_F(ExperimentFileTest, ReadsEveryKey) {
@@ -82,35 +76,33 @@ TEST_F(ExperimentFileTest, DefaultsHold) {
 }
 
 TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
-    const std::string start = "scenes = ['a.xml']\n";
-    const std::string path = "[[method]]\nname = 'path'\n";
-    EXPECT_THAT(error_of(start + "sedes = 3\n" + path),
-                AllOf(StartsWith("e.toml:2:1: "), HasSubstr("sedes"), HasSubstr("seeds")));
-    EXPECT_THAT(error_of(start + "paths = ['none']\n" + path),
-                AllOf(StartsWith("e.toml:2:10: "), HasSubstr("there is no folder '" + (folder_ / "none") + "'")));
-    EXPECT_THAT(error_of(start + "seeds = 'x'\n" + path), StartsWith("e.toml:2:9: "));
-    EXPECT_THAT(error_of(start + "seeds = 0\n" + path), StartsWith("e.toml:2:9: "));
-    EXPECT_THAT(error_of(start + "epsilon = 1e-310\n" + path),
-                AllOf(StartsWith("e.toml:2:11: "), HasSubstr("from 1e-60 to 1e+60, not 1e-310")));
-    EXPECT_THAT(error_of("scenes = ['no.xml']\n" + path), AllOf(StartsWith("e.toml:1:11: "), HasSubstr("no.xml")));
-    EXPECT_THAT(error_of(start + "[[method]]\nname = 'pth'\n"),
-                AllOf(StartsWith("e.toml:3:8: "), HasSubstr("photon_mapper")));
-    EXPECT_THAT(error_of(start + path + "photons = 3\n"), AllOf(StartsWith("e.toml:4:1: "), HasSubstr("max_depth")));
-    EXPECT_THAT(error_of(start + path + "spp = [16, -1]\n"),
-                AllOf(StartsWith("e.toml:4:12: "), HasSubstr("out of range")));
-    EXPECT_THAT(error_of(start + path + "spp = '16'\n"), StartsWith("e.toml:4:7: "));
-    EXPECT_THAT(error_of(start + path + "spp = 1.5\n"), StartsWith("e.toml:4:7: "));
-    EXPECT_THAT(error_of(start + path + "spp = []\n"), StartsWith("e.toml:4:7: "));
-    EXPECT_THAT(error_of(start + path + path), HasSubstr("twice"));
-    EXPECT_THAT(error_of(start + "[[method]]\nspp = 3\n"), HasSubstr("'name'"));
-    EXPECT_THAT(error_of(start + "[reference]\ntarget = 'tiny'\n" + path), StartsWith("e.toml:3:10: "));
-    EXPECT_THAT(error_of(start + "[reference]\ntarget = ['1%', '2%']\n" + path), HasSubstr("2 values for 1 scenes"));
-    EXPECT_THAT(error_of(start + "[reference]\nmethod = 'path spp=4'\n" + path), HasSubstr("spp"));
-    EXPECT_THAT(error_of(start + "budget = { minutes = 3 }\n" + path),
-                AllOf(StartsWith("e.toml:2:12: "), HasSubstr("seconds")));
-    EXPECT_THAT(error_of("scenes = [\n"), StartsWith("e.toml:"));
-    EXPECT_THAT(error_of(start), HasSubstr("[[method]]"));
-    EXPECT_THAT(error_of(path), HasSubstr("scenes"));
+    const std::string start = "scenes = ['a.xml']\n", path = "[[method]]\nname = 'path'\n";
+    const std::vector<std::array<std::string, 3>> cases = {
+        // the file, where its error stands, and what it names
+        {start + "sedes = 3\n" + path, "2:1: ", "seeds"},
+        {start + "paths = ['none']\n" + path, "2:10: ", "there is no folder '" + (folder_ / "none") + "'"},
+        {start + "seeds = 'x'\n" + path, "2:9: ", ""},
+        {start + "seeds = 0\n" + path, "2:9: ", ""},
+        {start + "epsilon = 1e-310\n" + path, "2:11: ", "from 1e-60 to 1e+60, not 1e-310"},
+        {"scenes = ['no.xml']\n" + path, "1:11: ", "no.xml"},
+        {start + "[[method]]\nname = 'pth'\n", "3:8: ", "photon_mapper"},
+        {start + path + "photons = 3\n", "4:1: ", "max_depth"},
+        {start + path + "spp = [16, -1]\n", "4:12: ", "out of range"},
+        {start + path + "spp = '16'\n", "4:7: ", ""},
+        {start + path + "spp = 1.5\n", "4:7: ", ""},
+        {start + path + "spp = []\n", "4:7: ", ""},
+        {start + path + path, "", "twice"},
+        {start + "[[method]]\nspp = 3\n", "", "'name'"},
+        {start + "[reference]\ntarget = 'tiny'\n" + path, "3:10: ", ""},
+        {start + "[reference]\ntarget = ['1%', '2%']\n" + path, "", "2 values for 1 scenes"},
+        {start + "[reference]\nmethod = 'path spp=4'\n" + path, "", "spp"},
+        {start + "budget = { minutes = 3 }\n" + path, "2:12: ", "seconds"},
+        {"scenes = [\n", "", ""},
+        {start, "", "[[method]]"},
+        {path, "", "scenes"}};
+    for (const auto& [text, place, named] : cases)
+        EXPECT_THAT(error_of(text), AllOf(StartsWith("e.toml:" + place), HasSubstr(named))) << text;
+    EXPECT_THAT(error_of(start + "sedes = 3\n" + path), HasSubstr("sedes"));
 }
 
 TEST_F(ExperimentFileTest, AByteOrderMarkIsNoPartOfTheFirstLine) {
@@ -122,7 +114,7 @@ TEST_F(ExperimentFileTest, AByteOrderMarkIsNoPartOfTheFirstLine) {
 
 TEST_F(ExperimentFileTest, ColumnsCountCharactersNotBytes) {
     EXPECT_THAT(labels("[[method]]\nname = 'photon_mapper' # \xc3\xbc\nphotons = [ 1e4, 1e5 ] # \xc3\xbc\n"),
-                ::testing::ElementsAre("photon_mapper photons=1e4", "photon_mapper photons=1e5"));
+                ElementsAre("photon_mapper photons=1e4", "photon_mapper photons=1e5"));
 }
 
 TEST(ParseTarget, TakesPercentAndFraction) {
@@ -133,12 +125,151 @@ TEST(ParseTarget, TakesPercentAndFraction) {
 }
 
 TEST(ShippedExperiments, AreValid) {
-    for (const auto& file : std::filesystem::directory_iterator(test::source_path("experiments"))) {
+    for (const auto& file : std::filesystem::directory_iterator(source_path("experiments"))) {
         if (file.path().extension() != ".toml") continue;
         EXPECT_NO_THROW({
             if (!load_tune_file(file.path().string())) load_experiment(file.path().string());
         }) << file.path();
     }
+}
+
+/// Line 2 is the name, line 3 the command.
+class ExternalMethodTest : public ExperimentFileTest {
+protected:
+    static std::string text(const std::string& command, const std::string& more, const std::string& name) {
+        return "scenes = ['a.xml']\n[[method]]\nname = '" + name + "'\ncommand = '" + command + "'\n" + more;
+    }
+    Experiment parse(const std::string& command, const std::string& more = "") const {
+        return ExperimentFileTest::parse(text(command, more, "other"));
+    }
+    std::string error_of(const std::string& command, const std::string& more = "", const std::string& name = "other") {
+        return ExperimentFileTest::error_of(text(command, more, name));
+    }
+};
+
+TEST_F(ExternalMethodTest, KeysOfItsOwnMakeASweep) {
+    const Experiment e = parse("x {scene} {out} {spp} {mode}", "spp = [4, 16]\nmode = ['fast', 'slow']\n");
+    EXPECT_THAT(texts_of(e), ElementsAre("other spp=4 mode=fast", "other spp=4 mode=slow", "other spp=16 mode=fast",
+                                         "other spp=16 mode=slow"));
+    const ExternalMethod* external = e.external(e.methods[3]);
+    ASSERT_TRUE(external);
+    EXPECT_EQ(external->spp, 16u);
+    EXPECT_EQ(filled_command(*external, {{"scene", "s"}, {"out", "o"}, {"spp", "16"}}), "x s o 16 slow");
+}
+
+TEST_F(ExternalMethodTest, DefaultsAndFormats) {
+    const Experiment e = parse("x {scene} {out}");
+    const ExternalMethod& plain = *e.external(e.methods[0]);
+    EXPECT_EQ(plain.scene_format, SceneFormat::mitsuba);
+    EXPECT_EQ(plain.image_format, "exr");
+    EXPECT_EQ(plain.timeout, 3600);
+    const Experiment other = parse("x {scene} {out}", "scene_format = 'povray'\nimage_format = 'hdr'\ntimeout = 2.5\n");
+    const ExternalMethod& given = *other.external(other.methods[0]);
+    EXPECT_EQ(given.scene_format, SceneFormat::povray);
+    EXPECT_EQ(given.image_format, "hdr");
+    EXPECT_EQ(given.timeout, 2.5);
+    EXPECT_NE(given.identity(), plain.identity());
+}
+
+TEST_F(ExternalMethodTest, ValuesAreQuotedForTheShell) {
+    const Experiment e = parse("x {scene} {out} ${HOME} {} {A}");
+    EXPECT_EQ(filled_command(*e.external(e.methods[0]), {{"scene", "a b'c"}, {"out", "/o.exr"}}),
+              "x 'a b'\\''c' /o.exr ${HOME} {} {A}");
+}
+
+TEST_F(ExternalMethodTest, MessagesNameThePlaceAndWhatThereIs) {
+    for (const auto& [command, error] :
+         {std::pair{"x {out}", "e.toml:4:11: a command needs the placeholder {scene}"},
+          {"x {scene}", "a command needs the placeholder {out}"},
+          {"x {scene} {out} {mode}", "e.toml:4:11: the placeholder {mode} has no value"},
+          {"x {scene} {out} {seconds}", "e.toml:4:11: a command with {seconds} needs a budget"}})
+        EXPECT_THAT(error_of(command), HasSubstr(error)) << command;
+    for (const auto& [placeholders, keys, error] :
+         {std::tuple{"", "mode = 3\n", "e.toml:5:1: unknown key 'mode'"},
+          {"", "spp = 3\n", "e.toml:5:1: unknown key 'spp'"},
+          {"{seed}", "seed = 3\n", "e.toml:5:1: unknown key 'seed'"},
+          {"{spp}", "spp = 0\n", "e.toml:5:7: parameter 'spp' = 0 is out of range"},
+          {"{m}", "m = 'a b'\n", "e.toml:2:1: "},
+          {"", "timeout = 0\n", "'timeout' needs a number above 0"},
+          {"", "scene_format = 'pbrt'\n",
+           "e.toml:5:16: 'scene_format' cannot be 'pbrt'; it is one of: mitsuba, povray"},
+          {"", "[[method]]\nname = 'other'\ncommand = 'y {scene} {out}'\n", "the method 'other' is listed twice"}})
+        EXPECT_THAT(error_of(std::string("x {scene} {out} ") + placeholders, keys), HasSubstr(error)) << keys;
+    EXPECT_THAT(error_of("x {scene} {out}", "", "path"), HasSubstr("e.toml:3:8: 'path' is a method of gibench"));
+    EXPECT_THAT(error_of("x {scene} {out}", "", "a b"), HasSubstr("e.toml:3:8: "));
+}
+
+TEST_F(ExternalMethodTest, ReferenceImagesAreOneForEachScene) {
+    const auto parse_reference = [&](const std::string& scenes, const std::string& reference) {
+        return ExperimentFileTest::parse("scenes = " + scenes + "\n[reference]\n" + reference +
+                                         "\n[[method]]\nname = 'path'\n");
+    };
+    EXPECT_EQ(parse_reference("['a.xml']", "image = 'r.exr'").scenes[0].reference_image, folder_ / "r.exr");
+    EXPECT_EQ(parse_reference("['a.xml', 'b.xml']", "image = ['r.exr', 'r.exr']").scenes[1].reference_image,
+              folder_ / "r.exr");
+    EXPECT_EQ(parse_reference("['a.xml']", "target = '1%'").scenes[0].reference_image, "");
+    const auto error = [&](const std::string& scenes, const std::string& reference) {
+        return input_error_of([&] { parse_reference(scenes, reference); });
+    };
+    EXPECT_THAT(error("['a.xml', 'b.xml']", "image = 'r.exr'"),
+                HasSubstr("e.toml:3:9: 'image' gives 1 references for 2 scenes"));
+    EXPECT_THAT(error("['a.xml']", "image = 'none.exr'"), HasSubstr("e.toml:3:9: there is no image '"));
+    EXPECT_THAT(error("['a.xml']", "image = 'r.exr'\ntarget = '1%'"), HasSubstr("e.toml:4:1: unknown key 'target'"));
+}
+
+class TuneFileTest : public ExperimentFileTest {
+protected:
+    TuneFile parse(const std::string& text) const {
+        return parse_tune_file("scenes = ['a.xml']\n" + text, folder_ / "e.toml").value();
+    }
+    std::string error_of(const std::string& text) const {
+        return input_error_in("e.toml", [&] { parse(text); });
+    }
+};
+
+TEST_F(TuneFileTest, HasTheKeysOfTheCommandLine) {
+    const TuneFile file = parse(
+        "title = 'T'\nresolution = [8, 4]\nepsilon = 0.02\n[tune]\ntarget = '5%'\n"
+        "method = ['photon_mapper gather=100 cache=on', 'path']\nvary = ['radius=0.01..0.2']\nminutes = 1.5\n");
+    EXPECT_EQ(file.head.title, "T");
+    EXPECT_EQ(file.head.scenes.front().name, "a");
+    EXPECT_EQ(file.head.resolution, std::pair(8, 4));
+    EXPECT_EQ(file.head.epsilon, 0.02);
+    EXPECT_EQ(file.target, "5%");
+    EXPECT_THAT(file.methods, ElementsAre("photon_mapper gather=100 cache=on", "path"));
+    ASSERT_EQ(file.variations.size(), 1u);
+    EXPECT_EQ(file.variations.front().text, "radius=0.01..0.2");
+    EXPECT_EQ(file.variations.front().where.line, 8);
+    EXPECT_EQ(file.minutes, 1.5);
+}
+
+TEST_F(TuneFileTest, HasTheDefaultsOfTheCommandLine) {
+    const TuneFile file = parse("[tune]\nmethod = 'path'\n");
+    EXPECT_EQ(file.target, "2%");
+    EXPECT_THAT(file.methods, ElementsAre("path"));
+    EXPECT_EQ(file.minutes, 20);
+    EXPECT_EQ(parse("[tune]\ntarget = 0.05\n").target, "0.05");
+    EXPECT_FALSE(parse_tune_file("scenes = ['a.xml']\n", folder_ / "e.toml"));
+}
+
+TEST_F(TuneFileTest, NamesThePlaceOfWhatIsWrong) {
+    for (const auto& [text, error] :
+         {std::pair{"[tune]\ntargets = '5%'\n",
+                    "3:1: unknown key 'targets' in tune; there are: target, method, vary, minutes"},
+          {"[tune]\ntarget = '500%'\n", "3:10: a target is a relative error"},
+          {"[tune]\nminutes = 0\n", "3:11: 'minutes' needs a number above 0"},
+          {"[tune]\nmethod = ['path', 'paths']\n", "3:19: "},
+          {"[tune]\nmethod = 'photon_mapper cache=on'\n", "3:10: "},
+          {"[tune]\nmethod = 'photon_view'\n", "3:10: "},
+          {"[tune]\nvary = []\n", "3:8: 'vary' needs a list of variations"},
+          {"tune = 3\n", "2:8: 'tune' needs a table"}})
+        EXPECT_THAT(error_of(text), StartsWith(std::string("e.toml:") + error)) << text;
+}
+
+TEST_F(TuneFileTest, LeavesNoRoomForCells) {
+    EXPECT_THAT(error_of("seeds = 3\n[tune]\n"),
+                StartsWith("e.toml:2:1: unknown key 'seeds' in an experiment with [tune]"));
+    EXPECT_THAT(error_of("[tune]\n[[method]]\nname = 'path'\n"), HasSubstr("unknown key 'method'"));
 }
 
 }  // namespace

@@ -7,51 +7,39 @@
 #include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/flip.h"
 #include "tests/experiments/metrics/paper_flip.h"
+#include "tests/support/constant_image.h"
+#include "tests/support/input_error.h"
+#include "tests/support/matchers.h"
+#include "tests/support/scene_text.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 
-namespace gib::compare_test {
+namespace gib::test::compare_test {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
-
-/// Image files in a folder that is removed with the test.
 class Compare : public ::testing::Test {
 protected:
-    std::string folder_ = ::testing::TempDir() + "gib_compare_" + std::to_string(::getpid()) + "_" +
-                          ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    Compare() { std::filesystem::create_directories(folder_); }
-    ~Compare() override { std::filesystem::remove_all(folder_); }
-
-    static Image constant(float value, int width = 8, int height = 6) {
-        Image image(width, height);
-        std::fill(image.rgb.begin(), image.rgb.end(), value);
-        return image;
+    static Image constant(float value) { return constant_image(value, 8, 6); }
+    std::string file(const std::string& name, const LayeredImage& image) const {
+        write_exr(folder_ / name, image);
+        return folder_ / name;
     }
-    std::string file(const std::string& name, const LayeredImage& image) {
-        write_exr(folder_ + "/" + name, image);
-        return folder_ + "/" + name;
-    }
+    std::string file(const std::string& name, float value) const { return file(name, one_layer(constant(value))); }
     static nlohmann::json json(CompareOptions options) {
         options.json = true;
         std::ostringstream out;
         EXPECT_EQ(compare(options, out), 0);
         return nlohmann::json::parse(out.str());
     }
+    TemporaryFolder folder_;
 };
 
 TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
-    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
-    const auto result = json({{file("x.exr", {{{"", constant(2.5f)}}, {}})}, r});
+    const std::string r = file("r.exr", 2);
+    const auto result = json({{file("x.exr", 2.5f)}, r});
     EXPECT_EQ(result["seeds"], 1);
     EXPECT_NEAR(result["epsilon"], 0.04, 1e-8) << "the square of a tenth of the reference's mean";
     EXPECT_NEAR(result["mse"], 0.25, 1e-12);
@@ -60,10 +48,10 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_NEAR(result["rel_rmse"], std::sqrt(0.25 / 4.04), 1e-8);
     EXPECT_EQ(result["nonfinite"], 0);
     // The exposure shows 2 as 0.85, and therefore 2.5 as filmic(2.118872 / 2 * 2.5).
-    EXPECT_NEAR(result["flip"],
-                test::paper::color_error(test::paper::hunt_lab(Colord::Constant(filmic(2.64859))),
-                                         test::paper::hunt_lab(Colord::Constant(0.85))),
-                1e-4);
+    EXPECT_NEAR(
+        result["flip"],
+        paper::color_error(paper::hunt_lab(Colord::Constant(filmic(2.64859))), paper::hunt_lab(Colord::Constant(0.85))),
+        1e-4);
     for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(result["mean"][k], 2.5, 1e-12);
         EXPECT_NEAR(result["reference_mean"][k], 2, 1e-12);
@@ -77,17 +65,14 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
 // With the largest difference between floats over the least epsilon, every number from the replicates stays finite.
 TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
     constexpr float largest = std::numeric_limits<float>::max();
-    const std::string r = file("r.exr", {{{"", constant(0)}}, {}});
-    CompareOptions options{{file("x.exr", {{{"", constant(largest)}}, {}}), file("y.exr", {{{"", constant(0)}}, {}}),
-                            file("z.exr", {{{"", constant(largest)}}, {}})},
-                           r};
+    const std::string r = file("r.exr", 0);
+    CompareOptions options{{file("x.exr", largest), file("y.exr", 0), file("z.exr", largest)}, r};
     options.epsilon = smallest_epsilon;
     const auto result = json(options);
     for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
         EXPECT_TRUE(result[key].is_number()) << key;
     // Relative to the value, the intervals are those of images of 1, 0 and 1.
-    CompareOptions plain{
-        {file("u.exr", {{{"", constant(1)}}, {}}), options.tests[1], file("w.exr", {{{"", constant(1)}}, {}})}, r};
+    CompareOptions plain{{file("u.exr", 1), options.tests[1], file("w.exr", 1)}, r};
     const auto expected = json(plain);
     for (const char* key : {"rel_mse_lo", "rel_mse_hi"})
         EXPECT_NEAR(result[key].get<double>() / result["rel_mse"].get<double>(),
@@ -97,8 +82,7 @@ TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
                 1e-6);
     for (const double wrong : {1e-310, 0., -1., 1e61, std::numeric_limits<double>::infinity(), std::nan("")}) {
         options.epsilon = wrong;
-        std::ostringstream out;
-        EXPECT_THAT([&] { compare(options, out); }, ThrowsMessage<InputError>(HasSubstr("from 1e-60 to 1e+60")));
+        EXPECT_THAT(input_error_of([&] { json(options); }), HasSubstr("from 1e-60 to 1e+60"));
     }
 }
 
@@ -108,12 +92,8 @@ TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     const std::string r = file("r.exr", {{{"", constant(3)}, {"direct", constant(1)}, {"caustic", constant(2)}}, {}});
     CompareOptions options{{}, r};
     for (int i = 0; i < 4; ++i) {
-        Image direct = constant(1.5f);
-        for (float& v : direct.rgb)
-            v += 0.1f * normal(random);
-        Image total = direct;
-        for (float& v : total.rgb)
-            v += 2;
+        const Image direct = mapped(constant(1.5f), [&](float v) { return v + 0.1f * normal(random); });
+        const Image total = mapped(direct, [](float v) { return v + 2; });
         options.tests.push_back(file("x" + std::to_string(i) + ".exr", {{{"", total}, {"direct", direct}}, {}}));
     }
     const auto result = json(options);
@@ -140,16 +120,16 @@ TEST_F(Compare, NonFiniteValuesAreCountedAndNotHidden) {
     Image x = constant(2);
     x.rgb[3] = std::numeric_limits<float>::quiet_NaN();
     x.rgb[4] = std::numeric_limits<float>::infinity();
-    const std::string r = file("r.exr", {{{"", constant(2)}}, {}}), path = file("x.exr", {{{"", x}}, {}});
+    const std::string r = file("r.exr", 2), path = file("x.exr", one_layer(x));
     const auto result = json({{path, path, path, path}, r});
     EXPECT_EQ(result["nonfinite"], 8);
     EXPECT_TRUE(result["mse"].is_null() && result["rel_mse"].is_null() && result["bias2"].is_null());
     EXPECT_TRUE(result["flip"].is_null());
-    EXPECT_THAT([&] { json({{r}, path}); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
+    EXPECT_THAT(input_error_of([&] { json({{r}, path}); }), HasSubstr("not finite"));
 }
 
 TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
-    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
+    const std::string r = file("r.exr", 2);
     std::ostringstream out;
     CompareOptions options{{r}, r};
     options.epsilon = 0.5;
@@ -166,21 +146,21 @@ TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
 
 TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
     const FloatTrapsPaused paused;  // a NaN is passed below
-    const std::string r = file("r.exr", {{{"", constant(2)}}, {}});
-    const std::string small = file("small.exr", {{{"", constant(2, 4, 3)}}, {}});
-    EXPECT_THAT(
-        [&] {
-            json({{small}, r});
-        },
-        ThrowsMessage<InputError>(testing::AllOf(HasSubstr("4 x 3"), HasSubstr("8 x 6"), HasSubstr("small.exr"))));
-    EXPECT_THAT([&] { json({{folder_ + "/none.exr"}, r}); }, ThrowsMessage<InputError>(HasSubstr("none.exr")));
-    EXPECT_THAT([&] { json({{r}, folder_ + "/none.exr"}); }, ThrowsMessage<InputError>(HasSubstr("none.exr")));
+    const std::string r = file("r.exr", 2);
+    const std::string small = file("small.exr", one_layer(constant_image(2.f, 4, 3)));
+    const std::string layers = file("layers.exr", {{{"a", constant(2)}, {"b", constant(2)}}, {}});
+    const std::string none = folder_ / "none.exr";
+    const auto error = [&](const std::string& test, const std::string& reference) {
+        return input_error_of([&] { json({{test}, reference}); });
+    };
+    EXPECT_THAT(error(small, r), AllOf(HasSubstr("4 x 3"), HasSubstr("8 x 6"), HasSubstr("small.exr")));
+    for (const std::string& file : {none, layers}) {
+        EXPECT_THAT(error(file, r), HasSubstr(file));
+        EXPECT_THAT(error(r, file), HasSubstr(file));
+    }
     EXPECT_THROW(json({{r}, r, 0}), InputError);
     EXPECT_THROW(json({{r}, r, std::numeric_limits<double>::quiet_NaN()}), InputError);
-    const std::string layers = file("layers.exr", {{{"a", constant(2)}, {"b", constant(2)}}, {}});
-    EXPECT_THAT([&] { json({{layers}, r}); }, ThrowsMessage<InputError>(HasSubstr("layers.exr")));
-    EXPECT_THAT([&] { json({{r}, layers}); }, ThrowsMessage<InputError>(HasSubstr("layers.exr")));
 }
 
 }  // namespace
-}  // namespace gib::compare_test
+}  // namespace gib::test::compare_test

@@ -2,9 +2,8 @@
 
 #include "common/images/image_file.h"
 #include "experiments/metrics/mitsuba_z_test.h"
-#include "tests/support/driver_fixtures.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/constant_image.h"
+#include "tests/support/run_fixtures.h"
 
 #include <cmath>
 #include <limits>
@@ -14,16 +13,7 @@
 namespace gib::test::compare_z_test_test {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
-
-Image constant(float value, int width = 20, int height = 20) {
-    Image image(width, height);
-    std::fill(image.rgb.begin(), image.rgb.end(), value);
-    return image;
-}
+Image constant(float value, int size = 20) { return constant_image(value, size, size); }
 
 /// The linear RGB for which Mitsuba's matrix gives X = Y = Z = v (solved to seven digits).
 Color rgb_of_equal_xyz(float v) { return v * Color(1.2047935f, 0.9482910f, 0.9089164f); }
@@ -53,14 +43,8 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
     EXPECT_EQ(none.smallest_p, 1);
     // P(|Z| > z) = 2.51e-5 at z = 4.2140. With a variance of 4 in X, Y and Z and
     // 100 samples, a deviation of 0.2 is z = 1.
-    Image variance(20, 20), x(20, 20);
-    for (std::size_t p = 0; p < x.pixels(); ++p)
-        variance.set(p, rgb_of_equal_xyz(4));
-    const auto passing_at = [&](float z) {
-        for (std::size_t p = 0; p < x.pixels(); ++p)
-            x.set(p, rgb_of_equal_xyz(0.2f * z));
-        return mitsuba_z_test(x, r, variance, 100).passing;
-    };
+    const auto image_of = [](float xyz) { return constant_image(rgb_of_equal_xyz(xyz), 20, 20); };
+    const auto passing_at = [&](float z) { return mitsuba_z_test(image_of(0.2f * z), r, image_of(4), 100).passing; };
     EXPECT_EQ(passing_at(4.20f), 1200u);
     EXPECT_EQ(passing_at(4.23f), 0u);
     EXPECT_EQ(passing_at(-4.23f), 0u);
@@ -69,11 +53,7 @@ TEST(MitsubaZTest, ThresholdIsOnePercentSharedByThePixels) {
 TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
     // The variance is in Y alone; as RGB it is negative in R and B. It judges a deviation in Y alone.
     const Color y_alone(-1.537150f, 1.875991f, -0.204043f);
-    Image x(20, 20), variance(20, 20);
-    for (std::size_t p = 0; p < x.pixels(); ++p) {
-        x.set(p, 0.1f * y_alone);
-        variance.set(p, 4 * y_alone);
-    }
+    const Image x = constant_image(0.1f * y_alone, 20, 20), variance = constant_image(4 * y_alone, 20, 20);
     EXPECT_EQ(mitsuba_z_test(x, constant(0), variance, 100).passing, 1200u);  // z = 0.1 / 0.2
     // Without variance the floor of 1e-4 holds. White has Y = 1, and X and Z within 9 % of it: z = 0.0035 sqrt(100 /
     // 1e-4) = 3.5, and 5 for 0.005.
@@ -85,11 +65,9 @@ TEST(MitsubaZTest, VarianceIsThatOfXyzAndNotBelowItsFloor) {
 TEST(MitsubaZTest, FloatsLimitTheSmallestProbability) {
     // For 480 x 480 pixels the exact threshold is z = 5.476. In floats p is a
     // multiple of 2^-23, and 0 above z = 5.348.
-    const Image r = constant(0, 480, 480);
+    const Image r = constant(0, 480);
     const auto passes = [&](float z) {
-        Image x(480, 480);
-        for (std::size_t p = 0; p < x.pixels(); ++p)
-            x.set(p, rgb_of_equal_xyz(z * 1e-2f));
+        const Image x = constant_image(rgb_of_equal_xyz(z * 1e-2f), 480, 480);
         return mitsuba_z_test(x, r, r, 1).passing == 3 * x.pixels();
     };
     EXPECT_TRUE(passes(5.33f));
@@ -111,26 +89,20 @@ TEST(MitsubaZTest, ValuesThatAreNotFiniteDoNotPass) {
 class CompareZTest : public ::testing::Test {
 protected:
     Image noisy(float mean, float noise, int size = 64) {
-        Image image(size, size);
-        for (float& v : image.rgb)
-            v = mean * (1 + noise * normal_(random_));
-        return image;
+        return mapped(Image(size, size), [&](float) { return mean * (1 + noise * normal_(random_)); });
     }
-    std::string write(const std::string& name, const LayeredImage& image) {
-        write_exr(folder_ / name, image);
-        return name;
-    }
+    void write(const std::string& name, const LayeredImage& image) const { write_exr(folder_ / name, image); }
     void write_reference() {
         write("r.exr", {{{"", noisy(2, 0.003f)},
                          {"direct", noisy(1, 0.003f)},
-                         {"stderr", constant(0.006f, 64, 64)},
-                         {"direct_stderr", constant(0.003f, 64, 64)}},
+                         {"stderr", constant(0.006f, 64)},
+                         {"direct_stderr", constant(0.003f, 64)}},
                         {}});
     }
     void write_test(const std::string& name, float factor, float noise, std::map<std::string, std::string> keys = {}) {
         write(name, {{{"", noisy(2 * factor, noise)}, {"direct", noisy(factor, noise)}}, std::move(keys)});
     }
-    ProgramResult run(const std::string& arguments) { return run_gibench("compare " + arguments, folder_ / ""); }
+    ProgramResult run(const std::string& arguments) const { return run_gibench("compare " + arguments, folder_ / ""); }
 
     TemporaryFolder folder_;
     std::mt19937_64 random_{17};
@@ -142,16 +114,14 @@ TEST_F(CompareZTest, ExitCodeIsTheVerdict) {
     write_test("good.exr", 1, 0.01f);
     write_test("dark.exr", 0.99f, 0.01f);
     write_test("noisy.exr", 1, 1);
-    const ProgramResult good = run("good.exr r.exr --z-test"), dark = run("dark.exr r.exr --z-test"),
-                        noisy = run("noisy.exr r.exr --z-test");
-    EXPECT_EQ(good.code, 0) << good.out << good.err;
-    EXPECT_THAT(good.out, AllOf(HasSubstr("gibench's own"), HasSubstr("accepted"), HasSubstr("8 x 8 blocks"),
-                                HasSubstr("mean of G"), HasSubstr("rel_mse"), Not(HasSubstr("z_"))));
-    EXPECT_EQ(dark.code, 1) << dark.out << dark.err;
-    EXPECT_THAT(dark.out, AllOf(HasSubstr("the images differ"), HasSubstr("tests of whole image"), HasSubstr("R -")));
-    EXPECT_EQ(noisy.code, 1) << noisy.out << noisy.err;
-    EXPECT_THAT(noisy.out, AllOf(HasSubstr("not enough samples"), HasSubstr("within 0.2 %: the interval is R "),
-                                 Not(HasSubstr("images differ"))));
+    EXPECT_THAT(run("good.exr r.exr --z-test"),
+                prints(HasSubstr("gibench's own"), HasSubstr("accepted"), HasSubstr("8 x 8 blocks"),
+                       HasSubstr("mean of G"), HasSubstr("rel_mse"), Not(HasSubstr("z_"))));
+    EXPECT_THAT(run("dark.exr r.exr --z-test"),
+                prints_with(1, HasSubstr("the images differ"), HasSubstr("tests of whole image"), HasSubstr("R -")));
+    EXPECT_THAT(run("noisy.exr r.exr --z-test"),
+                prints_with(1, HasSubstr("not enough samples"), HasSubstr("within 0.2 %: the interval is R "),
+                            Not(HasSubstr("images differ"))));
     EXPECT_EQ(run("dark.exr r.exr").code, 0);
 }
 
@@ -161,16 +131,13 @@ TEST_F(CompareZTest, JsonHoldsTheFiguresUnderFlatKeys) {
     const ProgramResult result = run("dark.exr r.exr --z-test --json");
     ASSERT_EQ(result.code, 1) << result.err;
     const auto json = nlohmann::json::parse(result.out);
-    EXPECT_EQ(json["z_test"], "blocks");
-    EXPECT_EQ(json["z_accepted"], false);
-    EXPECT_EQ(json["z_verdict"], "differs");
-    EXPECT_EQ(json["z_noise"], "scatter");
-    EXPECT_EQ(json["z_alpha"], 0.01);
-    EXPECT_EQ(json["z_blocks_tests"], 2 * 3 * 64);
-    EXPECT_EQ(json["z_regions_tests"], 2 * 3);
-    EXPECT_EQ(json["z_image_rejected"], 2 * 3);
+    const nlohmann::json flat = {
+        {"z_test", "blocks"},       {"z_accepted", false},       {"z_verdict", "differs"},
+        {"z_noise", "scatter"},     {"z_alpha", 0.01},           {"z_blocks_tests", 2 * 3 * 64},
+        {"z_regions_tests", 2 * 3}, {"z_image_rejected", 2 * 3}, {"z_blocks_width", 8}};
+    for (const auto& [key, value] : flat.items())
+        EXPECT_EQ(json[key], value) << key;
     EXPECT_LT(json["z_image_p_corrected"], 1e-6);
-    EXPECT_EQ(json["z_blocks_width"], 8);
     for (const auto& layer : {json, json["components"]["direct"]})
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_LT(layer["z_deviation_lo"][k], layer["z_deviation"][k]);
@@ -189,10 +156,9 @@ TEST_F(CompareZTest, ValuesThatAreNotFiniteAreCountedAndRejected) {
     Image x = noisy(2, 0.01f);
     x.rgb[100] = infinity;
     x.rgb[200] = std::numeric_limits<float>::quiet_NaN();
-    write("x.exr", {{{"", x}}, {}});
-    const ProgramResult result = run("x.exr r.exr --z-test");
-    EXPECT_EQ(result.code, 1);
-    EXPECT_THAT(result.out, HasSubstr("rejected: 2 values of the test are not finite"));
+    write("x.exr", one_layer(x));
+    EXPECT_THAT(run("x.exr r.exr --z-test"),
+                prints_with(1, HasSubstr("rejected: 2 values of the test are not finite")));
     EXPECT_EQ(nlohmann::json::parse(run("x.exr r.exr --z-test --json").out)["z_verdict"], "not_finite");
 }
 
@@ -204,20 +170,16 @@ TEST_F(CompareZTest, ReplicatesAndStandardErrorsAreUsed) {
     EXPECT_THAT(run("x1.exr x2.exr x3.exr r.exr --z-test").out,
                 AllOf(HasSubstr("known from 3 replicates"), HasSubstr("accepted")));
     EXPECT_THAT(run("r.exr r.exr --z-test").out, AllOf(HasSubstr("its standard error"), HasSubstr("accepted")));
-    const ProgramResult twice = run("x1.exr x2.exr x1.exr r.exr --z-test");
-    EXPECT_EQ(twice.code, 2);
-    EXPECT_THAT(twice.err, AllOf(HasSubstr("x1.exr"), HasSubstr("same seed")));
+    EXPECT_THAT(run("x1.exr x2.exr x1.exr r.exr --z-test"), exits(2, HasSubstr("x1.exr"), HasSubstr("same seed")));
     EXPECT_EQ(run("x1.exr x1.exr r.exr").code, 0);
 }
 
 TEST_F(CompareZTest, MitsubasTestIsNamedAndDecides) {
-    write("r.exr", {{{"", constant(1)}}, {}});
-    write("v.exr", {{{"", constant(0.64f)}}, {}});
-    write("x.exr", {{{"", constant(1.1f)}}, {}});  // at 64 samples z = 1, at 6400 z = 10
-    const ProgramResult good = run("x.exr r.exr --z-test --variance v.exr --spp 64");
-    EXPECT_EQ(good.code, 0) << good.out << good.err;
-    EXPECT_THAT(good.out,
-                AllOf(HasSubstr("Mitsuba 3's"), HasSubstr("100.0000 % of 1200 values"), HasSubstr("99.75 %")));
+    write("r.exr", one_layer(constant(1)));
+    write("v.exr", one_layer(constant(0.64f)));
+    write("x.exr", one_layer(constant(1.1f)));  // at 64 samples z = 1, at 6400 z = 10
+    EXPECT_THAT(run("x.exr r.exr --z-test --variance v.exr --spp 64"),
+                prints(HasSubstr("Mitsuba 3's"), HasSubstr("100.0000 % of 1200 values"), HasSubstr("99.75 %")));
     const ProgramResult bad = run("x.exr r.exr --z-test --variance v.exr --spp 6400 --json");
     EXPECT_EQ(bad.code, 1) << bad.out << bad.err;
     const auto json = nlohmann::json::parse(bad.out);
@@ -229,22 +191,22 @@ TEST_F(CompareZTest, MitsubasTestIsNamedAndDecides) {
 }
 
 TEST_F(CompareZTest, VariancesAreFiniteAndNotNegative) {
-    write("r.exr", {{{"", constant(1)}}, {}});
-    write("x.exr", {{{"", constant(9)}}, {}});
+    write("r.exr", one_layer(constant(1)));
+    write("x.exr", one_layer(constant(9)));
     for (const float wrong : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN(), -1e-6f}) {
         Image variance = constant(0.64f);
         variance.rgb[1] = variance.rgb[77] = wrong;
-        write("v.exr", {{{"", variance}}, {}});
-        const ProgramResult result = run("x.exr r.exr --z-test --variance v.exr --spp 64");
-        EXPECT_EQ(result.code, 2) << wrong << "\n" << result.out;
-        EXPECT_THAT(result.err, StartsWith("v.exr:1:1: cannot be a variance: 2 values are not finite or below 0"));
+        write("v.exr", one_layer(variance));
+        EXPECT_THAT(run("x.exr r.exr --z-test --variance v.exr --spp 64"),
+                    exits(2, StartsWith("v.exr:1:1: cannot be a variance: 2 values are not finite or below 0")))
+            << wrong;
     }
 }
 
 TEST_F(CompareZTest, WrongInputGivesTwo) {
     write_reference();
     write_test("x.exr", 1, 0.01f);
-    write("small.exr", {{{"", constant(1)}}, {}});
+    write("small.exr", one_layer(constant(1)));
     folder_.write("text.exr", "no image");
     for (const char* arguments :
          {"x.exr r.exr --z-test --variance r.exr", "x.exr r.exr --z-test --spp 64", "x.exr r.exr --spp 64",
@@ -255,9 +217,7 @@ TEST_F(CompareZTest, WrongInputGivesTwo) {
           "x.exr r.exr --z-test --variance small.exr --spp 64", "x.exr r.exr --z-test --variance text.exr --spp 64",
           "small.exr r.exr --z-test", "x.exr small.exr --z-test", "none.exr r.exr --z-test", "x.exr none.exr --z-test",
           "x.exr --z-test"}) {
-        const ProgramResult result = run(arguments);
-        EXPECT_EQ(result.code, 2) << arguments << "\n" << result.out << result.err;
-        EXPECT_NE(result.err, "") << arguments;
+        EXPECT_THAT(run(arguments), exits(2, Not(""))) << arguments;
     }
     EXPECT_THAT(run("x.exr r.exr --z-test --variance small.exr --spp 64").err,
                 AllOf(HasSubstr("small.exr"), HasSubstr("20 x 20"), HasSubstr("64 x 64")));
@@ -271,20 +231,15 @@ TEST_F(CompareZTest, RendersPassAndAChangedLampDoesNot) {
     ASSERT_NE(xml.find(radiance), std::string::npos);
     folder_.write("dim.xml", xml.replace(xml.find(radiance), radiance.size(), "name='radiance' value='4.95'"));
     const auto program = [&](const std::string& arguments) {
-        const ProgramResult result = run_gibench(arguments, folder_ / "");
-        EXPECT_EQ(result.code, 0) << arguments << "\n" << result.err;
+        EXPECT_THAT(run_gibench(arguments, folder_ / ""), exits(0)) << arguments;
     };
     program("reference right.xml --target 0.2% --max-seconds 5 -o r.exr");
     program("render right.xml --method 'path spp=256' --seed 1 -o a.exr");
     program("render right.xml --method 'path spp=256' --seed 2 -o b.exr");
     program("render dim.xml --method 'path spp=256' --seed 1 -o dim.exr");
-    for (const char* good : {"a.exr", "b.exr", "a.exr b.exr"}) {
-        const ProgramResult result = run(std::string(good) + " r.exr --z-test");
-        EXPECT_EQ(result.code, 0) << good << "\n" << result.out;
-    }
-    const ProgramResult dim = run("dim.exr r.exr --z-test --other-scene");
-    EXPECT_EQ(dim.code, 1);
-    EXPECT_THAT(dim.out, HasSubstr("the images differ"));
+    for (const char* good : {"a.exr", "b.exr", "a.exr b.exr"})
+        EXPECT_THAT(run(std::string(good) + " r.exr --z-test"), exits(0)) << good;
+    EXPECT_THAT(run("dim.exr r.exr --z-test --other-scene"), prints_with(1, HasSubstr("the images differ")));
 }
 
 }  // namespace

@@ -10,12 +10,12 @@
 #include "experiments/results/judgement.h"
 #include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
-#include "tests/support/driver_fixtures.h"
+#include "tests/support/page_reader.h"
+#include "tests/support/run_fixtures.h"
 
 #include "common/images/image_file.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
@@ -27,21 +27,6 @@ namespace gib::test::report_page_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::vector<std::uint8_t> bytes;
-    unsigned bits = 0;
-    int count = 0;
-    for (const char c : text) {
-        if (c == '=') break;
-        bits = (bits << 6) | static_cast<unsigned>(digits.find(c));
-        if ((count += 6) < 8) continue;
-        count -= 8;
-        bytes.push_back(static_cast<std::uint8_t>((bits >> count) & 255u));
-    }
-    return bytes;
-}
 
 float float_of_half(unsigned bits) {
     const float sign = bits & 0x8000u ? -1.f : 1.f;
@@ -96,13 +81,9 @@ TEST(ImagePack, HalvesComeBackWithinTheirPrecision) {
 }
 
 TEST(ImagePack, Base64IsThatOfTheStandard) {
-    const auto text = [](const std::string& s) {
-        return base64({reinterpret_cast<const std::uint8_t*>(s.data()), s.size()});
-    };
-    EXPECT_EQ(text(""), "");
-    EXPECT_EQ(text("f"), "Zg==");
-    EXPECT_EQ(text("fo"), "Zm8=");
-    EXPECT_EQ(text("foobar"), "Zm9vYmFy");
+    for (const auto& [text, code] :
+         std::map<std::string, std::string>{{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foobar", "Zm9vYmFy"}})
+        EXPECT_EQ(base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}), code);
 }
 
 TEST(Html, TextCannotBecomeMarkup) {
@@ -117,7 +98,7 @@ TEST(Frames, AreThoseOfSeedOneAtPowersOfTwo) {
     std::vector<std::uint32_t> kept;
     for (std::uint32_t passes = 1; passes <= 32; ++passes)
         if (keeps_frame(1, passes, 32)) kept.push_back(passes);
-    EXPECT_THAT(kept, ::testing::ElementsAre(1, 2, 4, 8, 16)) << "32 is the final image";
+    EXPECT_THAT(kept, ElementsAre(1, 2, 4, 8, 16)) << "32 is the final image";
     EXPECT_FALSE(keeps_frame(2, 1, 32));
 }
 
@@ -137,14 +118,12 @@ TEST(Frames, AreReducedToMeansOfBlocks) {
 class ReportPageTest : public ::testing::Test {
 protected:
     static void SetUpTestSuite() {
-        files_ = std::make_unique<TemporaryFolder>();
-        files_->write("tiny.xml", tiny_scene_xml());
+        files_ = std::make_unique<ExperimentFolder>();
         files_->write("e.toml",
                       "title = 'A </script><b> title'\nscenes = ['tiny.xml']\nseeds = 2\n[reference]\ntarget = '40%'\n"
                       "[[method]]\nname = 'path'\nspp = [8, 64]\n");
-        const ProgramResult run = run_gibench("run e.toml --threads 1 --out results", *files_ / "");
-        ASSERT_EQ(run.code, 0) << run.err;
-        folder_ = std::make_unique<ResultFolder>(*files_ / "results");
+        ASSERT_THAT(files_->run(), exits(0));
+        folder_ = std::make_unique<ResultFolder>(files_->path("results/e"));
         analysis_ = analyse(*folder_);
     }
     static void TearDownTestSuite() {
@@ -152,39 +131,31 @@ protected:
         files_.reset();
         analysis_ = {};
     }
-    static std::string element(const std::string& page, const std::string& id) {
-        const std::size_t at = page.find("id=\"" + id + "\">");
-        EXPECT_NE(at, std::string::npos) << id;
-        const std::size_t begin = page.find('>', at) + 1;
-        return page.substr(begin, page.find("</script>", begin) - begin);
-    }
     static std::vector<float> pixels(const std::string& page, const json& picture) {
-        return unpacked(element(page, picture.at("id")), picture.at("width"), picture.at("height"),
+        return unpacked(element_of_page(page, picture.at("id")), picture.at("width"), picture.at("height"),
                         picture.at("channels"), picture.at("exponent"));
     }
 
-    static inline std::unique_ptr<TemporaryFolder> files_;
+    static inline std::unique_ptr<ExperimentFolder> files_;
     static inline std::unique_ptr<ResultFolder> folder_;
     static inline Analysis analysis_;
 };
 
 TEST_F(ReportPageTest, AsksForNothingOutsideTheFile) {
     std::string page = report_html(analysis_, *folder_);
-    EXPECT_THAT(page, ::testing::HasSubstr("default-src 'none'"));
-    EXPECT_THAT(page, ::testing::HasSubstr("Released under the MIT License"));
+    EXPECT_THAT(page, AllOf(HasSubstr("default-src 'none'"), HasSubstr("Released under the MIT License")));
     const std::string library = script_safe_code(embedded_file("chart.js"));
     const std::size_t at = page.find(library);
     ASSERT_NE(at, std::string::npos);
     page.erase(at, library.size());  // its comments contain web addresses
-    EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("://")));
+    EXPECT_THAT(page, AllOf(Not(HasSubstr("://")), Not(HasSubstr("{{"))));
     EXPECT_FALSE(std::regex_search(page, std::regex("(src|href)=\"[^#]"))) << "links lead to the page itself";
-    EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("{{")));
 }
 
 TEST_F(ReportPageTest, TitlesAndDataDoNotBreakThePage) {
     const std::string page = report_html(analysis_, *folder_);
-    EXPECT_THAT(page, ::testing::HasSubstr("<h1>A &lt;/script&gt;&lt;b&gt; title</h1>"));
-    const json data = json::parse(element(page, "report-data"));
+    EXPECT_THAT(page, HasSubstr("<h1>A &lt;/script&gt;&lt;b&gt; title</h1>"));
+    const json data = json::parse(element_of_page(page, "report-data"));
     EXPECT_EQ(data.at("methods"), json({"path spp=8", "path spp=64"}));
     ASSERT_EQ(data["scenes"]["tiny"]["curves"]["total"].size(), 1u) << "labels that differ in spp alone are one method";
     const json& curve = data["scenes"]["tiny"]["curves"]["total"][0];
@@ -196,7 +167,7 @@ TEST_F(ReportPageTest, TitlesAndDataDoNotBreakThePage) {
 
 TEST_F(ReportPageTest, HoldsThePixelsOfTheImages) {
     const std::string page = report_html(analysis_, *folder_);
-    const json data = json::parse(element(page, "report-data"));
+    const json data = json::parse(element_of_page(page, "report-data"));
     const json& scene = data["pictures"]["tiny"];
     EXPECT_EQ(scene.at("reduction"), 1);
     ASSERT_EQ(scene.at("images").size(), 2u) << "the reference and one method, which two labels run";
@@ -227,7 +198,7 @@ TEST_F(ReportPageTest, ShowsEachMethodAtEqualTime) {
     EXPECT_GT(*look.flip, 0);
     EXPECT_LT(*look.flip, 1);
     const std::string page = report_html(analysis_, *folder_);
-    EXPECT_THAT(page, ::testing::HasSubstr(fmt::format("data-method=\"path spp=64\" data-passes=\"{}\"", look.passes)));
+    EXPECT_THAT(page, HasSubstr(fmt::format("data-method=\"path spp=64\" data-passes=\"{}\"", look.passes)));
     const std::size_t strip = page.find("class=\"strip"), chart = page.find("class=\"curve-chart"),
                       words = page.find("class=\"answers"), table = page.find("<details class=\"folded");
     EXPECT_LT(strip, chart) << "look first, then error against time";
@@ -241,7 +212,7 @@ TEST_F(ReportPageTest, HoldsTheFramesOnTheWay) {
     std::vector<int> passes;
     for (const json& frame : frames)
         passes.push_back(frame.at("passes"));
-    EXPECT_THAT(passes, ::testing::ElementsAre(1, 2, 4, 8, 16, 32));
+    EXPECT_THAT(passes, ElementsAre(1, 2, 4, 8, 16, 32));
     const auto stored = read_frame(*folder_, cell_folder_name("tiny", "path spp=64", 1), 8);
     ASSERT_TRUE(stored);
     const auto shown = pixels(pictures.elements, frames[3].at("image"));
@@ -258,12 +229,12 @@ TEST_F(ReportPageTest, KeepsToItsBudget) {
     const ReportPictures fewer = report_pictures(analysis_, *folder_, {1'000'000, all - 1000});
     EXPECT_LT(fewer.elements.size(), all);
     EXPECT_LT(fewer.scenes["tiny"]["images"][2]["frames"].size(), 6u);
-    EXPECT_THAT(fewer.note, ::testing::HasSubstr("To keep the page small"));
+    EXPECT_THAT(fewer.note, HasSubstr("To keep the page small"));
     EXPECT_EQ(fewer.scenes["tiny"]["reduction"], 1);
     const std::size_t final_images = report_pictures(analysis_, *folder_, {1'000'000, 0}).elements.size();
     const ReportPictures smaller = report_pictures(analysis_, *folder_, {final_images / 2, 1'000'000});
     EXPECT_GT(smaller.scenes["tiny"]["reduction"], 1);
-    EXPECT_THAT(smaller.note, ::testing::HasSubstr("of the film's size"));
+    EXPECT_THAT(smaller.note, HasSubstr("of the film's size"));
     const json& part = smaller.scenes["tiny"]["images"][2]["parts"]["direct"];
     EXPECT_EQ(pixels(smaller.elements, part).size(),
               3 * part["width"].get<std::size_t>() * part["height"].get<std::size_t>());
@@ -271,13 +242,13 @@ TEST_F(ReportPageTest, KeepsToItsBudget) {
 
 TEST_F(ReportPageTest, FoldersWithoutFramesHaveAReport) {
     TemporaryFolder copy;
-    std::filesystem::copy(folder_->path(), copy / "results", std::filesystem::copy_options::recursive);
-    for (const auto& cell : std::filesystem::directory_iterator(copy / "results/cells"))
-        std::filesystem::remove_all(cell.path() / "frames");
+    fs::copy(folder_->path(), copy / "results", fs::copy_options::recursive);
+    for (const auto& cell : fs::directory_iterator(copy / "results/cells"))
+        fs::remove_all(cell.path() / "frames");
     const ResultFolder old(copy / "results");
     const ReportPictures pictures = report_pictures(analyse(old), old);
     EXPECT_TRUE(pictures.scenes["tiny"]["images"][2]["frames"].empty());
-    EXPECT_THAT(pictures.note, ::testing::HasSubstr("the final image is shown"));
+    EXPECT_THAT(pictures.note, HasSubstr("the final image is shown"));
 }
 
 TEST(FlipMapValues, ComeBackFromAPicture) {

@@ -1,14 +1,18 @@
-// Tables: their fixed columns, and CSV that can be read back.
+// Tables: their fixed columns, CSV that can be read back, and the words about bias and noise, about what is left out, and
+// about times that were not reached.
 
 #include "experiments/report/tables.h"
-#include "experiments/report/report.h"
 
+#include "experiments/report/error_words.h"
+#include "experiments/report/look_words.h"
+#include "experiments/report/price_text.h"
+#include "experiments/report/report.h"
 #include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"
 #include "experiments/text/numbers.h"
 #include "tests/support/csv_reader.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/matchers.h"
+#include "tests/support/table_fixtures.h"
 
 #include <cmath>
 #include <numeric>
@@ -26,21 +30,16 @@ Analysis small_analysis() {
     analysis.index.title = "T";
     analysis.index.scenes = {{"box", "box.xml", "h", "r", "path", 0.01, {}}};
     analysis.index.methods = {"path spp=1"};
-    Cell cell;
-    cell.scene = "box";
-    cell.method = "path spp=1";
+    Cell cell = cell_of("path spp=1");
     cell.prepare_seconds = 0.25;
     cell.checkpoints.push_back({{1, 0.5, {1000, 77, {2, 0, 3}}, 12}, {{total_name, {1, 2, 3, 4, 5}}}});
     cell.stages = {{"trace", 0.3}, {"other", 0.2}};
     analysis.cells.push_back(cell);
-    TableRow row;
-    row.scene = "box";
-    row.method = "path spp=1";
-    row.component = total_name;
+    TableRow row = row_of("path spp=1");
     row.seeds = 1;
     row.seconds = 0.5;
-    row.statistics =
-        ReplicateStatistics{1, {1, {}}, {1, {}}, {0.0025, Interval{0.0018, 0.0034}}, 1, 0.0016, {}, {}, {}};
+    row.statistics->rel_mse = {0.0025, Interval{0.0018, 0.0034}};
+    row.statistics->rel_mse_corrected = 0.0016;
     row.effects_missing = "caustics;refraction";
     row.flip = 0.125;
     analysis.rows.push_back(row);
@@ -49,7 +48,6 @@ Analysis small_analysis() {
 
 TEST(Tables, HaveTheFixedColumnsInOrder) {
     const Analysis analysis = small_analysis();
-    using ::testing::StartsWith;
     EXPECT_THAT(
         joined(curves_table(analysis).columns),
         StartsWith(
@@ -66,26 +64,23 @@ TEST(Tables, HaveTheFixedColumnsInOrder) {
          {"variance_lo", "variance_hi", "rmse_corrected", "rel_mse_corrected", "seconds_to_0.5pct",
           "seconds_to_5pct_lo", "seconds_to_0.5pct_hi", "flip", "footing", "energy_excess", "rel_mse_corrected_lo",
           "rel_mse_corrected_hi", "law_slope", "law_floor_bias2", "last_halving", "next_halving_hi"})
-        EXPECT_THAT(error_table(analysis).columns, ::testing::Contains(further));
+        EXPECT_THAT(error_table(analysis).columns, Contains(further));
 }
 
 TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     const Analysis analysis = small_analysis();
     EXPECT_EQ(joined(curves_table(analysis).rows.at(0)), "box,path spp=1,1,1,0.5,0.25,1,1000,1,2,3,2,12,77,5,4");
     const CsvTable table = error_table(analysis);
-    const auto value = [&](const std::string& column) {
-        const auto at = std::find(table.columns.begin(), table.columns.end(), column) - table.columns.begin();
-        return table.rows.at(0).at(static_cast<std::size_t>(at));
-    };
+    const auto value = [&](const std::string& column) { return field_of(table, column); };
     EXPECT_EQ(value("rel_mse"), "0.0025");
     EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "caustics;refraction");
     EXPECT_EQ(value("flip"), "0.125");
-    EXPECT_THAT(markdown_table(analysis),
-                ::testing::HasSubstr(
-                    "| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
-                    "not reached | 0 | 0.125 | caustics, refraction |"));
+    EXPECT_THAT(
+        markdown_table(analysis),
+        HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
+                  "not reached | 0 | 0.125 | caustics, refraction |"));
 }
 
 // Files may have such names, and a title may have several lines.
@@ -95,20 +90,20 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     analysis.index.scenes[0].name = analysis.cells[0].scene = analysis.rows[0].scene = "a|b\nc";
     analysis.references.push_back({"a|b\nc", "path", 0.01, true, {}, 64, {"of a|b\nc"}, {{total_name, 1e-6}}});
     const std::string text = markdown_table(analysis);
-    EXPECT_THAT(text, ::testing::StartsWith("# T \\| a \\| b \\|\n\n"));
-    EXPECT_THAT(text, ::testing::HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
-    EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("a|b")));
-    EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("b\nc")));
+    EXPECT_THAT(text, StartsWith("# T \\| a \\| b \\|\n\n"));
+    EXPECT_THAT(text, HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
+    EXPECT_THAT(text, Not(HasSubstr("a|b")));
+    EXPECT_THAT(text, Not(HasSubstr("b\nc")));
     EXPECT_EQ(error_table(analysis).rows.at(0).at(0), "a|b\nc") << "CSV has quotes for that";
 }
 
 TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
     Analysis analysis = small_analysis();
     analysis.rows[0].noise_floor = 0.0025;
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| below 5.00, not resolved |"));
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| not resolved |")) << "the time to 5 %";
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| below 5.00, not resolved |"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| not resolved |")) << "the time to 5 %";
     analysis.rows[0].noise_floor = 0.0009;
-    EXPECT_THAT(markdown_table(analysis), ::testing::HasSubstr("| 4.00 (3.00 to 5.00) |"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| 4.00 (3.00 to 5.00) |"));
 }
 
 // A member that no table shows would be lost in silence. One that is not named here does not compile.
@@ -162,7 +157,7 @@ TEST(Tables, ShowTheHeadingOfEveryColumn) {
     const std::string text = markdown_table(analysis);
     for (const RowColumn& column : row_columns())
         if (column.sections != 0) {
-            EXPECT_THAT(text, ::testing::HasSubstr(" " + column.heading + " |"));
+            EXPECT_THAT(text, HasSubstr(" " + column.heading + " |"));
         }
 }
 
@@ -174,6 +169,106 @@ TEST(Tables, KeepTheOrderOfTheSections) {
         titles.push_back(section.title);
     EXPECT_EQ(joined(titles), "Equal footing,Price list,Errors,Bias and noise,Where the time goes")
         << "those without rows are left out";
+}
+
+/// A row of images with these parts of the mean squared error.
+TableRow error_row(const std::string& method, const Estimate& bias2, double variance) {
+    TableRow row = row_of(method, total_name, bias2, 5);
+    row.statistics->rel_mse = {0.01, {}};
+    row.statistics->rmse_corrected = 0.1;
+    row.statistics->rel_mse_corrected = 0.01;
+    row.statistics->variance = Estimate{variance, {}};
+    return row;
+}
+
+TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
+    const auto kind = [](Estimate bias2, double variance) { return error_kind(error_row("photons", bias2, variance)); };
+    EXPECT_EQ(kind({0.6, Interval{0.5, 0.7}}, 0.4), "bias: 60 % of the squared error, 50 to 70");
+    EXPECT_EQ(kind({0.2, Interval{0.1, 0.3}}, 0.8), "noise; bias is 20 % of the squared error, 10 to 30");
+    EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
+    EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
+    EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
+              "bias or noise: not resolved, bias below 70 % of the squared error");
+    EXPECT_EQ(kind({0.5, Interval{-1, 2}}, 0.5), "bias or noise: not resolved");
+    EXPECT_EQ(kind({0.5, {}}, 0.5), "bias or noise: two seeds would tell");
+    EXPECT_EQ(error_kind(TableRow{}), "") << "nothing was judged";
+}
+
+// The estimate of an unbiased method's bias is noise.
+TEST(ErrorKind, KnowsMethodsThatAreUnbiased) {
+    const Estimate bias2{0.6, Interval{0.5, 0.7}};
+    TableRow unbiased = error_row("path spp=4", bias2, 0.4);
+    unbiased.is_unbiased = true;
+    EXPECT_EQ(error_kind(unbiased), "noise: the method is unbiased");
+    EXPECT_THAT(error_kind(error_row("photon_mapper k=5", bias2, 0.4)), HasSubstr("bias: 60 %"));
+    Analysis analysis;
+    analysis.rows = {unbiased, error_row("photon_mapper k=5", bias2, 0.4)};
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| none: unbiased |"), HasSubstr("| 60 % bias |")));
+}
+
+TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
+    Analysis analysis;
+    const auto add = [&](const std::string& method, double error2) {
+        analysis.rows.push_back(error_row(method, {0, Interval{-1, 1}}, 1));
+        analysis.looks.push_back({.scene = "box", .method = method, .seconds = 2, .error2 = error2, .passes = 4});
+        analysis.looks.back().image_seconds = 1.5;
+        analysis.looks.back().flip = 0.0625;
+    };
+    add("good", 0.0004);
+    add("best", 0.0001);
+    add("incomplete", 0.00001);
+    analysis.rows.back().effects_missing = "refraction;caustics";
+    analysis.rows.back().footing = Footing{{1, {}}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    const auto words = look_words(analysis, "box");
+    ASSERT_EQ(words.size(), 3u);
+    EXPECT_EQ(words[0].look.method, "best");
+    EXPECT_EQ(words[0].error, "1.00");
+    EXPECT_EQ(words[0].flip, "0.062");
+    EXPECT_EQ(words[0].shown, "4 passes, 1.50 s");
+    EXPECT_EQ(words[1].look.method, "good");
+    EXPECT_EQ(words[2].energy, "total");
+    EXPECT_EQ(words[2].missing, "refraction, caustics");
+    analysis.rows[0].noise_floor = 0.0009;
+    EXPECT_EQ(look_words(analysis, "box")[1].error, "below 3.00");
+}
+
+// The same state has the same words in every place: "not resolved" if the reference hides it, else "not reached".
+TEST(Times, NotReachedIsNotUnresolved) {
+    TableRow r = error_row("path", {0, {}}, 1);
+    EXPECT_EQ(time_text(r, 3), "not reached");
+    r.noise_floor = 0.0001;
+    EXPECT_EQ(time_text(r, 3), "not resolved") << "1 % is not above the floor";
+    EXPECT_EQ(time_text(r, 1), "not reached");
+    Analysis analysis;
+    analysis.rows = {r};
+    EXPECT_THAT(markdown_table(analysis),
+                HasSubstr("| not reached | not reached | not reached | not resolved | not resolved |"));
+}
+
+// table.csv holds no time that the report does not extrapolate to.
+TEST(Times, TheNextHalvingOfTableCsvIsThatOfTheReport) {
+    TableRow r = error_row("path", {0, {}}, 1);
+    r.law = PriceLaw{};
+    r.law->law = {.floor = 0, .factor = 1, .slope = 1, .start = 0};
+    r.law->floorless = r.law->law;
+    r.law->first_seconds = 1;
+    r.law->last_seconds = 64;
+    r.law->next_halving = Estimate{4, Interval{3.5, 4.5}};
+    const auto in_csv = [&] {
+        Analysis analysis;
+        analysis.rows = {r};
+        return field_of(error_table(analysis), "next_halving");
+    };
+    EXPECT_EQ(next_halving_text(r), "4.00 (3.50 to 4.50)");
+    EXPECT_EQ(in_csv(), "4");
+    r.law->misfit = 0.9;
+    EXPECT_EQ(next_halving_text(r), "") << "the law does not hold";
+    EXPECT_EQ(in_csv(), "");
+    r.law->misfit = 0;
+    r.law->next_halving.reset();  // a floor that is not resolved
+    EXPECT_EQ(in_csv(), "");
+    r.law->next_halving = Estimate{1000, {}};
+    EXPECT_EQ(in_csv(), "") << "too far to be extrapolated";
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {

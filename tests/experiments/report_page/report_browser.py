@@ -1,66 +1,32 @@
 """A report in headless Chromium: opens it, finds its controls by their names, and reads what it shows."""
 import os
-import shutil
-import tempfile
-import unittest
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 import report_fixture as fixture
+from browser_case import BrowserCase, LAPTOP, PHONE  # noqa: F401  PHONE is for those who import this
 
-LAPTOP, PHONE = (1366, 768), (390, 844)
 HALF = 2.0 ** -10  # twice the rounding of a half float: totals are sums of rounded components
 PATH, PHOTONS = fixture.METHODS[0], fixture.METHODS[1]
 BOX = "cornell-box"
 
 
-def browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-                     "--force-color-profile=srgb", "--disable-dev-shm-usage",
-                     "--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1366,768"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-
-
-class ReportCase(unittest.TestCase):
+class ReportCase(BrowserCase):
     """Tests share one result folder and one browser; each opens the page anew."""
-    program = None  # gibench
-    screenshots = ""  # a folder; empty: they are made and thrown away
 
     @classmethod
     def setUpClass(cls):
-        cls.parent = tempfile.TemporaryDirectory()
-        cls.shots = cls.screenshots or cls.parent.name
-        os.makedirs(cls.shots, exist_ok=True)
+        super().setUpClass()
         cls.results = fixture.shared_results(cls.program)
         cls.images = os.path.join(cls.results, "images")
-        cls.driver = browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.driver.quit()
-        cls.parent.cleanup()
 
     def setUp(self):
         self.open(LAPTOP)
 
-    def tearDown(self):
-        # The log has an entry for anything that is missing, that is blocked, or that throws.
-        self.assertEqual([entry for entry in self.driver.get_log("browser") if entry["level"] != "INFO"], [])
-
     def open(self, size, scheme="light", scene=0):
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
-        self.driver.get("file://" + os.path.join(self.results, "report.html"))
+        self.load(os.path.join(self.results, "report.html"), size, scheme)
         self.section = self.driver.find_element(By.ID, f"scene-{scene}")
         self.scroll_to(self.section.find_element(By.CSS_SELECTOR, ".viewer"))
         self.wait(lambda: self.section.find_elements(By.CSS_SELECTOR, ".stage"), "the viewer is made when it is near")
@@ -74,10 +40,15 @@ class ReportCase(unittest.TestCase):
         self.wait(lambda: self.stage.get_attribute("aria-busy") == "false", "the viewer's images are there")
 
     def scroll_to(self, element):
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        self.script("arguments[0].scrollIntoView({block: 'center'})", element)
 
-    def shot(self, name):
-        self.driver.save_screenshot(os.path.join(self.shots, name + ".png"))
+    def pixels(self, name, layer=""):
+        """The pixels of an image of the cornell box: {(x, y): (r, g, b)}."""
+        return fixture.pixels(os.path.join(self.images, f"{BOX}-{name.replace(' ', '_')}.exr"), layer)
+
+    def label(self):
+        """The stage's label at the left."""
+        return self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text
 
     # Controls are found by their names, as a user of the page finds them.
 
@@ -109,7 +80,7 @@ class ReportCase(unittest.TestCase):
 
     def focus_stage(self):
         self.scroll_to(self.stage)
-        self.driver.execute_script("arguments[0].focus()", self.stage)
+        self.script("arguments[0].focus()", self.stage)
 
     def go_to(self, x, y):
         """Moves the cursor by keys, from wherever it is."""
@@ -137,7 +108,7 @@ class ReportCase(unittest.TestCase):
 
     def canvas(self, x, y):
         """The colour of the stage's canvas at the centre of an image's pixel."""
-        return self.driver.execute_script("""
+        return self.script("""
             const [section, x, y] = arguments;
             const stage = section.panel.stage, scale = stage.ratio;
             const at = (offset, v) => Math.floor((offset + (v + 0.5) * stage.zoom) * scale);

@@ -12,7 +12,7 @@ from report_browser import BOX, LAPTOP, PATH, PHONE, PHOTONS, ReportCase
 
 class ChartTest(ReportCase):
     def chart(self, place):
-        return self.driver.execute_script(
+        return self.script(
             "const c = Chart.getChart(arguments[0].querySelector(arguments[1] + ' canvas'));"
             "return c ? c.data.datasets.map((d) => ({label: d.label, hover: d.hover, data: d.data})) : null",
             self.section, place)
@@ -42,7 +42,7 @@ class ChartTest(ReportCase):
         for place, old in zip(places, before):
             self.assertTrue(self.points(PATH, place))
             self.assertNotEqual(self.points(PATH, place), old)
-        self.driver.execute_script("for (const d of document.querySelectorAll('.folded')) d.open = true")
+        self.script("for (const d of document.querySelectorAll('.folded')) d.open = true")
         shown = [row.get_attribute("data-component") for row in
                  self.section.find_elements(By.CSS_SELECTOR, "tr[data-component]") if row.is_displayed()]
         self.assertEqual(set(shown), {"indirect"})
@@ -59,12 +59,12 @@ class ChartTest(ReportCase):
     def test_hovering_says_value_interval_and_passes(self):
         canvas = self.section.find_element(By.CSS_SELECTOR, ".curve-chart canvas")
         self.scroll_to(canvas)
-        x, y = self.driver.execute_script("""
+        x, y = self.script("""
             const chart = Chart.getChart(arguments[0]);
             const point = chart.getDatasetMeta(0).data[2];
             return [point.x - chart.width / 2, point.y - chart.height / 2]""", canvas)
         ActionChains(self.driver).move_to_element_with_offset(canvas, round(x), round(y)).perform()
-        lines = self.driver.execute_script(
+        lines = self.script(
             "const t = Chart.getChart(arguments[0]).tooltip;"
             "return t.opacity > 0 ? t.body.flatMap((b) => b.lines) : []", canvas)
         self.assertIn(PATH, lines)
@@ -78,22 +78,21 @@ class PageTest(ReportCase):
         for name, size in (("laptop", LAPTOP), ("phone", PHONE)):
             for scheme in ("light", "dark"):
                 self.open(size, scheme)
-                self.driver.execute_script("scrollTo(0, 0)")
+                self.script("scrollTo(0, 0)")
                 self.shot(f"{name}-{scheme}-top")
-                self.driver.execute_script("for (const d of document.querySelectorAll('.folded')) d.open = true")
+                self.script("for (const d of document.querySelectorAll('.folded')) d.open = true")
                 for place in (".scene-controls", ".curve-chart", ".viewer", ".shares"):
-                    self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
+                    self.script("arguments[0].scrollIntoView({block: 'start'})",
                                                self.section.find_element(By.CSS_SELECTOR, place))
                     self.settle()
                     self.shot(f"{name}-{scheme}-{place[1:]}")
                 self.press("slide")
                 self.focus_stage()
                 self.shot(f"{name}-{scheme}-slide")
-                grounds.add(self.driver.execute_script("return getComputedStyle(document.body).backgroundColor"))
-                wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
-                self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+                grounds.add(self.script("return getComputedStyle(document.body).backgroundColor"))
+                self.assert_fits(name)
                 self.assertEqual(self.clipped(), [], name)
-                lines = self.driver.execute_script(
+                lines = self.script(
                     "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
                     "return c.data.datasets[0].borderColor", self.section)
                 self.assertEqual(lines, {"light": "#d1480f", "dark": "#ff8a50"}[scheme], "the second label")
@@ -101,7 +100,7 @@ class PageTest(ReportCase):
 
     def clipped(self):
         """Texts that are wider than the elements that hold them, or that leave the screen."""
-        return self.driver.execute_script("""
+        return self.script("""
             const found = [];
             const texts = "button, label, select, legend, h1, h2, h3, p, li, .stage-label";
             for (const e of document.querySelectorAll(texts)) {
@@ -116,19 +115,18 @@ class PageTest(ReportCase):
 
     def test_colours_follow_a_change_of_scheme(self):
         color = "return Chart.getChart(arguments[0].querySelector('.curve-chart canvas')).data.datasets[0].borderColor"
-        before = self.driver.execute_script(color, self.section)
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-        self.wait(lambda: self.driver.execute_script(color, self.section) != before, "charts are drawn again")
+        before = self.script(color, self.section)
+        self.set_scheme("dark")
+        self.wait(lambda: self.script(color, self.section) != before, "charts are drawn again")
 
     def test_the_keyboard_reaches_every_control_and_shows_where_it_is(self):
         self.open(LAPTOP, scene=1)  # both viewers are there
-        self.driver.execute_script("document.activeElement.blur(); scrollTo(0, 0)")
+        self.script("document.activeElement.blur(); scrollTo(0, 0)")
         body = self.driver.find_element(By.TAG_NAME, "body")
         body.send_keys(Keys.TAB)
         reached, unmarked = set(), []
         for _ in range(200):
-            info = self.driver.execute_script("""
+            info = self.script("""
                 const e = document.activeElement;
                 if (!e || e === document.body) return null;
                 e.dataset.reached = "yes";
@@ -141,7 +139,7 @@ class PageTest(ReportCase):
             if info[1] == "none" or info[2] < 2:
                 unmarked.append(info[0])
             self.driver.switch_to.active_element.send_keys(Keys.TAB)
-        missed = self.driver.execute_script("""
+        missed = self.script("""
             return [...document.querySelectorAll("button, select, input, a[href], summary, [tabindex='0']")]
               .filter((e) => !e.dataset.reached && !e.disabled && e.checkVisibility())
               .filter((e) => e.type !== "radio" || e.checked)
@@ -159,12 +157,7 @@ class PageTest(ReportCase):
         self.assertLessEqual({"button", "combobox", "slider", "radio", "application", "region"}, found)
 
     def test_without_scripts_the_numbers_can_be_read(self):
-        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
-        try:
-            self.driver.get("file://" + os.path.join(self.results, "report.html"))
-            text = self.driver.find_element(By.TAG_NAME, "body").text
-        finally:
-            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        text = self.text_without_scripts(os.path.join(self.results, "report.html"))
         for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS, "noise: the method is unbiased",
                       "Where the time goes"):
             self.assertIn(words, text)
@@ -176,4 +169,4 @@ class PageTest(ReportCase):
         self.assert_pixel(self.values("A"), expected)
         self.choose("Component", "caustic")
         self.choose("A", fixture.METHODS[2])
-        self.assertIn("does not simulate", self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+        self.assertIn("does not simulate", self.label())

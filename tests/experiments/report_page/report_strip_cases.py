@@ -16,8 +16,8 @@ class StripTest(ReportCase):
     def look(self, size, scheme="light"):
         """Opens the page at its top and waits until the strip is drawn."""
         self.open(size, scheme)
-        self.driver.execute_script("scrollTo(0, 0)")
-        self.wait(lambda: self.driver.execute_script("return arguments[0].strip?.drawn === true", self.section),
+        self.script("scrollTo(0, 0)")
+        self.wait(lambda: self.script("return arguments[0].strip?.drawn === true", self.section),
                   "the strip is drawn")
 
     def tiles(self):
@@ -27,7 +27,7 @@ class StripTest(ReportCase):
         return self.section.find_element(By.CSS_SELECTOR, f'.tile[data-method="{method}"]')
 
     def pixel(self, canvas, x, y):
-        return self.driver.execute_script("""
+        return self.script("""
             const one = new OffscreenCanvas(1, 1).getContext("2d", {willReadFrequently: true});
             one.drawImage(arguments[0], -arguments[1], -arguments[2]);
             return [...one.getImageData(0, 0, 1, 1).data]""", canvas, x, y)[:3]
@@ -40,7 +40,7 @@ class StripTest(ReportCase):
             self.shot(f"strip-desktop-{scheme}")
             self.assertEqual({tile.get_attribute("data-method") for tile in self.tiles()[1:]}, set(fixture.METHODS))
             for canvas in self.section.find_elements(By.CSS_SELECTOR, "canvas.image"):
-                box = self.driver.execute_script("return arguments[0].getBoundingClientRect().toJSON()", canvas)
+                box = self.script("return arguments[0].getBoundingClientRect().toJSON()", canvas)
                 self.assertTrue(0 <= box["top"] < box["bottom"] <= DESKTOP[1], box)
                 self.assertGreater(box["width"], 100)
 
@@ -62,15 +62,15 @@ class StripTest(ReportCase):
             for name in ("image", "error"):
                 canvas = tile.find_element(By.CSS_SELECTOR, f"canvas.{name}")
                 shown = [self.pixel(canvas, x, y) for x, y in ((10, 20), (16, 4), (25, 28))]
-                self.driver.execute_script("arguments[0].scrollIntoView()", canvas)
+                self.script("arguments[0].scrollIntoView()", canvas)
                 canvas.click()
                 self.settle()
-                label = self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text
+                label = self.label()
                 self.assertIn("A: " + method, label)
-                passes = self.driver.execute_script(
+                passes = self.script(
                     "return arguments[0].strip.tiles.find((t) => t.place === arguments[1]).at.passes", self.section, tile)
                 self.assertIn(f"{passes} pass", label)
-                self.driver.execute_script("arguments[0].panel.stage.fit()", self.section)
+                self.script("arguments[0].panel.stage.fit()", self.section)
                 self.assertEqual([self.canvas(x, y) for x, y in ((10, 20), (16, 4), (25, 28))], shown)
 
     def test_the_keyboard_opens_the_viewer(self):
@@ -78,33 +78,32 @@ class StripTest(ReportCase):
         link.send_keys(Keys.ENTER)
         self.settle()
         self.assertEqual(self.driver.switch_to.active_element, self.stage)
-        self.assertIn("A: " + PATH, self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
+        self.assertIn("A: " + PATH, self.label())
 
     def test_two_methods_or_forty_fit_every_screen(self):
         for count in (2, 40):
             for name, size in (("phone", PHONE), ("narrow", (400, 800)), ("laptop", LAPTOP), ("desktop", DESKTOP)):
                 self.look(size)
-                self.driver.execute_script("""
+                self.script("""
                     const [strip, count] = [arguments[0].querySelector(".strip"), arguments[1]];
                     const tiles = [...strip.children];
                     for (const tile of tiles.slice(count + 1)) tile.remove();
                     for (let i = tiles.length; i < count + 1; ++i) strip.append(tiles[1].cloneNode(true));
                     strip.classList.toggle("many", count > 8)""", self.section, count)
-                wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
-                self.assertLessEqual(wide, 0, f"{count} methods, {name}")
+                self.assert_fits(f"{count} methods, {name}")
                 self.shot(f"strip-{count}-{name}")
                 for tile in self.tiles():
-                    box = self.driver.execute_script("return arguments[0].getBoundingClientRect().toJSON()", tile)
+                    box = self.script("return arguments[0].getBoundingClientRect().toJSON()", tile)
                     self.assertGreater(box["width"], 90, f"{count} methods, {name}")
 
     def test_stops_are_rings_on_one_curve(self):
-        sets = self.driver.execute_script(
+        sets = self.script(
             "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
             "return c.data.datasets.filter((d) => d.hover !== false && d.stops).map((d) => [d.label, d.stops])",
             self.section)
         self.assertIn([PATH, [16]], sets)
         self.assertEqual([label for label, _ in sets if label.startswith("path ")], [PATH])
-        radius = self.driver.execute_script("""
+        radius = self.script("""
             const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));
             const index = c.data.datasets.findIndex((d) => d.label === arguments[1]);
             return c.getDatasetMeta(index).data.map((p) => [p.$context.raw.passes, p.options.radius])""",

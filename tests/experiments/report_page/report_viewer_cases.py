@@ -12,8 +12,8 @@ from report_browser import BOX, LAPTOP, PATH, PHOTONS, ReportCase
 
 class ViewerTest(ReportCase):
     def test_values_are_those_of_the_files(self):
-        method = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"))
-        reference = fixture.pixels(os.path.join(self.images, f"{BOX}-reference.exr"))
+        method = self.pixels(PATH)
+        reference = self.pixels("reference")
         for x, y in ((3, 4), (16, 2), (20, 27), (31, 31)):
             self.go_to(x, y)
             self.assert_pixel(self.values("A"), method[x, y])
@@ -24,7 +24,7 @@ class ViewerTest(ReportCase):
         for component in ("direct", "indirect"):
             self.choose("Component", component)
             self.go_to(10, 20)
-            expected = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"), component)[10, 20]
+            expected = self.pixels(PATH, component)[10, 20]
             self.assert_pixel(self.values("A"), expected)
             seen.append(self.values("A"))
         self.assertNotEqual(seen[0], seen[1])
@@ -32,8 +32,7 @@ class ViewerTest(ReportCase):
     def test_every_method_can_be_chosen_on_both_sides(self):
         self.go_to(12, 25)
         for method in fixture.METHODS:
-            name = method.replace(" ", "_")
-            expected = fixture.pixels(os.path.join(self.images, f"{BOX}-{name}.exr"))[12, 25]
+            expected = self.pixels(method)[12, 25]
             for side in "AB":
                 self.choose(side, method)
                 self.assert_pixel(self.values(side), expected)
@@ -47,7 +46,7 @@ class ViewerTest(ReportCase):
         for label in ("A: " + PHOTONS, "B: reference", "A: " + PHOTONS):
             self.assertIn(label, self.section.find_element(By.CSS_SELECTOR, ".stage-label.left").text)
             side = label[0]
-            exposure = self.driver.execute_script("return 2 ** arguments[0].panel.state.stops", self.section)
+            exposure = self.script("return 2 ** arguments[0].panel.state.stops", self.section)
             found = self.canvas(14, 26)
             for byte, value in zip(found, self.values(side)):
                 self.assertLessEqual(abs(byte - fixture.srgb(value * exposure)), 1.5)
@@ -107,7 +106,7 @@ class ViewerTest(ReportCase):
         slider = self.control("Time")
         self.assertIn("final images", slider.get_attribute("aria-valuetext"))
         self.choose("A", PATH)
-        times = self.driver.execute_script("return arguments[0].panel.sources.times", self.section)
+        times = self.script("return arguments[0].panel.sources.times", self.section)
         curve = [(float(row["seconds"]), int(row["pass"])) for row in fixture.rows(self.results, "curves.csv")
                  if (row["scene"], row["method"], row["seed"]) == (BOX, PATH, "1")]
         kept = [(t, p) for t, p in curve if p & (p - 1) == 0]
@@ -132,9 +131,9 @@ class ViewerTest(ReportCase):
     def test_maps_are_computed_from_the_images(self):
         x, y = 11, 23
         self.go_to(x, y)
-        image = fixture.pixels(os.path.join(self.images, f"{BOX}-path_spp=64.exr"))[x, y]
-        r = fixture.pixels(os.path.join(self.images, f"{BOX}-reference.exr"))[x, y]
-        whole = fixture.pixels(os.path.join(self.images, f"{BOX}-reference.exr"))
+        image = self.pixels(PATH)[x, y]
+        whole = self.pixels("reference")
+        r = whole[x, y]
         luminances = [0.212671 * v[0] + 0.715160 * v[1] + 0.072169 * v[2] for v in whole.values()]
         epsilon = (0.1 * sum(luminances) / len(luminances)) ** 2
         scale = [math.sqrt(v * v + epsilon) for v in r]
@@ -168,7 +167,7 @@ class ViewerTest(ReportCase):
 
     def test_maps_of_flip_have_the_mean_of_the_table(self):
         self.press("FLIP")
-        mean = self.driver.execute_script(
+        mean = self.script(
             "const v = arguments[0].panel.stage.sides[0].map.values;"
             "return v.reduce((a, b) => a + b) / v.length", self.section)
         folder = fixture.cell_folder(self.results, BOX, PATH, 1)
@@ -176,10 +175,12 @@ class ViewerTest(ReportCase):
 
     def test_zoom_and_pan_keep_the_pixel_under_the_pointer(self):
         self.focus_stage()
-        stage = "const stage = arguments[0].panel.stage; return "
-        fit = self.driver.execute_script(stage + "stage.zoom", self.section)
+        def zoom():
+            return self.script("return arguments[0].panel.stage.zoom", self.section)
+
+        fit = zoom()
         self.press("+")
-        self.assertAlmostEqual(self.driver.execute_script(stage + "stage.zoom", self.section), 1.5 * fit)
+        self.assertAlmostEqual(zoom(), 1.5 * fit)
         self.focus_stage()
         ActionChains(self.driver).move_to_element_with_offset(self.stage, 30, 20).perform()
         before = self.where()
@@ -188,25 +189,24 @@ class ViewerTest(ReportCase):
         ActionChains(self.driver).move_to_element_with_offset(self.stage, 100, -20).perform()
         self.assertEqual(self.where(), before)
         self.press("1:1")
-        self.assertEqual(self.driver.execute_script(stage + "stage.zoom", self.section), 1)
+        self.assertEqual(zoom(), 1)
         self.keys(self.stage, "0")
-        self.assertAlmostEqual(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
+        self.assertAlmostEqual(zoom(), fit)
         self.keys(self.stage, "-")
-        self.assertLess(self.driver.execute_script(stage + "stage.zoom", self.section), fit)
+        self.assertLess(zoom(), fit)
 
     def test_pyramid_shows_the_techniques(self):
         rows = self.section.find_elements(By.CSS_SELECTOR, ".pyramid-row")
         names = [[cell.text for cell in row.find_elements(By.CSS_SELECTOR, ".technique")] for row in rows]
         self.assertEqual([len(row) for row in names], [1, 3, 4, 5, 6])
         self.assertEqual(names[1], ["k 2, s 0, t 3", "k 2, s 1, t 2", "k 2, s 2, t 1"])
-        file = os.path.join(self.images, f"{BOX}-bidirectional_techniques=on_spp=8.exr")
         for kind, ending in (("weighted", ""), ("each technique alone", "_alone")):
             self.press(kind)
             layer = "technique_k2_s1_t2" + ending
             cell = self.section.find_elements(By.CSS_SELECTOR, ".pyramid-row")[1] \
                 .find_elements(By.CSS_SELECTOR, ".technique")[1]
-            expected = fixture.pixels(file, layer)[10, 20]
-            exposure = self.driver.execute_script("return 2 ** arguments[0].panel.state.stops", self.section)
+            expected = self.pixels(fixture.METHODS[3], layer)[10, 20]
+            exposure = self.script("return 2 ** arguments[0].panel.state.stops", self.section)
             shown = [round(fixture.srgb(value * exposure)) for value in expected]
             self.wait(lambda: all(abs(a - b) <= 1 for a, b in zip(self.drawn(cell, 10, 20), shown)), "the picture")
             self.scroll_to(cell)
@@ -219,6 +219,6 @@ class ViewerTest(ReportCase):
 
     def drawn(self, cell, x, y):
         """The bytes of a pixel of a technique's picture."""
-        return self.driver.execute_script(
+        return self.script(
             "return [...arguments[0].querySelector('canvas').getContext('2d').getImageData(arguments[1], arguments[2], 1, 1)"
             ".data].slice(0, 3)", cell, x, y)

@@ -5,12 +5,11 @@ import os
 import re
 import subprocess
 import tempfile
-import unittest
 
 from selenium.webdriver.common.by import By
 
 import report_fixture as fixture
-from report_browser import LAPTOP, PHONE, ReportCase, browser
+from browser_case import BrowserCase, LAPTOP, PHONE
 
 
 METHOD = "photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5 direct_samples=1"  # only k varies
@@ -47,33 +46,22 @@ def tuned(program):
     return parent, out, run.stdout
 
 
-class TunePageTest(unittest.TestCase):
+class TunePageTest(BrowserCase):
     @classmethod
     def setUpClass(cls):
-        _, cls.results, cls.printed = tuned(ReportCase.program)
+        super().setUpClass()
+        _, cls.results, cls.printed = tuned(cls.program)
         with open(os.path.join(cls.results, "tune.json"), encoding="utf-8") as file:
             cls.numbers = json.load(file)
-        cls.driver = browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.driver.quit()
 
     def setUp(self):
         self.open(LAPTOP)
 
-    def tearDown(self):
-        self.assertEqual([entry for entry in self.driver.get_log("browser") if entry["level"] != "INFO"], [])
-
     def open(self, size, scheme="light", page="known.html"):
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE})
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
-        self.driver.get("file://" + os.path.join(self.results, page))
+        self.load(os.path.join(self.results, page), size, scheme)
 
     def chart(self, heading):
-        return self.driver.execute_script("""
+        return self.script("""
             const box = [...document.querySelectorAll(".charts > div")]
               .find((b) => b.querySelector("h3").textContent === arguments[0]);
             const chart = Chart.getChart(box.querySelector("canvas"));
@@ -114,22 +102,13 @@ class TunePageTest(unittest.TestCase):
             for scheme in ("light", "dark"):
                 self.open(size, scheme)
                 for place in ("header", ".tuned", "main > :last-child"):
-                    self.driver.execute_script("arguments[0].scrollIntoView({block: 'start'})",
-                                               self.driver.find_element(By.CSS_SELECTOR, place))
-                    if ReportCase.screenshots:
-                        short = place.strip(".").split(" ")[0]
-                        self.driver.save_screenshot(os.path.join(ReportCase.screenshots, f"tune-{name}-{scheme}-{short}.png"))
-                grounds.add(self.driver.execute_script("return getComputedStyle(document.body).backgroundColor"))
-                wide = self.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
-                self.assertLessEqual(wide, 0, f"{name}: the page is wider than the screen")
+                    self.script("arguments[0].scrollIntoView({block: 'start'})", self.find(place))
+                    self.shot(f"tune-{name}-{scheme}-{place.strip('.').split(' ')[0]}")
+                grounds.add(self.script("return getComputedStyle(document.body).backgroundColor"))
+                self.assert_fits(name)
         self.assertEqual(len(grounds), 2)
 
     def test_without_scripts_the_numbers_can_be_read(self):
-        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
-        try:
-            self.open(LAPTOP, page="tune.html")
-            text = self.driver.find_element(By.TAG_NAME, "body").text
-        finally:
-            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        text = self.text_without_scripts(os.path.join(self.results, "tune.html"))
         for words in ("Cheapest settings: cornell-box to 90%", "to paste", "seconds, 95 % interval"):
             self.assertIn(words, text)

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-namespace gib::halving_search_test {
+namespace gib::test::halving_search_test {
 namespace {
 
 double value_of(const MethodLabel& label, const std::string& name, double initial) {
@@ -33,6 +33,30 @@ std::vector<TuningAxis> axes_named(const std::set<std::string>& names) {
 }
 /// Only photons and k vary.
 std::vector<TuningAxis> axes() { return axes_named({"photons", "k"}); }
+
+/// The axes as they are if all candidates but the defaults have these values.
+std::vector<TuningAxis> axes_at(const std::map<std::string, double>& values) {
+    std::set<std::string> names;
+    for (const auto& [name, value] : values)
+        names.insert(name);
+    auto axes = axes_named(names);
+    for (TuningAxis& axis : axes) {
+        axis.span = {values.at(axis.name), 1.01 * values.at(axis.name), axis.span.is_logarithmic};
+        axis.has_default_apart = false;
+    }
+    return axes;
+}
+
+/// The best label after one step of a search in which every run reaches its target after `seconds`.
+MethodLabel best_after_one_step(const std::vector<TuningAxis>& axes, double (*seconds)(const MethodLabel&)) {
+    const auto measure = [&](const auto& labels, double, int) {
+        std::vector<std::optional<TimeEstimate>> times;
+        for (const auto& label : labels)
+            times.emplace_back(TimeEstimate{seconds(label), true});
+        return times;
+    };
+    return search(base(), axes, {.seconds = 3000, .most_steps = 1}, measure).trials.front().label;
+}
 
 struct KnownTimes {
     double spent = 0;
@@ -74,25 +98,12 @@ double time_in_valley(const MethodLabel& label) {
     return std::exp(std::abs(across) + 0.1 * along);
 }
 
-// In a valley every single change loses; from its upper end only two changes together lead down. There is one step, which is
-// repeated.
+// In a valley every single change loses; from its upper end, where all candidates but the defaults lie, which are worse, only
+// two changes together lead down. There is one step, which is repeated.
 TEST(HalvingSearch, FollowsAValleyInWhichTwoNumbersChangeTogether) {
     const MethodLabel upper = MethodLabel::parse("photon_mapper k=6400 direct_samples=640");
-    SearchSettings settings{.seconds = 3000, .most_steps = 1};
-    const auto measure = [](const auto& labels, double, int) {
-        std::vector<std::optional<TimeEstimate>> times;
-        for (const auto& label : labels)
-            times.emplace_back(TimeEstimate{time_in_valley(label), true});
-        return times;
-    };
-    auto start = axes_named({"k", "direct_samples"});
-    for (TuningAxis& axis : start) {  // all candidates but the defaults, which are worse, lie at the upper end
-        const double value = value_of(upper, axis.name, 0);
-        axis.span = {value, 1.01 * value, axis.span.is_logarithmic};
-        axis.has_default_apart = false;
-    }
-    const auto trials = search(base(), start, settings, measure).trials;
-    EXPECT_LT(time_in_valley(trials.front().label), 0.3 * time_in_valley(upper)) << trials.front().label.text();
+    const MethodLabel best = best_after_one_step(axes_at({{"k", 6400}, {"direct_samples", 640}}), time_in_valley);
+    EXPECT_LT(time_in_valley(best), 0.3 * time_in_valley(upper)) << best.text();
 }
 
 /// Twice as many photons, paths or rays gain 4 %, too little to be taken alone.
@@ -105,19 +116,8 @@ double time_of_small_gains(const MethodLabel& label) {
 }
 
 TEST(HalvingSearch, SmallGainsAreTakenTogether) {
-    auto three = axes_named({"photons", "direct_samples", "gather"});
     const std::map<std::string, double> start = {{"photons", 4e6}, {"direct_samples", 4}, {"gather", 64}};
-    for (TuningAxis& axis : three) {
-        axis.span = {start.at(axis.name), 1.01 * start.at(axis.name)};
-        axis.has_default_apart = false;
-    }
-    const auto measure = [](const auto& labels, double, int) {
-        std::vector<std::optional<TimeEstimate>> times;
-        for (const auto& label : labels)
-            times.emplace_back(TimeEstimate{time_of_small_gains(label), true});
-        return times;
-    };
-    const auto best = search(base(), three, {.seconds = 3000, .most_steps = 1}, measure).trials.front().label;
+    const MethodLabel best = best_after_one_step(axes_at(start), time_of_small_gains);
     for (const auto& [name, value] : start)
         EXPECT_GT(value_of(best, name, value), value) << name << " in " << best.text();
 }
@@ -200,4 +200,4 @@ TEST(HalvingSearch, HasNothingToDoWithoutParameters) {
 }
 
 }  // namespace
-}  // namespace gib::halving_search_test
+}  // namespace gib::test::halving_search_test

@@ -3,16 +3,17 @@
 
 #include "common/core/error.h"
 #include "methods/method.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/matchers.h"
 
 #include <algorithm>
 #include <set>
 
-namespace gib::search_space_test {
+namespace gib::test::search_space_test {
 namespace {
 
-using ::testing::ElementsAre;
+MethodLabel label_of(const std::string& text) { return MethodLabel::parse(text); }
+
+std::vector<TuningAxis> axes_of(const std::string& label) { return tuning_axes(label_of(label), {}); }
 
 std::vector<std::string> texts(const std::vector<MethodLabel>& labels) {
     std::vector<std::string> result;
@@ -26,7 +27,7 @@ const TuningAxis& axis_named(const std::vector<TuningAxis>& axes, const std::str
 }
 
 TEST(SearchSpace, IsWhatTheParametersDeclare) {
-    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
+    const auto axes = axes_of("photon_mapper");
     std::vector<std::string> names;
     for (const auto& axis : axes)
         names.push_back(axis.name);
@@ -35,14 +36,14 @@ TEST(SearchSpace, IsWhatTheParametersDeclare) {
     EXPECT_EQ(axes[0].at(0.25), "32000") << "the logarithm grows evenly; two digits";
     EXPECT_EQ(axes[0].at(1), "1000000");
     EXPECT_THAT(axis_named(axes, "cache").words, ElementsAre("off", "on"));
-    EXPECT_TRUE(tuning_axes(MethodLabel::parse("path"), {}).empty());
-    EXPECT_EQ(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {}).size(), 6u) << "a given parameter stays";
+    EXPECT_TRUE(axes_of("path").empty());
+    EXPECT_EQ(axes_of("photon_mapper k=80").size(), 6u) << "a given parameter stays";
 }
 
 TEST(SearchSpace, AChangeIsRepeatedByItsFactor) {
-    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
+    const auto axes = axes_of("photon_mapper");
     const auto repeated = [&](const char* from, const char* to) {
-        return with_change_repeated(MethodLabel::parse(from), MethodLabel::parse(to), axes).text();
+        return with_change_repeated(label_of(from), label_of(to), axes).text();
     };
     EXPECT_EQ(repeated("photon_mapper photons=8000 k=80", "photon_mapper photons=4000 k=40 area=plain"),
               "photon_mapper photons=2000 k=20 area=plain");
@@ -53,12 +54,12 @@ TEST(SearchSpace, AChangeIsRepeatedByItsFactor) {
 }
 
 TEST(SearchSpace, ADefaultApartFromItsSpanHasAQuarter) {
-    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper"), {});
+    const auto axes = axes_of("photon_mapper");
     const TuningAxis& gather = axis_named(axes, "gather");
     EXPECT_EQ(gather.at(0.2), "0");
     EXPECT_EQ(gather.at(0.25), "16");
     EXPECT_EQ(gather.at(1), "510");
-    const auto asked = tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("gather=16..64")});
+    const auto asked = tuning_axes(label_of("photon_mapper"), {parse_variation("gather=16..64")});
     EXPECT_EQ(axis_named(asked, "gather").at(0.2), "21") << "a range that was asked for is all there is";
 }
 
@@ -76,64 +77,64 @@ TEST(SearchSpace, SpansLieInTheRangesOfTheirParameters) {
 }
 
 TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
-    const auto axes = tuning_axes(MethodLabel::parse("photon_mapper k=80 gather=9"),
+    const auto axes = tuning_axes(label_of("photon_mapper k=80 gather=9"),
                                   {parse_variation("photons=1e3..1e5"), parse_variation("cache=on,off")});
     EXPECT_EQ(axis_named(axes, "photons").at(0.5), "10000");
     EXPECT_EQ(axis_named(axes, "cache").at(0.4), "on");
     EXPECT_EQ(axis_named(axes, "cache").at(0.6), "off");
     for (const char* wrong : {"photons", "photons=", "=1..2", "photons=2..1", "photons=a..b", "cache=on,,off"})
         EXPECT_THROW(parse_variation(wrong), InputError) << wrong;
-    EXPECT_THROW(tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("k=0..9")}), InputError);
-    EXPECT_THROW(tuning_axes(MethodLabel::parse("photon_mapper k=80"), {parse_variation("k=9..90")}), InputError);
-    EXPECT_THROW(tuning_axes(MethodLabel::parse("photon_mapper"), {parse_variation("cache=1..2")}), InputError);
+    EXPECT_THROW(tuning_axes(label_of("photon_mapper"), {parse_variation("k=0..9")}), InputError);
+    EXPECT_THROW(tuning_axes(label_of("photon_mapper k=80"), {parse_variation("k=9..90")}), InputError);
+    EXPECT_THROW(tuning_axes(label_of("photon_mapper"), {parse_variation("cache=1..2")}), InputError);
 }
 
 TEST(SearchSpace, NeighboursAreHalfAndDouble) {
-    const auto base = MethodLabel::parse("photon_mapper area=plain direct_samples=1 gather=64");
+    const auto base = label_of("photon_mapper area=plain direct_samples=1 gather=64");
     const auto axes = tuning_axes(base, {});
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5"), axes)),
+    EXPECT_THAT(texts(neighbours(label_of(base.text() + " photons=2e5"), axes)),
                 ElementsAre(base.text() + " photons=100000 k=25", base.text() + " photons=400000 k=100",
                             base.text() + " photons=2e5 k=25", base.text() + " photons=2e5 k=100",
                             base.text() + " photons=2e5 cache=on"))
         << "k follows the photons; without the cache, its accuracy has no effect";
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " photons=2e5 cache=on accuracy=0.3"), axes)),
+    EXPECT_THAT(texts(neighbours(label_of(base.text() + " photons=2e5 cache=on accuracy=0.3"), axes)),
                 ElementsAre(base.text() + " photons=100000 k=25 cache=on accuracy=0.3",
                             base.text() + " photons=400000 k=100 cache=on accuracy=0.3",
                             base.text() + " photons=2e5 k=25 cache=on accuracy=0.3",
                             base.text() + " photons=2e5 k=100 cache=on accuracy=0.3", base.text() + " photons=2e5",
                             base.text() + " photons=2e5 cache=on", base.text() + " photons=2e5 cache=on accuracy=0.6"));
     // The range of k begins at 2.
-    const auto few = MethodLabel::parse("photon_mapper photons=10 area=plain direct_samples=1 gather=64 cache=off");
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse(few.text() + " k=2"), tuning_axes(few, {}))),
+    const auto few = label_of("photon_mapper photons=10 area=plain direct_samples=1 gather=64 cache=off");
+    EXPECT_THAT(texts(neighbours(label_of(few.text() + " k=2"), tuning_axes(few, {}))),
                 ElementsAre(few.text() + " k=4"));
     // A word does not follow.
-    const auto word = MethodLabel::parse("photon_mapper area=plain direct_samples=1 gather=64 cache=off");
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse(word.text() + " photons=2e5 k=auto"), tuning_axes(word, {}))),
+    const auto word = label_of("photon_mapper area=plain direct_samples=1 gather=64 cache=off");
+    EXPECT_THAT(texts(neighbours(label_of(word.text() + " photons=2e5 k=auto"), tuning_axes(word, {}))),
                 ElementsAre(word.text() + " photons=100000 k=auto", word.text() + " photons=400000 k=auto"));
 }
 
 TEST(SearchSpace, StepsLeadToADefaultApartAndBack) {
-    const auto base = MethodLabel::parse("photon_mapper photons=10 k=9 area=plain cache=off");
+    const auto base = label_of("photon_mapper photons=10 k=9 area=plain cache=off");
     const auto axes = tuning_axes(base, {});
     EXPECT_THAT(texts(neighbours(base, axes)), ElementsAre(base.text() + " gather=16"));
-    EXPECT_THAT(texts(neighbours(MethodLabel::parse(base.text() + " gather=16"), axes)),
+    EXPECT_THAT(texts(neighbours(label_of(base.text() + " gather=16"), axes)),
                 ElementsAre(base.text(), base.text() + " gather=32"));
 }
 
 TEST(SearchSpace, TakesAllChangesThatGainTogether) {
-    const auto base = MethodLabel::parse("photon_mapper area=plain gather=64");
-    const auto label = MethodLabel::parse(base.text() + " photons=2e5 cache=on");
+    const auto base = label_of("photon_mapper area=plain gather=64");
+    const auto label = label_of(base.text() + " photons=2e5 cache=on");
     EXPECT_EQ(with_all_changes(label,
-                               {MethodLabel::parse(base.text() + " photons=2e5 k=100 cache=on"),
-                                MethodLabel::parse(base.text() + " photons=100000 cache=on"),
-                                MethodLabel::parse(base.text() + " photons=400000 cache=on")},
+                               {label_of(base.text() + " photons=2e5 k=100 cache=on"),
+                                label_of(base.text() + " photons=100000 cache=on"),
+                                label_of(base.text() + " photons=400000 cache=on")},
                                tuning_axes(base, {}))
                   .text(),
               base.text() + " photons=100000 k=100 cache=on");
 }
 
 TEST(SearchSpace, CandidatesAreTheDefaultsAndAnEvenCover) {
-    const auto base = MethodLabel::parse("photon_mapper k=80 area=plain");
+    const auto base = label_of("photon_mapper k=80 area=plain");
     const auto axes = tuning_axes(base, {});
     const auto labels = candidates(base, axes, 64);
     EXPECT_EQ(labels.front().text(), base.text());
@@ -153,4 +154,4 @@ TEST(SearchSpace, CandidatesAreTheDefaultsAndAnEvenCover) {
 }
 
 }  // namespace
-}  // namespace gib::search_space_test
+}  // namespace gib::test::search_space_test

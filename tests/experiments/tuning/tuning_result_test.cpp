@@ -1,18 +1,17 @@
-// Tests of what a tuning says of times that the test sets: factors, speed over the defaults, changes, what was cut.
+// What a tuning says of times that the test sets: factors, speed over the defaults, changes, what was cut; and `gibench tune`
+// and an experiment with [tune] as commands on a tiny scene.
 #include "experiments/tuning/tuning_page.h"
 #include "experiments/tuning/tuning_text.h"
 
-#include <gmock/gmock.h>
+#include "tests/support/run_fixtures.h"
+#include "tests/support/table_fixtures.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 
-namespace gib::tuning_result_test {
+namespace gib::test::tuning_result_test {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 /// A setting with times of about `seconds`, 1 % apart.
 FinalSetting setting(const std::string& label, std::size_t method, double seconds) {
@@ -21,8 +20,8 @@ FinalSetting setting(const std::string& label, std::size_t method, double second
         Cell cell;
         // The squared error is 1 / passes, one pass a hundredth of a second at `seconds` = 1.
         for (std::uint32_t passes = 1; passes <= 1024; passes *= 2)
-            cell.checkpoints.push_back({{passes, 0.01 * passes * seconds * (1 + 0.01 * (seed - 4)), {}, 0},
-                                        {{"total", {0, 0, 0, 0, 1.0 / passes}}}});
+            cell.checkpoints.push_back(
+                checkpoint_of(passes, 0.01 * passes * seconds * (1 + 0.01 * (seed - 4)), 1.0 / passes));
         s.cells.push_back(cell);
         s.log_times.push_back(std::log(seconds * (1 + 0.01 * (seed - 4))));
     }
@@ -66,12 +65,11 @@ TEST(TuningResult, BeginsWithTheLabelToPaste) {
 }
 
 TEST(TuningResult, NamesChangesAndWhatCannotBeToldApart) {
-    const std::string text = tuning_text(example());
-    EXPECT_THAT(text, HasSubstr("cannot be told from the best: photon_mapper photons=20000 (photons doubled)\n"));
-    EXPECT_THAT(text, HasSubstr("times as long: photon_mapper photons=10000 k=100 (k doubled)\n"));
-    EXPECT_THAT(text, HasSubstr("times as long: photon_mapper (the defaults)\n"));
-    EXPECT_THAT(text, HasSubstr("times as long: path\n"));
-    EXPECT_THAT(text, HasSubstr("cut: the search ended early\n"));
+    for (const char* line :
+         {"cannot be told from the best: photon_mapper photons=20000 (photons doubled)\n",
+          "times as long: photon_mapper photons=10000 k=100 (k doubled)\n",
+          "times as long: photon_mapper (the defaults)\n", "times as long: path\n", "cut: the search ended early\n"})
+        EXPECT_THAT(tuning_text(example()), HasSubstr(line));
 }
 
 TEST(TuningResult, HasItsNumbersAsJson) {
@@ -91,16 +89,61 @@ TEST(TuningResult, HasItsNumbersAsJson) {
 }
 
 TEST(TuningResult, HasAPageThatOpensOffline) {
-    const std::string page = tuning_html(example());
-    EXPECT_THAT(page, HasSubstr("default-src 'none'"));
-    EXPECT_THAT(page, HasSubstr("<code>photon_mapper photons=10000 spp=100</code>"));
-    EXPECT_THAT(page, HasSubstr("One step from the cheapest settings"));
-    EXPECT_THAT(page, Not(HasSubstr("{{")));
+    EXPECT_THAT(tuning_html(example()),
+                AllOf(HasSubstr("default-src 'none'"), HasSubstr("<code>photon_mapper photons=10000 spp=100</code>"),
+                      HasSubstr("One step from the cheapest settings"), Not(HasSubstr("{{"))));
     TuningResult nothing = example();
     for (auto& f : nothing.finals)
         f.log_times.clear();
     EXPECT_THAT(tuning_html(nothing), HasSubstr("No method reached 10% in the final runs"));
 }
 
+class TuneRun : public ::testing::Test, protected ExperimentFolder {
+protected:
+    TuneRun() {
+        write("e.toml",
+              "scenes = ['tiny.xml']\n[tune]\ntarget = '60%'\nminutes = 0.8\n"
+              "method = 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'\n"
+              "vary = 'k=20..100'\n");
+    }
+};
+
+TEST_F(TuneRun, AnExperimentWithTuneDoesWhatTheCommandDoes) {
+    const ProgramResult run_result = gibench("run e.toml --out r");
+    ASSERT_EQ(run_result.code, 0) << run_result.err;
+    EXPECT_THAT(run_result.out, AllOf(StartsWith("tiny:\nphoton_mapper"), HasSubstr("seconds to 60%: ")));
+    for (const char* file : {"tune.html", "tune.json", "clock.json", "final/table.csv", "final/report.html"})
+        EXPECT_TRUE(fs::exists(path("r/tiny/" + std::string(file)))) << file;
+    // The command finds everything stored, which takes no time, and so finds the same.
+    const ProgramResult command = gibench(
+        "tune tiny.xml --target 60% --minutes 0.8 --vary k=20..100 --out r/tiny "
+        "--method 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'");
+    ASSERT_EQ(command.code, 0) << command.err;
+    EXPECT_EQ("tiny:\n" + command.out, run_result.out);
+    EXPECT_THAT(command.err, AllOf(HasSubstr("cells complete already, not done again"), Not(HasSubstr("cell 1 of"))));
+}
+
+TEST_F(TuneRun, NamesThePlaceOfAWrongVariation) {
+    write("wrong.toml", "scenes = ['tiny.xml']\n[tune]\nmethod = 'path'\nvary = ['k=20..100']\n");
+    EXPECT_THAT(gibench("run wrong.toml"),
+                exits(2, StartsWith("wrong.toml:4:9: vary: no method here has a parameter 'k'")));
+    EXPECT_FALSE(fs::exists(path("results")));
+}
+
+TEST_F(TuneRun, RefusesOptionsOfCells) {
+    for (const char* option : {"--seeds 3", "--fresh", "--only nothing"})
+        EXPECT_EQ(gibench(std::string("run e.toml ") + option).code, 2);
+    EXPECT_FALSE(fs::exists(path("results")));
+}
+
+TEST_F(TuneRun, BeginsNoCellWhenItsTimeIsUsedUp) {
+    // In 6 s there is no time for 43 settings, some of which trace 1e7 photons.
+    EXPECT_THAT(gibench("tune tiny.xml --target 30% --minutes 0.1 --method photon_mapper --out r").err,
+                HasSubstr("no time is left for "));
+    EXPECT_LT(std::distance(fs::directory_iterator(path("r/1-photon_mapper-1/cells")), {}), 43);
+    const auto numbers = nlohmann::json::parse(read_file(path("r/tune.json")));
+    EXPECT_THAT(numbers["notes"].dump(), HasSubstr("the search among settings of photon_mapper ended early"));
+}
+
 }  // namespace
-}  // namespace gib::tuning_result_test
+}  // namespace gib::test::tuning_result_test

@@ -1,0 +1,99 @@
+// The tables of a run flag a method that is made too bright on purpose, and no other method; where a reference or a method
+// leaves out light, they name no winner that did not have to make it.
+
+#include "common/images/image_file.h"
+#include "experiments/results/result_folder.h"
+#include "tests/support/run_fixtures.h"
+
+namespace gib::test::judged_light_run_test {
+namespace {
+
+/// Scales every layer of the final images of a method's cells, and stores the
+/// hashes of the new images in their records.
+void brighten(const std::string& results, const std::string& method, float factor) {
+    const ResultFolder folder(results);
+    for (const auto& [name, key] : folder.read_index().cell_keys) {
+        auto cell = folder.read_cell(name, key);
+        if (!cell || cell->method != method) continue;
+        const std::string path = folder.cell_image(name);
+        ComponentImages image = components_in(read_image(path));
+        for (Component c : all_components)
+            if (image[c])
+                for (float& v : image[c]->rgb)
+                    v *= factor;
+        write_exr(path, layers_of(image));
+        cell->image_file = file_hash(path);
+        folder.write_cell(name, *cell);
+    }
+}
+
+class FootingRun : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// The verdicts in the rows of one method, one for each component.
+    std::vector<std::string> footings(const std::string& method) const {
+        const CsvTable rows = table();
+        std::vector<std::string> verdicts;
+        for (std::size_t i = 0; i < rows.rows.size(); ++i)
+            if (rows.rows[i][1] == method) verdicts.push_back(rows.rows[i][2] + " " + field_of(rows, "footing", i));
+        return verdicts;
+    }
+};
+
+TEST_F(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
+    write("e.toml",
+          "title = 'Footing'\nscenes = ['tiny.xml']\nseeds = 5\n[reference]\ntarget = '0.1%'\n"
+          "[[method]]\nname = 'path'\nspp = [256, 512]\n");
+    ASSERT_THAT(gibench("run e.toml"), exits(0));
+    for (const char* method : {"path spp=256", "path spp=512"})
+        EXPECT_THAT(footings(method), Not(Contains(HasSubstr("differs")))) << method;
+
+    brighten(results(""), "path spp=512", 1.01f);
+    ASSERT_EQ(gibench("report results/e").code, 0);
+    EXPECT_THAT(footings("path spp=512"), Contains("total differs"));
+    EXPECT_THAT(footings("path spp=256"), Not(Contains(HasSubstr("differs"))));
+    const std::string text = read_file(results("table.md"));
+    EXPECT_THAT(text, HasSubstr("- tiny: Warning: path spp=512 differs from the reference in mean energy: `total` +"));
+    EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
+}
+
+class UnjudgedLight : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// table.md of an experiment with this reference and these methods on a glass ball over a floor in the sun: the sun's
+    /// light behind the ball is a caustic that no path from the eye finds.
+    std::string table(const std::string& reference, const std::string& methods) {
+        write("glass.xml",
+              Scene(element("sensor", "perspective", to_world(look_at("0, 2, 3", "0, 0, 0")), box_film(8)),
+                    shape("rectangle", to_world(scale(2), rotate('x', -90), translate(0, -1, 0)), diffuse(0.5)),
+                    shape("sphere", radius(0.5), bsdf("dielectric")),
+                    emitter("directional", vector("direction", 0, -1, 0)))
+                  .xml());
+        write("e.toml", "scenes = ['glass.xml']\nseeds = 2\nreference = { method = '" + reference +
+                            "', target = '40%' }\n" + methods);
+        EXPECT_THAT(gibench("run e.toml"), exits(0));
+        return read_file(results("table.md"));
+    }
+};
+
+TEST_F(UnjudgedLight, HasNoCheapestMethod) {
+    EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
+                AllOf(HasSubstr("No method is the cheapest: the reference does not judge the light of `caustic`"),
+                      Not(HasSubstr("is the cheapest at")), Not(HasSubstr("## When the best method changes")),
+                      Not(HasSubstr("## Pareto frontier"))))
+        << "neither the reference nor a method has the caustic";
+    EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
+}
+
+TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
+    EXPECT_THAT(
+        table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
+        AllOf(HasSubstr("No method is the cheapest"), HasSubstr("not judged"), Not(HasSubstr("is the cheapest at"))));
+}
+
+TEST_F(UnjudgedLight, KeepsAMethodThatLeavesItOutFromWinning) {
+    EXPECT_THAT(table("auto", "[[method]]\nname = 'path'\nspp = 4096\n[[method]]\nname = 'vcm'\nspp = 16\n"),
+                AllOf(HasSubstr("light of caustic"), Not(HasSubstr("No method is the cheapest")),
+                      Not(HasSubstr("`path spp=4096` is the cheapest"))));
+}
+
+}  // namespace
+}  // namespace gib::test::judged_light_run_test
