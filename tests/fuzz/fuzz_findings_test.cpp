@@ -13,16 +13,14 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace gib::fuzz_findings_test {
+namespace gib::test::fuzz_findings_test {
 namespace {
 
-using test::scene_with;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string scene_error(const std::string& body, const std::string& path = "t.xml") {
-    return test::input_error_of([&] { parse_scene(scene_with(body), path); });
+    return input_error_of([&] { parse_scene(scene_with(body), path); });
 }
 
 std::string ply(const std::string& vertex_properties, const std::string& body) {
@@ -36,21 +34,21 @@ TEST(FuzzFindings, PlyElementsStandOnce) {
     const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
     const std::string text =
         ply(normals + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", "");
-    EXPECT_THAT(test::input_error_of([&] { parse_ply(text, "m.ply"); }),
+    EXPECT_THAT(input_error_of([&] { parse_ply(text, "m.ply"); }),
                 StartsWith("m.ply:10:16: the element 'vertex' is given twice"));
 }
 
 TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
     for (const std::string index : {"9223372036854775807", "-9223372036854775808", "4294967295", "3"})
         EXPECT_THAT(
-            test::input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
+            input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
             HasSubstr("is out of range: there are 3 vertices"))
             << index;
 }
 
 /// The error of an OBJ file with one triangle and `statement`.
 std::string obj_error(const std::string& statement) {
-    return test::input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
+    return input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
 }
 
 TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
@@ -65,7 +63,7 @@ TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
         "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty "
         "double v\n";
     const auto error = [&](const std::string& values) {
-        return test::input_error_of([&] {
+        return input_error_of([&] {
             parse_ply(ply(more, "0 0 0 " + values + "\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n3 0 1 2\n"), "m.ply");
         });
     };
@@ -79,7 +77,7 @@ TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
 
 TEST(FuzzFindings, Ms3dNormalsFitFloat) {
     const auto error = [](const std::string& normal) {
-        return test::input_error_of([&] {
+        return input_error_of([&] {
             parse_ms3d("Meshes: 1\n\"m\" 0 -1\n3\n0 0 0 0 0 0 -1\n0 1 0 0 1 0 -1\n0 0 1 0 0 1 -1\n1\n" + normal +
                            "\n1\n0 0 1 2 0 0 0 1\n",
                        "m.txt");
@@ -114,7 +112,7 @@ std::string serialized(double normal, double uv) {
 
 TEST(FuzzFindings, SerializedNormalsAndUvFitFloat) {
     const auto error = [](double normal, double uv) {
-        return test::input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
+        return input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
     };
     EXPECT_THAT(error(1e39, 0), HasSubstr("the normal of vertex 0 is too large"));
     EXPECT_THAT(error(1, -1e39), HasSubstr("the texture coordinate of vertex 0 is too large"));
@@ -160,8 +158,8 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     // A disk has no extent along its axis, so any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {
         const LoadedScene loaded =
-            test::load(std::string("<shape type=\"disk\"><transform name=\"to_world\"><scale z=\"") + z +
-                       "\"/></transform></shape>");
+            load(std::string("<shape type='disk'><transform name='to_world'><scale z='") + z +
+                       "'/></transform></shape>");
         const auto& disk = std::get<Disk>(loaded.scene->shapes()[0]);
         EXPECT_LT((disk.normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
     }
@@ -171,10 +169,10 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
 std::string chain(int count) {
     std::string text;
     for (int i = 0; i < count; ++i)
-        text += "<bsdf id=\"m" + std::to_string(i) + "\" type=\"mask\"><ref id=\"m" + std::to_string(i + 1) +
-                "\"/></bsdf>\n";
-    return text + "<bsdf id=\"m" + std::to_string(count) +
-           "\" type=\"diffuse\"/>\n<shape type=\"sphere\"><ref id=\"m0\"/></shape>";
+        text += "<bsdf id='m" + std::to_string(i) + "' type='mask'><ref id='m" + std::to_string(i + 1) +
+                "'/></bsdf>\n";
+    return text + "<bsdf id='m" + std::to_string(count) +
+           "' type='diffuse'/>\n<shape type='sphere'><ref id='m0'/></shape>";
 }
 
 TEST(FuzzFindings, MaterialsAreNotTooDeep) {
@@ -185,47 +183,47 @@ TEST(FuzzFindings, MaterialsAreNotTooDeep) {
 TEST(FuzzFindings, TexturesAreNotExponential) {
     std::string text;
     for (int i = 0; i < 50; ++i)
-        text += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\">" + "<ref name=\"color0\" id=\"t" +
-                std::to_string(i + 1) + "\"/><ref name=\"color1\" id=\"t" + std::to_string(i + 1) + "\"/></texture>\n";
+        text += "<texture type='checkerboard' id='t" + std::to_string(i) + "'>" + "<ref name='color0' id='t" +
+                std::to_string(i + 1) + "'/><ref name='color1' id='t" + std::to_string(i + 1) + "'/></texture>\n";
     text +=
-        "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"><bsdf type=\"diffuse\"><ref "
-        "name=\"reflectance\" id=\"t0\"/></bsdf></shape>";
+        "<texture type='checkerboard' id='t50'/><shape type='sphere'><bsdf type='diffuse'><ref "
+        "name='reflectance' id='t0'/></bsdf></shape>";
     EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
 }
 
 TEST(FuzzFindings, ManySmallMaterialsAreFine) {
-    std::string text = "<shape type=\"sphere\"/>";
+    std::string text = "<shape type='sphere'/>";
     for (int i = 0; i < 2000; ++i)
-        text += "<bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\n";
+        text += "<bsdf type='mask'><bsdf type='diffuse'/></bsdf>\n";
     EXPECT_EQ(scene_error(text), "no error");
 }
 
 TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
     const auto error = [](const std::string& sensor, const std::string& film) {
-        return test::input_error_of([&] {
-            parse_scene("<scene version=\"3.0.0\"><sensor type=\"perspective\">" + sensor +
-                            "\n<film type=\"hdrfilm\">" + film + "</film></sensor><shape type=\"sphere\"/></scene>",
+        return input_error_of([&] {
+            parse_scene("<scene version='3.0.0'><sensor type='perspective'>" + sensor +
+                            "\n<film type='hdrfilm'>" + film + "</film></sensor><shape type='sphere'/></scene>",
                         "t.xml");
         });
     };
     const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
-    EXPECT_THAT(error("<float name=\"principal_point_offset_x\" value=\"1e38\"/>", ""), StartsWith(message));
-    EXPECT_THAT(error("", "<rfilter type=\"box\"><float name=\"radius\" value=\"1e38\"/></rfilter>"),
+    EXPECT_THAT(error("<float name='principal_point_offset_x' value='1e38'/>", ""), StartsWith(message));
+    EXPECT_THAT(error("", "<rfilter type='box'><float name='radius' value='1e38'/></rfilter>"),
                 StartsWith(message));
-    EXPECT_EQ(error("<float name=\"fov\" value=\"179.999\"/>", ""), "no error");
+    EXPECT_EQ(error("<float name='fov' value='179.999'/>", ""), "no error");
 }
 
 TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
     const auto ball = [](const char* radius) {
-        return std::string("<shape type=\"sphere\"><float name=\"radius\" value=\"") + radius +
-               "\"/>\n<emitter type=\"area\"/></shape>";
+        return std::string("<shape type='sphere'><float name='radius' value='") + radius +
+               "'/>\n<emitter type='area'/></shape>";
     };
     EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
     EXPECT_EQ(scene_error(ball("1e-18")), "no error");
     EXPECT_EQ(scene_error(ball("1e17")), "no error");
     // The six sides have an area of 4e36 each.
-    EXPECT_THAT(scene_error("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e18\"/></transform>\n"
-                            "<emitter type=\"area\"/></shape>"),
+    EXPECT_THAT(scene_error("<shape type='cube'><transform name='to_world'><scale value='1e18'/></transform>\n"
+                            "<emitter type='area'/></shape>"),
                 StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
 }
 
@@ -236,9 +234,9 @@ TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
     const std::string error = scene_error(
-        "<shape type=\"obj\"><string name=\"filename\" value=\"far.obj\"/><transform name=\"to_world\"><matrix "
-        "value=\"1e297 0 0 1.5e308 -1.5e308 0 0 0 1\"/></transform></shape>\n"
-        "<shape type=\"obj\"><string name=\"filename\" value=\"near.obj\"/></shape>",
+        "<shape type='obj'><string name='filename' value='far.obj'/><transform name='to_world'><matrix "
+        "value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/></transform></shape>\n"
+        "<shape type='obj'><string name='filename' value='near.obj'/></shape>",
         folder / "t.xml");
     EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
 }
@@ -248,11 +246,11 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
     folder.write("sky.pfm", "PF\n100000 100000\n-1.0\n");
     folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n");
     for (const std::string file : {"sky.pfm", "sky.hdr"}) {
-        const std::string name = "<string name=\"filename\" value=\"" + file + "\"/>";
-        const std::string ball = "<shape type=\"sphere\"/>";
+        const std::string name = "<string name='filename' value='" + file + "'/>";
+        const std::string ball = "<shape type='sphere'/>";
         for (const auto& body :
-             {ball + "<emitter type=\"envmap\">" + name + "</emitter>",
-              "<shape type=\"sphere\"><bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\">" + name +
+             {ball + "<emitter type='envmap'>" + name + "</emitter>",
+              "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>" + name +
                   "</texture></bsdf></shape>"})
             EXPECT_THAT(scene_error(body, folder / "t.xml"), StartsWith(folder / file + ":1:1: ")) << file;
     }
@@ -261,7 +259,7 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 class ExperimentFindings : public ::testing::Test {
 protected:
     std::string error(const std::string& rest, const std::string& scene = "a.xml") const {
-        return test::input_error_of(
+        return input_error_of(
             [&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
     }
     const TemporaryFolder folder_;
@@ -282,4 +280,4 @@ TEST_F(ExperimentFindings, NamesThatNoFileCanHave) {
 }
 
 }  // namespace
-}  // namespace gib::fuzz_findings_test
+}  // namespace gib::test::fuzz_findings_test

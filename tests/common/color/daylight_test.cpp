@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-namespace gib::daylight_test {
+namespace gib::test::daylight_test {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
@@ -103,4 +103,4 @@ TEST(Daylight, TheSunHasTheIlluminanceOfADay) {
 }
 
 }  // namespace
-}  // namespace gib::daylight_test
+}  // namespace gib::test::daylight_test

@@ -11,18 +11,9 @@
 #include <gmock/gmock.h>
 #include <numbers>
 
-namespace gib::dispersion_test {
+namespace gib::test::dispersion_test {
 namespace {
 
-using test::box_film;
-using test::mean_of;
-using test::means_over_seeds;
-using test::Moments;
-using test::render;
-using test::scene_of;
-using test::scene_with;
-using test::scene_xml;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -132,7 +123,7 @@ TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
                                  "<texture name='specular_transmittance' type='checkerboard'><rgb name='color0' "
                                  "value='0.9'/><rgb name='color1' value='0.8'/></texture></bsdf>";
     for (const std::string& bsdf : {same_everywhere, textured}) {
-        const auto scene = test::load(prism(folder, bsdf));
+        const auto scene = load(prism(folder, bsdf));
         ASSERT_TRUE(scene.scene->has_dispersion());
         double before = std::numbers::pi;
         for (int k = 0; k < wavelength_strata; ++k) {
@@ -277,4 +268,4 @@ TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
 }
 
 }  // namespace
-}  // namespace gib::dispersion_test
+}  // namespace gib::test::dispersion_test

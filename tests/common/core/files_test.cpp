@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace gib::files_test {
+namespace gib::test::files_test {
 namespace {
 
 std::string hash_of(const std::vector<std::string>& pieces) {
@@ -39,4 +39,4 @@ TEST(WrittenFile, ReplacesTheOldOneAndLeavesNoOther) {
 }
 
 }  // namespace
-}  // namespace gib::files_test
+}  // namespace gib::test::files_test

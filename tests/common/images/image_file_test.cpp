@@ -14,7 +14,7 @@
 #include <fstream>
 #include <limits>
 
-namespace gib::image_file_test {
+namespace gib::test::image_file_test {
 namespace {
 
 std::string temporary(const std::string& name) {
@@ -184,4 +184,4 @@ TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {
 }
 
 }  // namespace
-}  // namespace gib::image_file_test
+}  // namespace gib::test::image_file_test

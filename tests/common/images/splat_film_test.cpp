@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::splat_film_test {
+namespace gib::test::splat_film_test {
 namespace {
 
 // Sums of values over 40 orders of magnitude, of both signs, are exact, however the additions are ordered.
@@ -61,4 +61,4 @@ TEST(SplatFilm, CountsAndDropsLightThatIsNotFiniteOrTooLarge) {
 }
 
 }  // namespace
-}  // namespace gib::splat_film_test
+}  // namespace gib::test::splat_film_test

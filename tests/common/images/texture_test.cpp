@@ -11,13 +11,8 @@
 #include <gmock/gmock.h>
 #include <cmath>
 
-namespace gib::texture_test {
+namespace gib::test::texture_test {
 namespace {
-
-using test::byte;
-using test::random_values;
-using test::TemporaryFolder;
-using test::write_image;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
@@ -48,7 +43,7 @@ protected:
         return std::make_shared<const Bitmap>(cache_, path, raw, channel);
     }
     /// The texture of `p`, written to a float EXR file and read from it.
-    BitmapTexture texture_of(const Picture& p, const test::FileFormat& format = {}) const {
+    BitmapTexture texture_of(const Picture& p, const FileFormat& format = {}) const {
         return {load(write_image(folder_ / "p.exr", p.width, p.height, p.channels, p.values, format))};
     }
 
@@ -266,7 +261,7 @@ TEST_F(Bitmaps, MeasureTheirTexels) {
 TEST_F(Bitmaps, OfATiledFileAreTheSame) {
     const Picture p = picture(300, 270, 3);
     const auto rows = texture_of(p).bitmap;
-    const test::FileFormat tiled{OIIO::TypeDesc::FLOAT, 48, {}, {}};
+    const FileFormat tiled{OIIO::TypeDesc::FLOAT, 48, {}, {}};
     const auto tiles = load(write_image(folder_ / "t.exr", 300, 270, 3, p.values, tiled));
     for (int y = 0; y < 270; ++y)
         for (int x = 0; x < 300; ++x)
@@ -432,4 +427,4 @@ TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {
 }
 
 }  // namespace
-}  // namespace gib::texture_test
+}  // namespace gib::test::texture_test

@@ -7,14 +7,8 @@
 
 #include <array>
 
-namespace gib::environment_map_test {
+namespace gib::test::environment_map_test {
 namespace {
-
-using test::envmap_direction;
-using test::identity_frame;
-using test::image_of;
-using test::Moments;
-using test::noise;
 
 constexpr std::uint32_t samples = 100'000;
 
@@ -45,7 +39,7 @@ std::vector<NamedMap> hard_maps() {
 /// interpolation has its kinks.
 double cell_integral(const Image& image, const std::function<double(const Vec3&)>& f) {
     // Texel centres are half a texel off the first column's edge, so two cells a texel put them on cell boundaries.
-    return test::sphere_integral(4 * std::max(image.height - 1, 1), 2 * image.width, 16, f);
+    return sphere_integral(4 * std::max(image.height - 1, 1), 2 * image.width, 16, f);
 }
 
 TEST(EnvironmentMap, TexelsLieWhereMitsubaPutsThem) {
@@ -171,4 +165,4 @@ TEST(EnvironmentMap, RadianceOfAnyMagnitudeIsSampled) {
 }
 
 }  // namespace
-}  // namespace gib::environment_map_test
+}  // namespace gib::test::environment_map_test

@@ -6,16 +6,8 @@
 #include "common/scene/scene.h"
 #include "tests/support/light_fixtures.h"
 
-namespace gib::light_test {
+namespace gib::test::light_test {
 namespace {
-
-using test::envmap_xml;
-using test::image_of;
-using test::load;
-using test::Mean;
-using test::mean_over_samples;
-using test::noise;
-using test::TemporaryFolder;
 
 constexpr double pi_d = std::numbers::pi;
 constexpr double degree = pi_d / 180;
@@ -180,7 +172,7 @@ TEST(Environment, IrradianceOfAMapIsItsIntegral) {
                                               "y='2' angle='33'/></transform>"));
     const Vec3 n = Vec3(1, 2, -2) / 3.f;
     // A rotation keeps solid angle, so quadrature in world space needs no correction for it.
-    const double expected = test::sphere_integral(90, 180, 4, [&](const Vec3& w) {
+    const double expected = sphere_integral(90, 180, 4, [&](const Vec3& w) {
         return static_cast<double>(scene.scene->environment_radiance(w)[0] * std::max(w.dot(n), 0.f));
     });
     const Mean E = irradiance(*scene.scene, n, n, 0, 100'000);
@@ -196,7 +188,7 @@ TEST(Environment, ToWorldTurnsTheMap) {
             .scene->environment_radiance(w);
     };
     const auto texel = [](double column, double row) {
-        return test::envmap_direction(pi_d * row / 4, 2 * pi_d * (column + 0.5) / 8);
+        return envmap_direction(pi_d * row / 4, 2 * pi_d * (column + 0.5) / 8);
     };
     const Vec3 w = texel(2, 1);
     EXPECT_TRUE(radiance("<scale value='1'/>", w).isApprox(noise(2, 1), 1e-4f));
@@ -476,4 +468,4 @@ TEST(PolarRamp, SamplesInvertTheIntegral) {
 }
 
 }  // namespace
-}  // namespace gib::light_test
+}  // namespace gib::test::light_test

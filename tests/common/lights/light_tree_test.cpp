@@ -8,11 +8,8 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib::light_tree_test {
+namespace gib::test::light_tree_test {
 namespace {
-
-using test::load;
-using test::mean_over_samples;
 
 constexpr double pi_d = std::numbers::pi;
 
@@ -250,7 +247,7 @@ TEST(LightTree, ASpotUnderADimSkyIsSampledBetterThanByAnEvenChoice) {
 }
 
 TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
-    const auto loaded = test::shipped_scene("many-lights.xml");
+    const auto loaded = shipped_scene("many-lights.xml");
     const Scene& scene = *loaded.scene;
     for (std::uint64_t i = 0; i < 40; ++i) {
         const Sampler u(PointSet::sobol, 11, i, 0);
@@ -263,4 +260,4 @@ TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
 }
 
 }  // namespace
-}  // namespace gib::light_tree_test
+}  // namespace gib::test::light_tree_test

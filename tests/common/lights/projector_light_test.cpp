@@ -4,12 +4,8 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib::projector_light_test {
+namespace gib::test::projector_light_test {
 namespace {
-
-using test::load;
-using test::mean_of;
-using test::render;
 
 /// A black ball far behind the projectors of these tests, since a scene needs a surface.
 const std::string ball = "<shape type='sphere'><point name='center' x='0' y='0' z='-50'/></shape>";
@@ -48,15 +44,15 @@ TEST(ProjectorLight, IrradianceOfAPlaneIsTheImage) {
 // A camera in the projector's place with the same angle of view sees each texel in the pixel that shows it: the
 // irradiance of a plane at distance 1 is pi times that texel. The image has no symmetry.
 TEST(ProjectorLight, ThrowsItsImageAsACameraTakesIt) {
-    const test::TemporaryFolder folder;
-    const Image image = test::image_of(6, 4, test::noise);
+    const TemporaryFolder folder;
+    const Image image = image_of(6, 4, noise);
     write_exr(folder / "slide.exr", {{{"", image}}, {}});
     const std::string pose =
         "<transform name='to_world'><lookat origin='1, 2, 3' target='2, 2.5, 2' up='0, 1, 0.3'/></transform>";
     for (const std::string& view : {std::string("<float name='fov' value='50'/>"),
                                     std::string("<float name='fov' value='50'/><string name='fov_axis' value='y'/>"),
                                     std::string("<string name='focal_length' value='35mm'/>")}) {
-        const auto scene = test::scene_of(test::scene_xml(
+        const auto scene = scene_of(scene_xml(
             "<sensor type='perspective'>" + view + pose +
             "<film type='hdrfilm'><integer name='width' value='6'/><integer name='height' value='4'/><rfilter "
             "type='box'/></film></sensor>" +
@@ -85,15 +81,15 @@ TEST(ProjectorLight, ThrowsItsImageAsACameraTakesIt) {
 
 /// A white screen at distance 2 in front of a projector, seen by a camera beside the projector, and a grey wall.
 LoadedScene room() {
-    return test::scene_of(test::scene_xml(
+    return scene_of(scene_xml(
         "<sensor type='perspective'><float name='fov' value='30'/><transform name='to_world'><lookat origin='0, 0, 0' "
         "target='0, 0, 2' up='0, 1, 0'/></transform>" +
-        test::box_film(8) +
+        box_film(8) +
         "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/><translate z='2'/></transform>" +
-        test::diffuse(0.5) +
+        diffuse(0.5) +
         "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate x='2' "
         "z='1'/></transform>" +
-        test::diffuse(0.8) + "</shape>" +
+        diffuse(0.8) + "</shape>" +
         projector("<float name='fov' value='80'/><rgb name='irradiance' value='4'/>")));
 }
 
@@ -106,11 +102,11 @@ TEST_P(ProjectedLight, IsTheImageOnAScreenAndAgreesBeyondIt) {
     const LoadedScene scene = room();
     const Colord direct = mean_of(*render(scene, GetParam(), 256)[Component::direct]);
     // Light paths spread over the whole screen: 16384 of them reach the image's 64 pixels with an error of some 1 %.
-    EXPECT_NEAR(direct[1], 0.5 * 4 / 4, test::samples_pixels(find_method(GetParam())) ? 1e-3 : 0.05);
+    EXPECT_NEAR(direct[1], 0.5 * 4 / 4, samples_pixels(find_method(GetParam())) ? 1e-3 : 0.05);
     const double path = mean_of(render(scene, "path", 4096).total())[1];
     const double total = mean_of(render(scene, GetParam(), 1024).total())[1];
     EXPECT_NEAR(total, path, 0.02 * path);
 }
 
 }  // namespace
-}  // namespace gib::projector_light_test
+}  // namespace gib::test::projector_light_test

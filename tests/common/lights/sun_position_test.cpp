@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gib::sun_position_test {
+namespace gib::test::sun_position_test {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
@@ -73,4 +73,4 @@ TEST(SunPosition, KnowsTheCalendar) {
 }
 
 }  // namespace
-}  // namespace gib::sun_position_test
+}  // namespace gib::test::sun_position_test

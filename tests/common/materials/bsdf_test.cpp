@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::bsdf_test {
+namespace gib::test::bsdf_test {
 namespace {
 
 Vec3 direction(float cos_theta, float phi) {
@@ -195,4 +195,4 @@ TEST(Diffuse, DirectionsAreCosineDistributed) {
 }
 
 }  // namespace
-}  // namespace gib::bsdf_test
+}  // namespace gib::test::bsdf_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::microfacet_test {
+namespace gib::test::microfacet_test {
 namespace {
 
 const std::vector<MicrofacetDistribution> distributions = {
@@ -188,4 +188,4 @@ TEST(Facet, MirrorsAndRefractsWithTheJacobianOfItsNormal) {
 }
 
 }  // namespace
-}  // namespace gib::microfacet_test
+}  // namespace gib::test::microfacet_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::phong_test {
+namespace gib::test::phong_test {
 namespace {
 
 Phong glossy(float exponent) { return {Color::Zero(), Color::Ones(), exponent}; }
@@ -120,4 +120,4 @@ TEST(Phong, NothingIsEverNaN) {
 }
 
 }  // namespace
-}  // namespace gib::phong_test
+}  // namespace gib::test::phong_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::plastic_test {
+namespace gib::test::plastic_test {
 namespace {
 
 constexpr std::array<MicrofacetType, 2> types = {MicrofacetType::beckmann, MicrofacetType::ggx};
@@ -278,4 +278,4 @@ TEST(Plastic, NothingIsEverNaN) {
 }
 
 }  // namespace
-}  // namespace gib::plastic_test
+}  // namespace gib::test::plastic_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::principled_test {
+namespace gib::test::principled_test {
 namespace {
 
 const Color amber(0.8f, 0.5f, 0.1f);
@@ -241,4 +241,4 @@ TEST(Principled, LobesCountByTheirRoughness) {
 }
 
 }  // namespace
-}  // namespace gib::principled_test
+}  // namespace gib::test::principled_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::principled_thin_test {
+namespace gib::test::principled_thin_test {
 namespace {
 
 const Color amber(0.8f, 0.5f, 0.1f);
@@ -138,4 +138,4 @@ TEST(PrincipledThin, LobesCountByTheirOwnRoughness) {
 }
 
 }  // namespace
-}  // namespace gib::principled_thin_test
+}  // namespace gib::test::principled_thin_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::rough_scattering_test {
+namespace gib::test::rough_scattering_test {
 namespace {
 
 constexpr std::array<MicrofacetType, 2> types = {MicrofacetType::beckmann, MicrofacetType::ggx};
@@ -247,4 +247,4 @@ TEST(RoughScattering, AConductorHasNoBackAndADielectricIsTheInverseOneFromBehind
 }
 
 }  // namespace
-}  // namespace gib::rough_scattering_test
+}  // namespace gib::test::rough_scattering_test

@@ -11,10 +11,8 @@
 #include <atomic>
 #include <numbers>
 
-namespace gib::medium_test {
+namespace gib::test::medium_test {
 namespace {
-
-using test::Moments;
 
 constexpr double pi_d = std::numbers::pi;
 /// Means are tested at this many standard errors: with some 100 comparisons in this file, a
@@ -262,4 +260,4 @@ TEST(Medium, OfAFarGridIsThatOfANearOne) {
 }
 
 }  // namespace
-}  // namespace gib::medium_test
+}  // namespace gib::test::medium_test

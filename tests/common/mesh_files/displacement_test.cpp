@@ -10,13 +10,9 @@
 #include <gmock/gmock.h>
 #include <map>
 
-namespace gib::displacement_test {
+namespace gib::test::displacement_test {
 namespace {
 
-using test::area_of;
-using test::input_error_of;
-using test::load;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -219,7 +215,7 @@ TEST(DisplacedShape, ATextureTiltsARectangle) {
         "value='true'/><string name='wrap_mode' value='clamp'/><transform name='to_uv'><scale x='0.5'/><translate "
         "x='0.25'/></transform></texture>";
     const auto displaced = [&](const std::string& more) {
-        return mesh_of(load_scene(folder.write("s.xml", test::scene_with(shape("rectangle", ramp + more)))));
+        return mesh_of(load_scene(folder.write("s.xml", scene_with(shape("rectangle", ramp + more)))));
     };
     // The rectangle is 2 wide, so that a height of 1.5 u has the slope 0.75. The scene is centred.
     const MeshData mesh = displaced(number("displacement_scale", "1.5"));
@@ -252,7 +248,7 @@ TEST(DisplacedShape, FaceNormalsStayFacets) {
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const auto mesh = [&](const std::string& value) {
         return mesh_of(load_scene(
-            folder.write("s.xml", test::scene_with(shape("obj",
+            folder.write("s.xml", scene_with(shape("obj",
                                                          "<string name='filename' value='m.obj'/><boolean "
                                                          "name='face_normals' value='" +
                                                              value + "'/>" + number("displacement", "1"))))));
@@ -273,7 +269,7 @@ TEST(DisplacedShape, ErrorsNameThePlace) {
     const TemporaryFolder folder;
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const std::string path =
-        folder.write("s.xml", test::scene_with(shape("obj",
+        folder.write("s.xml", scene_with(shape("obj",
                                                      "<string name='filename' value='m.obj'/>\n<texture "
                                                      "name='displacement' type='checkerboard'/>")));
     EXPECT_THAT(input_error_of([&] { load_scene(path); }),
@@ -281,4 +277,4 @@ TEST(DisplacedShape, ErrorsNameThePlace) {
 }
 
 }  // namespace
-}  // namespace gib::displacement_test
+}  // namespace gib::test::displacement_test

@@ -9,11 +9,9 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::mesh_attribute_test {
+namespace gib::test::mesh_attribute_test {
 namespace {
 
-using test::input_error_of;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 using Names = std::vector<std::string>;
@@ -101,7 +99,7 @@ protected:
                "'/><boolean name='face_normals' value='true'/>" + body + "</shape>";
     }
     LoadedScene load(const std::string& body) const {
-        return load_scene(folder_.write("s.xml", test::scene_with(body)));
+        return load_scene(folder_.write("s.xml", scene_with(body)));
     }
     std::string error_of(const std::string& body) const {
         return input_error_of([&] { load(body); });
@@ -216,4 +214,4 @@ TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
 }
 
 }  // namespace
-}  // namespace gib::mesh_attribute_test
+}  // namespace gib::test::mesh_attribute_test

@@ -10,18 +10,17 @@
 #include <gmock/gmock.h>
 #include <bit>
 
-namespace gib::mesh_file_test {
+namespace gib::test::mesh_file_test {
 namespace {
 
-using test::area_of;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string obj_error(const std::string& text) {
-    return test::input_error_of([&] { parse_obj(text, "m.obj"); });
+    return input_error_of([&] { parse_obj(text, "m.obj"); });
 }
 std::string ply_error(const std::string& text) {
-    return test::input_error_of([&] { parse_ply(text, "m.ply"); });
+    return input_error_of([&] { parse_ply(text, "m.ply"); });
 }
 
 TEST(ObjFile, FansPolygonsAndSharesVertices) {
@@ -106,10 +105,10 @@ TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
 }
 
 TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string obj = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nW 1\nf 1 2 3\n");
     const std::string shape = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
-    EXPECT_EQ(load_scene(folder.write("s.xml", test::scene_with(shape + shape))).warnings,
+    EXPECT_EQ(load_scene(folder.write("s.xml", scene_with(shape + shape))).warnings,
               std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
 }
 
@@ -281,4 +280,4 @@ TEST(MeshNormals, OnlyThoseThatAreMissingAreComputed) {
 }
 
 }  // namespace
-}  // namespace gib::mesh_file_test
+}  // namespace gib::test::mesh_file_test

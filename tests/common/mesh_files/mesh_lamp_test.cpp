@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace gib::mesh_lamp_test {
+namespace gib::test::mesh_lamp_test {
 namespace {
 
 /// The irradiance [W/m^2] at a point of the floor, by a midpoint rule over the light's samples.
@@ -43,12 +43,12 @@ TEST(LampMesh, TheLightOfASquareDoesNotDependOnItsFaces) {
         {"needles", corners + "f 1 3 2\nf 1 4 3\nf 1 1 2\nf 1 1 2\n"},
         {"a notch apart", corners + "v 0 0.4 1\nf 3 2 5 1 4\nf 1 5 2\n"},
         {"a byte order mark", "\xEF\xBB\xBF" + corners + "v -0.4 0.5 1\nf 1 4 3 2\n"}};
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     for (const auto& [name, text] : lamps) {
         folder.write("lamp.obj", text);
         const auto loaded = load_scene(folder.write(
             "s.xml",
-            test::scene_with("<shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>"
+            scene_with("<shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>"
                              "</shape><shape type='obj'><string name='filename' value='lamp.obj'/><emitter "
                              "type='area'><rgb name='radiance' value='1'/></emitter></shape>")));
         EXPECT_NEAR(loaded.scene->emitted_power()[0], std::numbers::pi, 1e-5) << name;
@@ -58,4 +58,4 @@ TEST(LampMesh, TheLightOfASquareDoesNotDependOnItsFaces) {
 }
 
 }  // namespace
-}  // namespace gib::mesh_lamp_test
+}  // namespace gib::test::mesh_lamp_test

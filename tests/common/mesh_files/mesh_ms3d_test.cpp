@@ -9,11 +9,9 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::mesh_ms3d_test {
+namespace gib::test::mesh_ms3d_test {
 namespace {
 
-using test::scene_with;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -91,13 +89,13 @@ const std::string bones =
 
 /// Writes the bitmap that the second material refers to.
 void write_map(const TemporaryFolder& folder) {
-    test::FileFormat bytes;
+    FileFormat bytes;
     bytes.type = OIIO::TypeDesc::UINT8;
-    test::write_image(folder.write("maps/brass plate.bmp", ""), 2, 1, 3, {1, 0, 0, 0, 1, 0}, bytes);
+    write_image(folder.write("maps/brass plate.bmp", ""), 2, 1, 3, {1, 0, 0, 0, 1, 0}, bytes);
 }
 
 std::string error_of(const std::string& text) {
-    return test::input_error_of([&] { parse_ms3d(text, "m.txt"); });
+    return input_error_of([&] { parse_ms3d(text, "m.txt"); });
 }
 
 TEST(Ms3dFile, ReadsMeshesAndMaterials) {
@@ -207,7 +205,7 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     write_map(folder);
     const auto load = [&](const std::string& body) {
         return load_scene(
-                   folder.write("s.xml", scene_with("<shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/>" +
+                   folder.write("s.xml", scene_with("<shape type='ms3d'><string name='filename' value='m.txt'/>" +
                                                     body + "</shape>")))
             .scene;
     };
@@ -232,23 +230,23 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     EXPECT_GT(floor.normal_of(0).z(), 0);
     ASSERT_EQ(scene->lights().size(), 1u);  // the brass glows
     EXPECT_EQ(std::get<AreaLight>(scene->lights()[0]).radiance[2], 0.3f);
-    const auto black = load("<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");
+    const auto black = load("<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>");
     EXPECT_EQ(albedo(*black, 0)[1], 0.f);
     EXPECT_EQ(albedo(*black, 1)[1], 0.f);
     EXPECT_EQ(black->materials().size(), 1u);
-    const auto lamps = load("<emitter type=\"area\"/>");
+    const auto lamps = load("<emitter type='area'/>");
     EXPECT_EQ(lamps->lights().size(), 2u);
     const auto options = load(
-        "<boolean name=\"face_normals\" value=\"true\"/><boolean name=\"flip_normals\" value=\"true\"/>"
-        "<boolean name=\"flip_tex_coords\" value=\"true\"/><transform name=\"to_world\"><scale "
-        "value=\"2\"/></transform>");
+        "<boolean name='face_normals' value='true'/><boolean name='flip_normals' value='true'/>"
+        "<boolean name='flip_tex_coords' value='true'/><transform name='to_world'><scale "
+        "value='2'/></transform>");
     const Mesh& changed = std::get<Mesh>(options->shapes()[0]);
     EXPECT_TRUE(changed.normals.empty());
     EXPECT_TRUE(changed.flip_normals);
     EXPECT_EQ(changed.uvs[0], Vec2(0, 0));
     EXPECT_NEAR(area_of(options->shapes()[0]), 16, 1e-5);
-    EXPECT_THROW(load("<float name=\"scale\" value=\"2\"/>"), InputError);
-    EXPECT_THROW(load("<integer name=\"shape_index\" value=\"0\"/>"), InputError);
+    EXPECT_THROW(load("<float name='scale' value='2'/>"), InputError);
+    EXPECT_THROW(load("<integer name='shape_index' value='0'/>"), InputError);
 }
 
 TEST(Ms3dFile, EmissiveMaterialsCannotBeInstanced) {
@@ -256,7 +254,7 @@ TEST(Ms3dFile, EmissiveMaterialsCannotBeInstanced) {
     folder.write("m.txt", meshes + materials + bones);
     write_map(folder);
     const std::string group =
-        "<shape type=\"shapegroup\"><shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/></shape></shape>";
+        "<shape type='shapegroup'><shape type='ms3d'><string name='filename' value='m.txt'/></shape></shape>";
     try {
         load_scene(folder.write("s.xml", scene_with(group)));
         ADD_FAILURE() << "no error";
@@ -272,9 +270,9 @@ TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
     folder.write("m.txt", text);
     write_map(folder);
     const auto loaded = load_scene(
-        folder.write("s.xml", scene_with("<shape type=\"ms3d\"><string name=\"filename\" value=\"m.txt\"/></shape>")));
+        folder.write("s.xml", scene_with("<shape type='ms3d'><string name='filename' value='m.txt'/></shape>")));
     EXPECT_EQ(loaded.scene->materials().size(), 1u);
 }
 
 }  // namespace
-}  // namespace gib::mesh_ms3d_test
+}  // namespace gib::test::mesh_ms3d_test

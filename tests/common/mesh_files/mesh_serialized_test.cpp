@@ -9,11 +9,9 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace gib::mesh_serialized_test {
+namespace gib::test::mesh_serialized_test {
 namespace {
 
-using test::scene_with;
-using test::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -101,7 +99,7 @@ std::string file_of(const std::vector<Square>& meshes) {
 }
 
 std::string error_of(const std::string& content, int index = 0) {
-    return test::input_error_of([&] { parse_serialized(content, "m.serialized", index); });
+    return input_error_of([&] { parse_serialized(content, "m.serialized", index); });
 }
 
 TEST(SerializedMesh, BothVersionsAndPrecisionsMeanTheSame) {
@@ -243,25 +241,25 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
     const TemporaryFolder folder;
     folder.write("m.serialized", file_of({Square{4, 0x1000}, Square{4, 0x1003}, Square{4, 0x1011}}));
     const auto load = [&](const std::string& body) {
-        return load_scene(folder.write("s.xml", scene_with("<shape type=\"serialized\"><string name=\"filename\" "
-                                                           "value=\"m.serialized\"/>" +
+        return load_scene(folder.write("s.xml", scene_with("<shape type='serialized'><string name='filename' "
+                                                           "value='m.serialized'/>" +
                                                            body + "</shape>")));
     };
     const auto mesh = [&](const std::string& body) { return std::get<Mesh>(load(body).scene->shapes()[0]); };
-    const auto index = [](int i) { return "<integer name=\"shape_index\" value=\"" + std::to_string(i) + "\"/>"; };
+    const auto index = [](int i) { return "<integer name='shape_index' value='" + std::to_string(i) + "'/>"; };
     EXPECT_EQ(mesh("").normals.at(0), Vec3(0, 0, 1));  // computed
     EXPECT_LT((mesh(index(1)).normals.at(0) - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f);
     EXPECT_EQ(mesh(index(1)).uvs.at(2), Vec2(0.25f, 1));  // as stored
     EXPECT_TRUE(mesh(index(2)).normals.empty());
-    EXPECT_TRUE(mesh(index(1) + "<boolean name=\"face_normals\" value=\"true\"/>").normals.empty());
-    EXPECT_TRUE(mesh("<boolean name=\"flip_normals\" value=\"true\"/>").flip_normals);
-    const auto error = [&](const std::string& body) { return test::input_error_of([&] { load(body); }); };
+    EXPECT_TRUE(mesh(index(1) + "<boolean name='face_normals' value='true'/>").normals.empty());
+    EXPECT_TRUE(mesh("<boolean name='flip_normals' value='true'/>").flip_normals);
+    const auto error = [&](const std::string& body) { return input_error_of([&] { load(body); }); };
     EXPECT_THAT(error(index(-1)), HasSubstr("'shape_index' must be between 0 and"));
     EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ":1:1: shape_index 7 is out of range"));
-    EXPECT_THAT(error("<boolean name=\"flip_tex_coords\" value=\"true\"/>"),
+    EXPECT_THAT(error("<boolean name='flip_tex_coords' value='true'/>"),
                 HasSubstr("shape 'serialized' does not take a parameter 'flip_tex_coords'"));
-    EXPECT_THAT(error("<float name=\"shape_index\" value=\"1\"/>"), HasSubstr("'shape_index' cannot be a <float>"));
+    EXPECT_THAT(error("<float name='shape_index' value='1'/>"), HasSubstr("'shape_index' cannot be a <float>"));
 }
 
 }  // namespace
-}  // namespace gib::mesh_serialized_test
+}  // namespace gib::test::mesh_serialized_test

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace gib::polygon_test {
+namespace gib::test::polygon_test {
 namespace {
 
 using Corners = std::vector<Vec3d>;
@@ -98,7 +98,7 @@ TEST(Polygon, AFanThatDoesNotCoverItsPolygonIsReplaced) {
 }
 
 TEST(Polygon, RandomStarsAreCovered) {
-    test::Random random(7);
+    Random random(7);
     for (int n : {5, 8, 20, 60})
         for (int star = 0; star < 50; ++star) {
             Corners corners;
@@ -146,4 +146,4 @@ TEST(Polygon, BothFileFormatsPartNonConvexFaces) {
 }
 
 }  // namespace
-}  // namespace gib::polygon_test
+}  // namespace gib::test::polygon_test

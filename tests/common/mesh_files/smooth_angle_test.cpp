@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace gib::smooth_angle_test {
+namespace gib::test::smooth_angle_test {
 namespace {
 
 /// A box of 8 vertices that share all faces, with uv.
@@ -68,4 +68,4 @@ TEST(SmoothAngle, JoinsFacesThatLeanLess) {
 }
 
 }  // namespace
-}  // namespace gib::smooth_angle_test
+}  // namespace gib::test::smooth_angle_test

@@ -6,20 +6,19 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::bsdf_error_test {
+namespace gib::test::bsdf_error_test {
 namespace {
 
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// The <bsdf> starts on line 3, its parameters on line 4.
 std::string bsdf(const std::string& type, const std::string& parameters) {
-    return "<shape type=\"sphere\">\n<bsdf type=\"" + type + "\">\n" + parameters + "</bsdf></shape>";
+    return "<shape type='sphere'>\n<bsdf type='" + type + "'>\n" + parameters + "</bsdf></shape>";
 }
 
 std::string error_of(const std::string& type, const std::string& parameters, const std::string& path = "t.xml") {
-    return test::input_error_of([&] { parse_scene(test::scene_with(bsdf(type, parameters)), path); });
+    return input_error_of([&] { parse_scene(scene_with(bsdf(type, parameters)), path); });
 }
 
 struct Row {
@@ -37,29 +36,29 @@ void expect_errors(const std::vector<Row>& rows) {
 }
 
 std::string number(const std::string& name, const std::string& value) {
-    return "<float name=\"" + name + "\" value=\"" + value + "\"/>";
+    return "<float name='" + name + "' value='" + value + "'/>";
 }
 std::string word(const std::string& name, const std::string& value) {
-    return "<string name=\"" + name + "\" value=\"" + value + "\"/>";
+    return "<string name='" + name + "' value='" + value + "'/>";
 }
 std::string rgb(const std::string& name, const std::string& value) {
-    return "<rgb name=\"" + name + "\" value=\"" + value + "\"/>";
+    return "<rgb name='" + name + "' value='" + value + "'/>";
 }
-std::string squares(const std::string& name) { return "<texture name=\"" + name + "\" type=\"checkerboard\"/>"; }
+std::string squares(const std::string& name) { return "<texture name='" + name + "' type='checkerboard'/>"; }
 std::string bitmap(const std::string& name, const std::string& file) {
-    return "<texture name=\"" + name + "\" type=\"bitmap\">\n" + word("filename", file) + "</texture>";
+    return "<texture name='" + name + "' type='bitmap'>\n" + word("filename", file) + "</texture>";
 }
 
 /// The place (line:column) where the value of the property `tag` with this name stands on line 4.
 std::string value_place(const std::string& tag, const std::string& name) {
-    return "4:" + std::to_string((tag + name).size() + std::string("< name=\"\" ").size() + 1);
+    return "4:" + std::to_string((tag + name).size() + std::string("< name='' ").size() + 1);
 }
 
 const std::string textured_kinds = "<rgb>, <float>, <integer>, <spectrum>, <texture>";
 
 std::string number_place(const std::string& name) { return value_place("float", name); }
 
-const std::string grey = "<bsdf type=\"diffuse\"/>", glass = "<bsdf type=\"dielectric\"/>";
+const std::string grey = "<bsdf type='diffuse'/>", glass = "<bsdf type='dielectric'/>";
 const std::vector<std::string> with_interface = {"dielectric", "thindielectric", "roughdielectric", "plastic",
                                                  "roughplastic"};
 const std::vector<std::string> rough = {"roughdielectric", "roughconductor", "roughplastic"};
@@ -81,7 +80,7 @@ const Colours reflectances[] = {{"diffuse", {"reflectance"}},
 
 TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
     const TemporaryFolder folder;
-    const std::string bumps = bitmap("bumps", test::write_image(folder / "bumps.exr", 2, 1, 1, {0, 1})) + grey,
+    const std::string bumps = bitmap("bumps", write_image(folder / "bumps.exr", 2, 1, 1, {0, 1})) + grey,
                       normals = squares("normalmap");
     const struct {
         std::string type, parameters, takes;
@@ -118,7 +117,7 @@ TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
         const std::string takes = "; it takes: " + row.takes;
         expect_errors({{row.type, row.parameters + "\n" + number("gloss", "1"), place,
                         "bsdf '" + row.type + "' does not take a parameter 'gloss'" + takes},
-                       {row.type, row.parameters + "\n<medium type=\"homogeneous\"/>", place,
+                       {row.type, row.parameters + "\n<medium type='homogeneous'/>", place,
                         "bsdf '" + row.type + "' does not take a <medium>" + takes}});
         EXPECT_TRUE(error_of(row.type, row.parameters + "\n" + number("gloss", "1")).ends_with(takes)) << row.type;
     }
@@ -136,13 +135,13 @@ TEST(BsdfErrors, Reflectances) {
                  {type, rgb(name, "0.5 1.01 0"), rgb_place, range + "1.01"},
                  {type, rgb(name, "1 2"), rgb_place, "'" + name + "' takes one or three numbers, found 2"},
                  {type, rgb(name, "nan"), rgb_place, "bad number 'nan'"},
-                 {type, "<spectrum name=\"" + name + "\" value=\"2\"/>", value_place("spectrum", name), range + "2"},
-                 {type, "<integer name=\"" + name + "\" value=\"0.5\"/>", value_place("integer", name),
+                 {type, "<spectrum name='" + name + "' value='2'/>", value_place("spectrum", name), range + "2"},
+                 {type, "<integer name='" + name + "' value='0.5'/>", value_place("integer", name),
                   "bad number '0.5': expected an integer"},
                  {type, word(name, "0.5"), "4:1", "'" + name + "' cannot be a <string>" + kinds},
-                 {type, "<vector name=\"" + name + "\" value=\"1\"/>", "4:1", "cannot be a <vector>" + kinds},
-                 {type, "<bsdf name=\"" + name + "\" type=\"null\"/>", "4:1", "cannot be a <bsdf>" + kinds},
-                 {type, "<texture name=\"" + name + "\" type=\"bitmap\"/>", "4:1", "'bitmap' needs 'filename'"},
+                 {type, "<vector name='" + name + "' value='1'/>", "4:1", "cannot be a <vector>" + kinds},
+                 {type, "<bsdf name='" + name + "' type='null'/>", "4:1", "cannot be a <bsdf>" + kinds},
+                 {type, "<texture name='" + name + "' type='bitmap'/>", "4:1", "'bitmap' needs 'filename'"},
                  {type, bitmap(name, "no.png"), path, "there is no file 'no.png'; searched: "}});
         }
     }
@@ -208,8 +207,7 @@ TEST(BsdfErrors, Conductors) {
                  {type, word(name, "gold"), "4:1",
                   "cannot be a <string>; it takes: <rgb>, <float>, <integer>, <spectrum>, <texture>"},
                  {type, bitmap(name, "no.exr"), "5:1", "there is no file 'no.exr'"},
-                 {type,
-                  "<texture name=\"" + name + "\" type=\"checkerboard\">" + number("color0", "1e7") + "</texture>",
+                 {type, "<texture name='" + name + "' type='checkerboard'>" + number("color0", "1e7") + "</texture>",
                   "4:1", "'" + name + "' must be at most 1e+06, not 1e+07 of its texture"}});
         EXPECT_EQ(error_of(type, word("material", "none") + number("k", "2")), "no error");
         EXPECT_EQ(error_of(type, number("eta", "0") + number("k", "0")), "no error");
@@ -226,7 +224,7 @@ TEST(BsdfErrors, Roughnesses) {
              {type, number("alpha", "nan"), "4:21", "bad number 'nan'"},
              {type, number("alpha", "2e4"), "4:21", "10000, not 2"},
              {type, word("alpha", "0.1"), "4:1", "'alpha' cannot be a <string>; it takes: " + kinds},
-             {type, "<vector name=\"alpha\" value=\"1\"/>", "4:1", "'alpha' cannot be a <vector>; it takes: " + kinds},
+             {type, "<vector name='alpha' value='1'/>", "4:1", "'alpha' cannot be a <vector>; it takes: " + kinds},
              {type, number("alpha_u", "-1") + v, "4:23", "'alpha_u' must "},
              {type, u + "\n" + number("alpha_v", "nan"), "5:23", "bad number 'nan'"},
              {type, u + "\n" + word("alpha_v", "1"), "5:1", "'alpha_v' cannot be a <string>"},
@@ -238,7 +236,7 @@ TEST(BsdfErrors, Roughnesses) {
              {type, word("distribution", ""), "4:29", "'distribution' cannot be ''; it takes: beckmann, ggx"},
              {type, number("distribution", "1"), "4:1", "'distribution' cannot be a <float>; it takes: <string>"},
              {type, number("sample_visible", "1"), "4:1", "'sample_visible' cannot be a <float>; it takes: <boolean>"},
-             {type, "<boolean name=\"sample_visible\" value=\"yes\"/>", "4:32", "'yes' is neither true nor false"}});
+             {type, "<boolean name='sample_visible' value='yes'/>", "4:32", "'yes' is neither true nor false"}});
         // A roughness of 0 acts as MicrofacetDistribution::min_alpha, as in Mitsuba.
         EXPECT_EQ(error_of(type, number("alpha", "0")), "no error");
     }
@@ -264,18 +262,17 @@ TEST(BsdfErrors, ARoughplasticHasOneRoughness) {
 TEST(BsdfErrors, Plastics) {
     for (const std::string type : {"plastic", "roughplastic"})
         expect_errors({{type, number("nonlinear", "1"), "4:1", "'nonlinear' cannot be a <float>; it takes: <boolean>"},
-                       {type, "<boolean name=\"nonlinear\" value=\"1\"/>", "4:27", "'1' is neither true nor false"}});
+                       {type, "<boolean name='nonlinear' value='1'/>", "4:27", "'1' is neither true nor false"}});
 }
 
 TEST(BsdfErrors, Phong) {
     const std::string sum = "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together";
-    expect_errors(
-        {{"phong", number("exponent", "-1"), "4:24", "'exponent' must not be negative: -1"},
-         {"phong", number("exponent", "nan"), "4:24", "bad number 'nan'"},
-         {"phong", number("exponent", "1e9"), "4:24", "'exponent' must be at most 1e+08, not 1e+09"},
-         {"phong", "<integer name=\"exponent\" value=\"2.5\"/>", "4:26", "bad number '2.5': expected an integer"},
-         {"phong", word("exponent", "3"), "4:1", "cannot be a <string>; it takes: " + textured_kinds},
-         {"phong", squares("diffuse_reflectance") + number("specular_reflectance", "0.61"), "3:1", sum}});
+    expect_errors({{"phong", number("exponent", "-1"), "4:24", "'exponent' must not be negative: -1"},
+                   {"phong", number("exponent", "nan"), "4:24", "bad number 'nan'"},
+                   {"phong", number("exponent", "1e9"), "4:24", "'exponent' must be at most 1e+08, not 1e+09"},
+                   {"phong", "<integer name='exponent' value='2.5'/>", "4:26", "bad number '2.5': expected an integer"},
+                   {"phong", word("exponent", "3"), "4:1", "cannot be a <string>; it takes: " + textured_kinds},
+                   {"phong", squares("diffuse_reflectance") + number("specular_reflectance", "0.61"), "3:1", sum}});
     EXPECT_EQ(error_of("phong", number("diffuse_reflectance", "0.4") + number("specular_reflectance", "0.6")),
               "no error");
 }
@@ -310,37 +307,37 @@ TEST(BsdfErrors, NestedBsdfs) {
                    {"twosided", "", "3:1", "twosided takes one or two bsdfs, found 0"},
                    {"twosided", grey + grey + grey, "3:1", "twosided takes one or two bsdfs, found 3"},
                    {"diffuse", grey, "4:1", "bsdf 'diffuse' does not take a <bsdf>"},
-                   {"mask", "<ref id=\"none\"/>", "4:6", "there is no object with the id 'none'"},
-                   {"mask", "<bsdf type=\"hair\"/>", "4:7", "the bsdf 'hair' is not supported; supported are: diffuse"},
-                   {"mask", "<bsdf type=\"mask\" id=\"m\">\n<ref id=\"m\"/></bsdf>", "5:1", "the bsdf holds itself"},
-                   {"twosided", "<bsdf type=\"diffuse\">\n" + number("gloss", "1") + "</bsdf>", "5:1",
+                   {"mask", "<ref id='none'/>", "4:6", "there is no object with the id 'none'"},
+                   {"mask", "<bsdf type='hair'/>", "4:7", "the bsdf 'hair' is not supported; supported are: diffuse"},
+                   {"mask", "<bsdf type='mask' id='m'>\n<ref id='m'/></bsdf>", "5:1", "the bsdf holds itself"},
+                   {"twosided", "<bsdf type='diffuse'>\n" + number("gloss", "1") + "</bsdf>", "5:1",
                     "bsdf 'diffuse' does not take a parameter 'gloss'"}});
 }
 
 TEST(BsdfErrors, TwosidedAroundWhatTransmits) {
     const std::string message = "a bsdf inside twosided must not transmit light";
     const auto blend = [](const std::string& weight) {
-        return "<bsdf type=\"blendbsdf\">" + number("weight", weight) + grey + glass + "</bsdf>";
+        return "<bsdf type='blendbsdf'>" + number("weight", weight) + grey + glass + "</bsdf>";
     };
     for (const std::string type : {"dielectric", "thindielectric", "roughdielectric", "null"})
-        expect_errors({{"twosided", "<bsdf type=\"" + type + "\"/>", "4:1", message}});
+        expect_errors({{"twosided", "<bsdf type='" + type + "'/>", "4:1", message}});
     expect_errors({{"twosided", grey + "\n" + glass, "5:1", message},
                    {"twosided", blend("0.5"), "4:1", message},
-                   {"twosided", "<bsdf type=\"mask\">" + grey + "</bsdf>", "4:1", message},
-                   {"twosided", "<bsdf type=\"normalmap\">" + squares("normalmap") + glass + "</bsdf>", "4:1", message},
-                   {"twosided", "<bsdf type=\"twosided\">" + grey + "</bsdf>", "4:1", "cannot be twosided"}});
+                   {"twosided", "<bsdf type='mask'>" + grey + "</bsdf>", "4:1", message},
+                   {"twosided", "<bsdf type='normalmap'>" + squares("normalmap") + glass + "</bsdf>", "4:1", message},
+                   {"twosided", "<bsdf type='twosided'>" + grey + "</bsdf>", "4:1", "cannot be twosided"}});
 }
 
 TEST(BsdfErrors, BumpAndNormalMaps) {
     const TemporaryFolder folder;
-    const std::string height = bitmap("any", test::write_image(folder / "height.exr", 2, 1, 1, {0, 1})) + grey + "\n";
+    const std::string height = bitmap("any", write_image(folder / "height.exr", 2, 1, 1, {0, 1})) + grey + "\n";
     const std::string needs = "a normalmap needs a texture named 'normalmap'";
     expect_errors(
         {{"bumpmap", grey, "3:1", "a bumpmap needs a texture"},
          {"bumpmap", grey + "\n" + squares("any"), "5:1", "must be a bitmap: it needs a slope"},
          {"bumpmap", height + squares("other"), "6:1", "can hold only one <texture>"},
          {"bumpmap", bitmap("any", "no.png") + grey, "5:1", "there is no file 'no.png'"},
-         {"bumpmap", "<texture type=\"bitmap\"/>" + grey, "4:1", "'bitmap' needs 'filename'"},
+         {"bumpmap", "<texture type='bitmap'/>" + grey, "4:1", "'bitmap' needs 'filename'"},
          {"bumpmap", height + number("any_float", "1"), "6:1", "does not take a parameter 'any_float'"},
          {"bumpmap", height + number("scale", "nan"), "6:21", "bad number 'nan'"},
          {"bumpmap", height + number("scale", "1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
@@ -350,7 +347,7 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
          {"normalmap", grey, "3:1", needs},
          {"normalmap", grey + squares("normals"), "3:1", needs},
          {"normalmap", grey + "\n" + rgb("normalmap", "0 0 2"), "5:23", "between 0 and 1"},
-         {"normalmap", grey + "\n<bsdf name=\"normalmap\" type=\"null\"/>", "5:1", "'normalmap' cannot be a <bsdf>"},
+         {"normalmap", grey + "\n<bsdf name='normalmap' type='null'/>", "5:1", "'normalmap' cannot be a <bsdf>"},
          {"normalmap", grey + squares("normalmap") + "\n" + squares("other"), "5:1",
           "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, flip_invalid_normals, "
           "use_shadowing_function, <bsdf>"},
@@ -358,7 +355,7 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
     EXPECT_EQ(error_of("bumpmap", height + number("scale", "-3")), "no error");
     for (const std::string name : {"flip_invalid_normals", "use_shadowing_function"}) {
         const auto boolean = [&](const std::string& value) {
-            return "<boolean name=\"" + name + "\" value=\"" + value + "\"/>";
+            return "<boolean name='" + name + "' value='" + value + "'/>";
         };
         const std::string place = "6" + value_place("boolean", name).substr(1);
         for (const auto& [type, sound] : {std::pair<std::string, std::string>("bumpmap", height),
@@ -369,7 +366,7 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
                  {type, sound + boolean(""), place, "'' is neither true nor false"},
                  {type, sound + number(name, "1"), "6:1", "'" + name + "' cannot be a <float>; it takes: <boolean>"},
                  {type, sound + squares(name), "6:1", "'" + name + "' cannot be a <texture>"},
-                 {type, sound + "<boolean name=\"" + name + "\"/>", "6:1", "value"},
+                 {type, sound + "<boolean name='" + name + "'/>", "6:1", "value"},
                  {type, sound + boolean("true") + "\n" + boolean("true"), "7:1", "'" + name + "'"}});
         }
     }
@@ -378,8 +375,8 @@ TEST(BsdfErrors, BumpAndNormalMaps) {
 TEST(BsdfErrors, BitmapsThatCannotBeRead) {
     const TemporaryFolder folder;
     folder.write("text.png", "this is no image");
-    test::write_image(folder / "bright.exr", 2, 1, 1, {0.5f, 1.5f});
-    test::write_image(folder / "below.exr", 2, 1, 1, {0.5f, -0.5f});
+    write_image(folder / "bright.exr", 2, 1, 1, {0.5f, 1.5f});
+    write_image(folder / "below.exr", 2, 1, 1, {0.5f, -0.5f});
     const auto error = [&](const std::string& type, const std::string& name, const std::string& file,
                            const std::string& nested = "") {
         return error_of(type, bitmap(name, file) + nested, folder / "t.xml");
@@ -440,4 +437,4 @@ TEST(BsdfErrors, PrincipledThinTakesTwiceTheTransmittedShare) {
 }
 
 }  // namespace
-}  // namespace gib::bsdf_error_test
+}  // namespace gib::test::bsdf_error_test

@@ -8,10 +8,9 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::daylight_test {
+namespace gib::test::daylight_test {
 namespace {
 
-using test::load;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -32,7 +31,7 @@ LoadedScene lit_by(const std::string& type, const std::string& parameters) {
     return load(ball + emitter(type, parameters));
 }
 std::string error_of(const std::string& type, const std::string& parameters) {
-    return test::input_error_of([&] { parse_scene(test::scene_with(ball + emitter(type, parameters)), "t.xml"); });
+    return input_error_of([&] { parse_scene(scene_with(ball + emitter(type, parameters)), "t.xml"); });
 }
 
 /// The unit vector at these angles [degrees] to the zenith z and, from x to y, in azimuth.
@@ -198,9 +197,9 @@ TEST(DaylightEmitters, Errors) {
     expect("sunsky", number("stretch", 3), "'stretch' must be between 1 and 2");
     expect("sunsky", "<transform name='to_world'><scale x='2'/></transform>", "must not scale or shear");
     EXPECT_THAT(error_of("sunsky", number("sun_scale", 1e38)), HasSubstr("t.xml:3:1: the light is too bright"));
-    EXPECT_THAT(test::input_error_of([&] { load(ball + emitter("sky", "") + "<emitter type='constant'/>"); }),
+    EXPECT_THAT(input_error_of([&] { load(ball + emitter("sky", "") + "<emitter type='constant'/>"); }),
                 HasSubstr("only one environment"));
 }
 
 }  // namespace
-}  // namespace gib::daylight_test
+}  // namespace gib::test::daylight_test

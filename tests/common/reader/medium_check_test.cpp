@@ -4,10 +4,9 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::medium_check_test {
+namespace gib::test::medium_check_test {
 namespace {
 
-using test::load;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -105,4 +104,4 @@ TEST(OpenBoundaries, AreMeshesWithEdgesOfOneTriangle) {
 }
 
 }  // namespace
-}  // namespace gib::medium_check_test
+}  // namespace gib::test::medium_check_test

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace gib::obj_materials_test {
+namespace gib::test::obj_materials_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -26,7 +26,7 @@ protected:
                       "5\nusemtl glass\nf 2 3 7 6\nusemtl Wood_A\nf 3 4 8 7\n");
     }
     LoadedScene load(const std::string& bsdfs, const std::string& version = "3.0.0") const {
-        return parse_scene("<scene version='" + version + "'>\n" + test::sensor_xml + shape(bsdfs) + "</scene>",
+        return parse_scene("<scene version='" + version + "'>\n" + sensor_xml + shape(bsdfs) + "</scene>",
                            folder_ / "s.xml");
     }
     static std::string shape(const std::string& bsdfs) {
@@ -40,7 +40,7 @@ protected:
     static std::vector<float> squares(const LoadedScene& loaded) {
         return {at(loaded, 0.5f), at(loaded, 1.5f), at(loaded, 2.5f)};
     }
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
 };
 
 TEST_F(ObjMaterials, HaveTheBsdfOfTheirName) {
@@ -56,7 +56,7 @@ TEST_F(ObjMaterials, OfOlderScenesMayHaveCapitals) {
 
 TEST_F(ObjMaterials, TakeReferences) {
     const LoadedScene scene =
-        parse_scene("<scene version='0.6.0'>" + test::sensor_xml +
+        parse_scene("<scene version='0.6.0'>" + sensor_xml +
                         "<bsdf type='diffuse' id='a'><float name='reflectance' value='0.3'/></bsdf>" +
                         shape("<ref id='a' name='Wood_A'/>" + diffuse("glass", 0.1)) + "</scene>",
                     folder_ / "s.xml");
@@ -89,7 +89,7 @@ TEST_F(ObjMaterials, DoNotMatterToOneBsdfWithAnotherName) {
 }
 
 TEST(ShapeErrors, SecondBsdf) {
-    EXPECT_THAT(test::input_error_of(
+    EXPECT_THAT(input_error_of(
                     [] { test::load("<shape type='sphere'><bsdf type='null'/>\n<bsdf type='null'/></shape>"); }),
                 HasSubstr("test.xml:3:1: <shape> can hold only one <bsdf>"));
 }
@@ -98,9 +98,9 @@ TEST(MergedShapes, AreThoseInTheMerge) {
     const auto loaded = test::load(
         "<shape type='merge'><shape type='cube'/><shape type='rectangle'><bsdf type='null'/></shape></shape>");
     EXPECT_EQ(loaded.scene->shapes().size(), 2u);
-    EXPECT_THAT(test::input_error_of([] { test::load("<shape type='merge'>\n<shape type='merge'/></shape>"); }),
+    EXPECT_THAT(input_error_of([] { test::load("<shape type='merge'>\n<shape type='merge'/></shape>"); }),
                 HasSubstr("test.xml:3:1: a merge cannot hold a shape 'merge'"));
 }
 
 }  // namespace
-}  // namespace gib::obj_materials_test
+}  // namespace gib::test::obj_materials_test

@@ -10,18 +10,14 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::scene_medium_test {
+namespace gib::test::scene_medium_test {
 namespace {
 
-using test::load;
-using test::scene_with;
-using test::TemporaryFolder;
-using test::volume_bytes;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string error_of(const std::string& body) {
-    return test::input_error_of([&] { parse_scene(scene_with(body), "t.xml", {}); });
+    return input_error_of([&] { parse_scene(scene_with(body), "t.xml", {}); });
 }
 
 /// A shape with a medium inside, whose parameters are on line 3.
@@ -172,4 +168,4 @@ TEST(MediumReader, TakesReferences) {
 }
 
 }  // namespace
-}  // namespace gib::scene_medium_test
+}  // namespace gib::test::scene_medium_test

@@ -10,18 +10,15 @@
 
 #include <gmock/gmock.h>
 
-namespace gib::scene_texture_test {
+namespace gib::test::scene_texture_test {
 namespace {
 
-using test::byte;
-using test::TemporaryFolder;
-using test::write_image;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr float decoded_128 = 0.21586050f;  ///< the linear value of the sRGB byte 128
-const test::FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
+const FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
 
 class SceneTextures : public ::testing::Test {
 protected:
@@ -41,7 +38,7 @@ protected:
         ContentHash hash;
         LoadWarnings warnings;
         const ExpandedXml xml =
-            expand_xml("<scene version=\"3.0.0\">\n" + body + "</scene>", main_, {}, {}, hash, warnings);
+            expand_xml("<scene version='3.0.0'>\n" + body + "</scene>", main_, {}, {}, hash, warnings);
         const XmlIds ids(xml.root, warnings);
         TextureFiles files(xml.files, hash, ids);
         const auto bsdf = std::find_if(xml.root.children.begin(), xml.root.children.end(),
@@ -55,18 +52,18 @@ protected:
     }
     /// The reflectance of a bsdf that holds `property`, on line 2.
     Texture reflectance(const std::string& property) const {
-        return parse("<bsdf type=\"diffuse\">" + property + "</bsdf>").texture;
+        return parse("<bsdf type='diffuse'>" + property + "</bsdf>").texture;
     }
     std::string error_of(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
-        return test::input_error_of([&] { parse(body, range, kind); });
+        return input_error_of([&] { parse(body, range, kind); });
     }
     /// The error of a bsdf whose content starts on line 3.
     std::string error_in(const std::string& content, ColorRange range = ColorRange::unit) const {
-        return error_of("<bsdf type=\"diffuse\">\n" + content + "</bsdf>", range);
+        return error_of("<bsdf type='diffuse'>\n" + content + "</bsdf>", range);
     }
     static std::string bitmap(const std::string& file, const std::string& more = "") {
-        return "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"" + file + "\"/>" +
-               more + "</texture>";
+        return "<texture name='reflectance' type='bitmap'><string name='filename' value='" + file + "'/>" + more +
+               "</texture>";
     }
 
     TemporaryFolder folder_;
@@ -75,10 +72,10 @@ protected:
 
 TEST_F(SceneTextures, TakeValuesAsBefore) {
     EXPECT_TRUE((reflectance("").color(Vec2{0, 0}) == 0.5f).all());
-    const Texture rgb = reflectance("<rgb name=\"reflectance\" value=\"0.1 0.2 0.3\"/>");
+    const Texture rgb = reflectance("<rgb name='reflectance' value='0.1 0.2 0.3'/>");
     EXPECT_TRUE(rgb.constant());
     EXPECT_TRUE((rgb.color(Vec2{0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
-    EXPECT_THAT(error_in("<rgb name=\"reflectance\" value=\"2\"/>"), StartsWith(main_ + ":3:25: "));
+    EXPECT_THAT(error_in("<rgb name='reflectance' value='2'/>"), StartsWith(main_ + ":3:25: "));
 }
 
 TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
@@ -94,48 +91,45 @@ TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     const auto red = [&](const std::string& more, float u) {
         return reflectance(bitmap("two.png", more)).color(Vec2{u, 0.5f})[0];
     };
-    const std::string nearest = "<string name=\"filter_type\" value=\"nearest\"/>";
+    const std::string nearest = "<string name='filter_type' value='nearest'/>";
     EXPECT_EQ(red(nearest, 0.4f), 0);
     EXPECT_EQ(red(nearest, 0.6f), 1);
-    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"repeat\"/>", 1.3f), 0);
-    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"mirror\"/>", 1.3f), 1);
-    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", -5), 0);
-    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", 5), 1);
-    const std::string ends = "<string name=\"wrap_mode\" value=\"";
-    EXPECT_EQ(red(ends + "zero\"/>", 1.6f), 0);
-    EXPECT_EQ(red(ends + "white\"/>", -0.6f), 1);
-    EXPECT_NEAR(red("<string name=\"channel\" value=\"b\"/>", 0.75f), 0.0512695f, 1e-6);  // the value of byte 64
-    const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
+    EXPECT_EQ(red(nearest + "<string name='wrap_mode' value='repeat'/>", 1.3f), 0);
+    EXPECT_EQ(red(nearest + "<string name='wrap_mode' value='mirror'/>", 1.3f), 1);
+    EXPECT_EQ(red("<string name='wrap_mode' value='clamp'/>", -5), 0);
+    EXPECT_EQ(red("<string name='wrap_mode' value='clamp'/>", 5), 1);
+    const std::string ends = "<string name='wrap_mode' value='";
+    EXPECT_EQ(red(ends + "zero'/>", 1.6f), 0);
+    EXPECT_EQ(red(ends + "white'/>", -0.6f), 1);
+    EXPECT_NEAR(red("<string name='channel' value='b'/>", 0.75f), 0.0512695f, 1e-6);  // the value of byte 64
+    const Texture raw = reflectance(bitmap("two.png", "<boolean name='raw' value='true'/>"));
     EXPECT_NEAR(raw.color(Vec2{0.75f, 0.5f})[1], byte(128), 1e-6);
-    EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,
-                1e-6);
-    EXPECT_NEAR(red("<transform name=\"to_uv\"><rotate z=\"1\" angle=\"180\"/></transform>", 0.25f), 1, 1e-6);
+    EXPECT_NEAR(red("<transform name='to_uv'><scale x='2' y='3'/><translate x='0.25'/></transform>", 0.25f), 1, 1e-6);
+    EXPECT_NEAR(red("<transform name='to_uv'><rotate z='1' angle='180'/></transform>", 0.25f), 1, 1e-6);
     EXPECT_NEAR(
-        red("<transform name=\"to_uv\"><matrix value=\"1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1\"/></transform>", 0.25f), 1,
+        red("<transform name='to_uv'><matrix value='1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1'/></transform>", 0.25f), 1,
         1e-6);
-    EXPECT_NEAR(red("<string name=\"format\" value=\"fp16\"/><boolean name=\"accel\" value=\"false\"/>", 0.75f), 1,
-                1e-6);
+    EXPECT_NEAR(red("<string name='format' value='fp16'/><boolean name='accel' value='false'/>", 0.75f), 1, 1e-6);
 }
 
 TEST_F(SceneTextures, MayBeReferredTo) {
-    const std::string shared =
-        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"two.png\"/></texture>\n";
-    const std::string refers = "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>";
+    const std::string shared = "<texture type='bitmap' id='t'><string name='filename' value='two.png'/></texture>\n";
+    const std::string refers = "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf>";
     EXPECT_NEAR(parse(shared + refers).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
     EXPECT_NEAR(parse(refers + shared).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
     EXPECT_THAT(error_of(refers), StartsWith(main_ + ":2:46: there is no object with the id 't'"));
 }
 
 TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
-    const std::string board = "<texture name=\"reflectance\" type=\"checkerboard\">";
+    const std::string board = "<texture name='reflectance' type='checkerboard'>";
     const Texture plain = reflectance(board + "</texture>");
     EXPECT_EQ(plain.color(Vec2{0.2f, 0.2f})[0], 0.4f);
     EXPECT_EQ(plain.color(Vec2{0.2f, 0.7f})[0], 0.2f);
-    const Texture nested = reflectance(
-        board +
-        "<rgb name=\"color0\" value=\"0.1 0.2 0.3\"/><texture name=\"color1\" type=\"bitmap\"><string "
-        "name=\"filename\" "
-        "value=\"two.png\"/></texture><transform name=\"to_uv\"><scale x=\"2\" y=\"2\"/></transform></texture>");
+    const Texture nested =
+        reflectance(board +
+                    "<rgb name='color0' value='0.1 0.2 0.3'/><texture name='color1' type='bitmap'><string "
+                    "name='filename' "
+                    "value='two.png'/></texture><transform name='to_uv'><scale x='2' y='2'/></transform></texture>");
     EXPECT_EQ(nested.color(Vec2{0.1f, 0.1f})[2], 0.3f);
     EXPECT_EQ(nested.color(Vec2{0.6f, 0.6f})[2], 0.3f);
     EXPECT_NEAR(nested.color(Vec2{0.75f, 0.4f})[1], decoded_128, 1e-6) << "the bitmap keeps the surface's own uv";
@@ -144,61 +138,60 @@ TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
 
 TEST_F(SceneTextures, AsNumbersTakeFloatsAndTextures) {
     const auto number = [&](const std::string& property) {
-        return parse("<bsdf type=\"mask\">" + property + "</bsdf>", ColorRange::unit, Kind::number).texture;
+        return parse("<bsdf type='mask'>" + property + "</bsdf>", ColorRange::unit, Kind::number).texture;
     };
     EXPECT_EQ(number("").value(Vec2{0, 0}), 0.5f);
-    EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value(Vec2{0, 0}), 0.3f);
+    EXPECT_EQ(number("<float name='reflectance' value='0.3'/>").value(Vec2{0, 0}), 0.3f);
     EXPECT_NEAR(number(bitmap("two.png")).value(Vec2{0.25f, 0.5f}), 0, 1e-6);
     // Mitsuba's eval_1 of a constant colour is the mean of its channels, also within a texture.
-    const Texture colour = number("<rgb name=\"reflectance\" value=\"0.1 0.2 0.6\"/>");
+    const Texture colour = number("<rgb name='reflectance' value='0.1 0.2 0.6'/>");
     EXPECT_NEAR(colour.value(Vec2{0, 0}), 0.3f, 1e-7f);
     EXPECT_EQ(colour.value(Vec2{0, 0}), colour.maximum()[0]);
-    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value(Vec2{0, 0}), 0.25f);
-    const std::string board = "<rgb name=\"color1\" value=\"0.1 0.2 0.6\"/></texture>";
-    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value(Vec2{0.25f, 0.25f}), 0.3f,
+    EXPECT_EQ(number("<spectrum name='reflectance' value='0.25'/>").value(Vec2{0, 0}), 0.25f);
+    const std::string board = "<rgb name='color1' value='0.1 0.2 0.6'/></texture>";
+    EXPECT_NEAR(number("<texture name='reflectance' type='checkerboard'>" + board).value(Vec2{0.25f, 0.25f}), 0.3f,
                 1e-7f);
     const auto error = [&](const std::string& property) {
-        return error_of("<bsdf type=\"mask\">\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
+        return error_of("<bsdf type='mask'>\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
     };
-    EXPECT_THAT(error("<float name=\"reflectance\" value=\"1.5\"/>"),
+    EXPECT_THAT(error("<float name='reflectance' value='1.5'/>"),
                 StartsWith(main_ + ":3:27: 'reflectance' must be between 0 and 1, not 1.5"));
-    EXPECT_THAT(error("<rgb name=\"reflectance\" value=\"0.5 0.5 1.5\"/>"),
+    EXPECT_THAT(error("<rgb name='reflectance' value='0.5 0.5 1.5'/>"),
                 StartsWith(main_ + ":3:25: 'reflectance' must be between 0 and 1, not 1.5"));
-    EXPECT_THAT(error("<string name=\"reflectance\" value=\"0.5\"/>"),
+    EXPECT_THAT(error("<string name='reflectance' value='0.5'/>"),
                 StartsWith(main_ + ":3:1: 'reflectance' cannot be a <string>; it takes: <rgb>, <float>, <integer>, "
                                    "<spectrum>"));
 }
 
 // In Mitsuba both tags make objects of one class.
 TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
-    const std::string colour = "<rgb name=\"color\" value=\"0.4 0.2 0.1\"/>";
+    const std::string colour = "<rgb name='color' value='0.4 0.2 0.1'/>";
     for (const std::string tag : {"texture", "spectrum"}) {
         const auto object = [&](const std::string& attributes, const std::string& inside) {
             return "<" + tag + " " + attributes + ">" + inside + "</" + tag + ">";
         };
-        const Texture srgb = reflectance(object("name=\"reflectance\" type=\"srgb\"", colour));
+        const Texture srgb = reflectance(object("name='reflectance' type='srgb'", colour));
         EXPECT_TRUE((srgb.color(Vec2{0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
         const Texture uniform =
-            reflectance(object("name=\"reflectance\" type=\"uniform\"", "<float name=\"value\" value=\"0.3\"/>"));
+            reflectance(object("name='reflectance' type='uniform'", "<float name='value' value='0.3'/>"));
         EXPECT_TRUE((uniform.color(Vec2{0, 0}) == 0.3f).all());
-        EXPECT_FALSE(reflectance(object("name=\"reflectance\" type=\"checkerboard\"", "")).constant());
-        const Texture nested = reflectance("<texture name=\"reflectance\" type=\"checkerboard\">" +
-                                           object("name=\"color0\" type=\"srgb\"", colour) + "</texture>");
+        EXPECT_FALSE(reflectance(object("name='reflectance' type='checkerboard'", "")).constant());
+        const Texture nested = reflectance("<texture name='reflectance' type='checkerboard'>" +
+                                           object("name='color0' type='srgb'", colour) + "</texture>");
         EXPECT_EQ(nested.color(Vec2{0.25f, 0.25f})[0], 0.4f);
-        const std::string shared = object("id=\"s\" type=\"srgb\"", colour);
-        EXPECT_EQ(
-            parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],
-            0.2f);
-        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"srgb\"", "")),
+        const std::string shared = object("id='s' type='srgb'", colour);
+        EXPECT_EQ(parse(shared + "<bsdf type='diffuse'><ref name='reflectance' id='s'/></bsdf>").texture.mean()[1],
+                  0.2f);
+        EXPECT_THAT(error_in(object("name='reflectance' type='srgb'", "")),
                     StartsWith(main_ + ":3:1: 'srgb' needs 'color'"));
-        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"marble\"", "")),
+        EXPECT_THAT(error_in(object("name='reflectance' type='marble'", "")),
                     StartsWith(main_ + ":3:" + (tag == "texture" ? "29" : "30") + ": the " + tag +
                                " 'marble' is not supported"));
     }
 }
 
 TEST_F(SceneTextures, AddTheBytesOfTheirImagesToTheHash) {
-    const std::string body = "<bsdf type=\"diffuse\">" + bitmap("two.png") + "</bsdf>";
+    const std::string body = "<bsdf type='diffuse'>" + bitmap("two.png") + "</bsdf>";
     const std::string first = parse(body).hash;
     EXPECT_EQ(parse(body).hash, first);
     write_image(folder_ / "two.png", 2, 1, 3, {0, 0, 0, 1, byte(128), byte(65)}, bytes);
@@ -212,11 +205,10 @@ TEST_F(SceneTextures, OutsideOfTheirRangeAreRefused) {
     EXPECT_THAT(error_in(bitmap("below.exr")), StartsWith(main_ + ":3:1: 'reflectance' must be between 0 and 1"));
     EXPECT_THAT(error_in(bitmap("below.exr"), ColorRange::non_negative),
                 StartsWith(main_ + ":3:1: 'reflectance' must not be negative, but its texture has -0.25"));
-    const std::string shared =
-        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"bright.exr\"/></texture>\n";
-    EXPECT_THAT(error_of(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>"),
+    const std::string shared = "<texture type='bitmap' id='t'><string name='filename' value='bright.exr'/></texture>\n";
+    EXPECT_THAT(error_of(shared + "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf>"),
                 StartsWith(main_ + ":3:22: 'reflectance' must be between 0 and 1"));
-    EXPECT_THAT(error_in("<texture name=\"reflectance\" type=\"checkerboard\">\n<float name=\"color1\" value=\"1.5\"/>"
+    EXPECT_THAT(error_in("<texture name='reflectance' type='checkerboard'>\n<float name='color1' value='1.5'/>"
                          "</texture>"),
                 StartsWith(main_ + ":4:22: 'color1' must be between 0 and 1"));
 }
@@ -225,34 +217,34 @@ TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
     const struct {
         std::string content, place, message;
     } rows[] = {
-        {"<texture name=\"reflectance\" type=\"marble\"/>", "3:29",
+        {"<texture name='reflectance' type='marble'/>", "3:29",
          "the texture 'marble' is not supported; supported are: bitmap, checkerboard"},
-        {"<texture name=\"reflectance\"/>", "3:1", "needs the attribute 'type'"},
-        {"<texture name=\"reflectance\" type=\"bitmap\"/>", "3:1", "'bitmap' needs 'filename'"},
+        {"<texture name='reflectance'/>", "3:1", "needs the attribute 'type'"},
+        {"<texture name='reflectance' type='bitmap'/>", "3:1", "'bitmap' needs 'filename'"},
         {bitmap("no.png"), "3:43", "there is no file 'no.png'; searched: "},
-        {bitmap("two.png", "\n<string name=\"wrap_mode\" value=\"wide\"/>"), "4:26",
+        {bitmap("two.png", "\n<string name='wrap_mode' value='wide'/>"), "4:26",
          "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},
-        {bitmap("two.png", "\n<string name=\"filter_type\" value=\"cubic\"/>"), "4:28",
+        {bitmap("two.png", "\n<string name='filter_type' value='cubic'/>"), "4:28",
          "'filter_type' cannot be 'cubic'; it takes: nearest, bilinear"},
-        {bitmap("two.png", "\n<string name=\"wrap_mode_u\" value=\"zero\"/>"), "4:1",
+        {bitmap("two.png", "\n<string name='wrap_mode_u' value='zero'/>"), "4:1",
          "texture 'bitmap' does not take a parameter 'wrap_mode_u'"},
-        {bitmap("two.png", "\n<string name=\"format\" value=\"fp8\"/>"), "4:23", "'format' cannot be 'fp8'"},
-        {bitmap("two.png", "\n<boolean name=\"raw\" value=\"1\"/>"), "4:21", "'1' is neither true nor false"},
-        {bitmap("two.png", "\n<float name=\"uscale\" value=\"2\"/>"), "4:1",
+        {bitmap("two.png", "\n<string name='format' value='fp8'/>"), "4:23", "'format' cannot be 'fp8'"},
+        {bitmap("two.png", "\n<boolean name='raw' value='1'/>"), "4:21", "'1' is neither true nor false"},
+        {bitmap("two.png", "\n<float name='uscale' value='2'/>"), "4:1",
          "texture 'bitmap' does not take a parameter 'uscale'; it takes: filename, filter_type, wrap_mode, to_uv, raw"},
-        {bitmap("two.png", "\n<string name=\"filename\" value=\"two.png\"/>"), "4:1", "'filename' is given twice"},
-        {bitmap("two.png", "\n<transform name=\"to_uv\"><scale value=\"0\"/></transform>"), "4:1", "singular"},
-        {bitmap("two.png", "\n<transform name=\"to_uv\"><matrix value=\"1 0 0.5 0 1 0 0 0 1\"/></transform>"), "4:1",
+        {bitmap("two.png", "\n<string name='filename' value='two.png'/>"), "4:1", "'filename' is given twice"},
+        {bitmap("two.png", "\n<transform name='to_uv'><scale value='0'/></transform>"), "4:1", "singular"},
+        {bitmap("two.png", "\n<transform name='to_uv'><matrix value='1 0 0.5 0 1 0 0 0 1'/></transform>"), "4:1",
          "'to_uv' must map u and v alone"},
-        {bitmap("two.png", "\n<float name=\"to_uv\" value=\"2\"/>"), "4:1", "'to_uv' cannot be a <float>"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<rgb name=\"colour0\" value=\"0\"/></texture>", "4:1",
+        {bitmap("two.png", "\n<float name='to_uv' value='2'/>"), "4:1", "'to_uv' cannot be a <float>"},
+        {"<texture name='reflectance' type='checkerboard'>\n<rgb name='colour0' value='0'/></texture>", "4:1",
          "texture 'checkerboard' does not take a parameter 'colour0'; it takes: color0, color1, to_uv"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<bsdf name=\"color0\" type=\"null\"/></texture>", "4:1",
+        {"<texture name='reflectance' type='checkerboard'>\n<bsdf name='color0' type='null'/></texture>", "4:1",
          "'color0' cannot be a <bsdf>"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\" id=\"a\">\n<ref name=\"color0\" id=\"a\"/></texture>",
-         "4:1", "the texture holds itself"},
-        {"<bsdf name=\"reflectance\" type=\"null\"/>", "3:1", "'reflectance' cannot be a <bsdf>"},
-        {"<texture type=\"bitmap\"/>", "3:1", "bsdf 'diffuse' does not take a <texture>"},
+        {"<texture name='reflectance' type='checkerboard' id='a'>\n<ref name='color0' id='a'/></texture>", "4:1",
+         "the texture holds itself"},
+        {"<bsdf name='reflectance' type='null'/>", "3:1", "'reflectance' cannot be a <bsdf>"},
+        {"<texture type='bitmap'/>", "3:1", "bsdf 'diffuse' does not take a <texture>"},
     };
     for (const auto& row : rows)
         EXPECT_THAT(error_in(row.content), AllOf(StartsWith(main_ + ":" + row.place + ": "), HasSubstr(row.message)))
@@ -272,7 +264,7 @@ TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
     EXPECT_THAT(error("sub"), AllOf(StartsWith(folder_ / "sub"), HasSubstr("folder")));
     folder_.write("zero.ppm", "P6\n0 0\n255\n");
     expect("zero.ppm", "the image has no pixels");
-    const auto values = test::random_values(64, 64, 3);
+    const auto values = random_values(64, 64, 3);
     const std::string whole = read_file(write_image(folder_ / "w.exr", 64, 64, 3, values));
     folder_.write("cut.exr", whole.substr(0, whole.size() / 2));
     expect("cut.exr", "the image is damaged");
@@ -292,19 +284,18 @@ TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
 
 TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
     const TemporaryFolder folder;
-    const std::string height = test::write_image(folder / "height.exr", 2, 1, 1, {0, 1});
-    const std::string bumps = "<bsdf type=\"bumpmap\"><texture type=\"bitmap\"><string name=\"filename\" value=\"" +
-                              height + "\"/></texture>",
-                      normals = "<bsdf type=\"normalmap\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>";
+    const std::string height = write_image(folder / "height.exr", 2, 1, 1, {0, 1});
+    const std::string bumps = "<bsdf type='bumpmap'><texture type='bitmap'><string name='filename' value='" + height +
+                              "'/></texture>",
+                      normals = "<bsdf type='normalmap'><rgb name='normalmap' value='0.5 0.5 1'/>";
     const auto options = [](const std::string& map, const std::string& booleans) {
-        const auto loaded =
-            test::load("<shape type=\"rectangle\">" + map + booleans + "<bsdf type=\"diffuse\"/></bsdf></shape>");
+        const auto loaded = load("<shape type='rectangle'>" + map + booleans + "<bsdf type='diffuse'/></bsdf></shape>");
         const Material& material = loaded.scene->material_of_shape(0);
         const auto* bump = std::get_if<BumpMap>(&material.node());
         return bump ? bump->options : std::get<NormalMap>(material.node()).options;
     };
-    const std::string no_turn = "<boolean name=\"flip_invalid_normals\" value=\"false\"/>",
-                      no_shadow = "<boolean name=\"use_shadowing_function\" value=\"false\"/>";
+    const std::string no_turn = "<boolean name='flip_invalid_normals' value='false'/>",
+                      no_shadow = "<boolean name='use_shadowing_function' value='false'/>";
     for (const std::string& map : {bumps, normals}) {
         const struct {
             std::string booleans;
@@ -320,7 +311,7 @@ TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
 
 TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
     const TemporaryFolder folder;
-    const auto values = test::random_values(70, 150, 3);
+    const auto values = random_values(70, 150, 3);
     const LinearImage exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
     EXPECT_EQ(exact.width, 70);
     EXPECT_EQ(exact.height, 150);
@@ -339,16 +330,15 @@ TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
 // The texture `scale` of Mitsuba 0.6 multiplies a texture, or the colour `value`.
 TEST_F(SceneTextures, ScaleMultipliesATexture) {
     const auto scaled = [&](const std::string& scale, const std::string& inner) {
-        return reflectance("<texture name=\"reflectance\" type=\"scale\">" + scale + inner + "</texture>");
+        return reflectance("<texture name='reflectance' type='scale'>" + scale + inner + "</texture>");
     };
     const std::string image =
-        "<texture type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string name=\"filter_type\" "
-        "value=\"nearest\"/></texture>";
-    const std::string half = "<float name=\"scale\" value=\"0.5\"/>",
-                      colour = "<rgb name=\"scale\" value=\"0.5 1 0.25\"/>";
+        "<texture type='bitmap'><string name='filename' value='two.png'/><string name='filter_type' "
+        "value='nearest'/></texture>";
+    const std::string half = "<float name='scale' value='0.5'/>", colour = "<rgb name='scale' value='0.5 1 0.25'/>";
     const Texture plain = reflectance(
-        "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string "
-        "name=\"filter_type\" value=\"nearest\"/></texture>");
+        "<texture name='reflectance' type='bitmap'><string name='filename' value='two.png'/><string "
+        "name='filter_type' value='nearest'/></texture>");
     const Vec2 at(0.75f, 0.5f);
     EXPECT_TRUE(scaled(half, image).color(at).isApprox(0.5f * plain.color(at)));
     EXPECT_TRUE(scaled(half, image).mean().isApprox(0.5f * plain.mean()));
@@ -361,25 +351,25 @@ TEST_F(SceneTextures, ScaleMultipliesATexture) {
     EXPECT_TRUE(scaled(half, image).has_gradient());
     EXPECT_FALSE(scaled(colour, image).has_gradient());
     // Only the product must be a reflectance.
-    const Texture board = scaled("<float name=\"scale\" value=\"0.25\"/>",
-                                 "<texture type=\"checkerboard\"><rgb name=\"color0\" value=\"4\"/></texture>");
+    const Texture board = scaled("<float name='scale' value='0.25'/>",
+                                 "<texture type='checkerboard'><rgb name='color0' value='4'/></texture>");
     EXPECT_TRUE(board.color(Vec2(0.2f, 0.2f)).isApprox(Color::Ones()));
-    const Texture grey = scaled(half, "<rgb name=\"value\" value=\"0.8\"/>");
+    const Texture grey = scaled(half, "<rgb name='value' value='0.8'/>");
     EXPECT_TRUE(grey.constant());
     EXPECT_NEAR(grey.color(at)[0], 0.4f, 1e-6f);
 }
 
 TEST_F(SceneTextures, ScaleErrors) {
     const auto error = [&](const std::string& inside) {
-        return error_of("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"scale\">" + inside +
+        return error_of("<bsdf type='diffuse'><texture name='reflectance' type='scale'>" + inside +
                         "</texture></bsdf>");
     };
-    EXPECT_THAT(error("<float name=\"scale\" value=\"0.5\"/>"), HasSubstr("'scale' needs 'value'"));
-    EXPECT_THAT(error("<float name=\"scale\" value=\"-0.5\"/><rgb name=\"value\" value=\"0.8\"/>"),
+    EXPECT_THAT(error("<float name='scale' value='0.5'/>"), HasSubstr("'scale' needs 'value'"));
+    EXPECT_THAT(error("<float name='scale' value='-0.5'/><rgb name='value' value='0.8'/>"),
                 HasSubstr("'scale' must not be negative"));
-    EXPECT_THAT(error("<float name=\"scale\" value=\"2\"/><rgb name=\"value\" value=\"0.8\"/>"),
+    EXPECT_THAT(error("<float name='scale' value='2'/><rgb name='value' value='0.8'/>"),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 1.6"));
 }
 
 }  // namespace
-}  // namespace gib::scene_texture_test
+}  // namespace gib::test::scene_texture_test

@@ -7,7 +7,7 @@
 
 #include <map>
 
-namespace gib::sensor_test {
+namespace gib::test::sensor_test {
 namespace {
 
 Sensor::Parameters square(int pixels) {
@@ -300,4 +300,4 @@ TEST(ReconstructionFilter, PixelsAreChosenByTheDensityOfTheirSamples) {
 }
 
 }  // namespace
-}  // namespace gib::sensor_test
+}  // namespace gib::test::sensor_test

@@ -8,11 +8,8 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::cylinder_test {
+namespace gib::test::cylinder_test {
 namespace {
-
-using test::load;
-using test::Random;
 
 /// A random cylinder at any place and of any size; it may be much longer than wide or much wider than long.
 Cylinder any_cylinder(Random& random) {
@@ -156,9 +153,9 @@ TEST(Cylinder, SamplesAreUniformOverItsArea) {
 }
 
 const std::string lamp_xml =
-    "<shape type=\"cylinder\"><float name=\"radius\" value=\"0.5\"/><point name=\"p0\" x=\"0\" y=\"0\" z=\"-1\"/>"
-    "<point name=\"p1\" x=\"0\" y=\"0\" z=\"1\"/><emitter type=\"area\"><rgb name=\"radiance\" "
-    "value=\"3\"/></emitter>";
+    "<shape type='cylinder'><float name='radius' value='0.5'/><point name='p0' x='0' y='0' z='-1'/>"
+    "<point name='p1' x='0' y='0' z='1'/><emitter type='area'><rgb name='radiance' "
+    "value='3'/></emitter>";
 
 TEST(Cylinder, LightsWithItsOuterSide) {
     const auto lamp = load(lamp_xml + "</shape>");
@@ -169,7 +166,7 @@ TEST(Cylinder, LightsWithItsOuterSide) {
     const auto inside = lamp.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)});
     ASSERT_TRUE(inside);
     EXPECT_EQ(inside->Le(Vec3(-1, 0, 0))[0], 0.f);
-    const auto turned = load(lamp_xml + "<boolean name=\"flip_normals\" value=\"true\"/></shape>");
+    const auto turned = load(lamp_xml + "<boolean name='flip_normals' value='true'/></shape>");
     EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
 }
 
@@ -194,7 +191,7 @@ TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
     const Scene& scene = *lamp.scene;
     const Vec3 p(1.5f, 0.2f, 0.7f), normal = Vec3(-1, 0.1f, -0.3f).normalized();
     Random random(5);
-    test::Moments irradiance;
+    Moments irradiance;
     constexpr int samples = 200'000;
     for (int i = 0; i < samples; ++i) {
         const auto s = scene.sample_light(p, random.next(), random.next_2d());
@@ -228,4 +225,4 @@ TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
 }
 
 }  // namespace
-}  // namespace gib::cylinder_test
+}  // namespace gib::test::cylinder_test

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace gib::xml_upgrade_test {
+namespace gib::test::xml_upgrade_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -329,14 +329,14 @@ protected:
     void expect_same(const OldScene& scene) const {
         const LoadedScene old_one = load(scene.version, scene.old_body), new_one = load("3.0.0", scene.new_body);
         EXPECT_EQ(old_one.sample_count, new_one.sample_count);
-        EXPECT_EQ(test::render(old_one, "path", 4).total().rgb, test::render(new_one, "path", 4).total().rgb);
-        EXPECT_GT(test::mean_of(test::render(old_one, "path", 4).total()).maxCoeff(), 0.01);
+        EXPECT_EQ(render(old_one, "path", 4).total().rgb, render(new_one, "path", 4).total().rgb);
+        EXPECT_GT(mean_of(render(old_one, "path", 4).total()).maxCoeff(), 0.01);
         ASSERT_EQ(old_one.warnings.size(), scene.warnings.size()) << ::testing::PrintToString(old_one.warnings);
         for (std::size_t i = 0; i < scene.warnings.size(); ++i)
             EXPECT_THAT(old_one.warnings[i], HasSubstr(scene.warnings[i]));
     }
 
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
 };
 
 TEST_F(OldScenes, AreThoseOfVersion3) {
@@ -375,13 +375,13 @@ TEST_F(OldScenes, HaveTheTexturesOfVersion3) {
 
 TEST(OldVersions, AreRefusedBefore03AndAfter3) {
     for (const std::string version : {"0.2.0", "0", "4.0.0", "0.x", "", "-1.0"})
-        EXPECT_EQ(test::input_error_of([&] { parse_scene("<scene version='" + version + "'/>", "t.xml"); }),
+        EXPECT_EQ(input_error_of([&] { parse_scene("<scene version='" + version + "'/>", "t.xml"); }),
                   "t.xml:1:8: version '" + version + "' is not supported: only 0.3 to 3.x");
 }
 
 TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
     for (const std::string bsdf : {"ward", "roughdiffuse", "coating"})
-        EXPECT_THAT(test::input_error_of([&] {
+        EXPECT_THAT(input_error_of([&] {
                         parse_scene("<scene version='0.6.0'>" + old_sensor + sky + ball("<bsdf type='" + bsdf + "'/>") +
                                         "</scene>",
                                     "t.xml");
@@ -391,7 +391,7 @@ TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
 
 TEST(OldVersions, RefuseMediaThatArePresets) {
     for (const std::string medium : {"", "<string name='material' value='Ketchup'/>"})
-        EXPECT_THAT(test::input_error_of([&] {
+        EXPECT_THAT(input_error_of([&] {
                         parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
                                         ball("<medium type='homogeneous' name='interior'>" + medium + "</medium>") +
                                         "</scene>",
@@ -402,7 +402,7 @@ TEST(OldVersions, RefuseMediaThatArePresets) {
 
 TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
     const auto error_of = [](const std::string& weights) {
-        return test::input_error_of([&] {
+        return input_error_of([&] {
             parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
                             ball("<bsdf type='mixturebsdf'>" + weights +
                                  "<bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>") +
@@ -419,14 +419,14 @@ TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
 
 TEST(OldVersions, WarnOfWhatNothingRefersTo) {
     const auto load = [](const std::string& shape) {
-        return test::scene_of(test::scene_xml(new_sensor + "<bsdf type='ward' id='unused'/>" + sky + shape));
+        return scene_of(scene_xml(new_sensor + "<bsdf type='ward' id='unused'/>" + sky + shape));
     };
     const auto scene = load(ball(""));
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_THAT(scene.warnings[0], HasSubstr("the bsdf 'ward' is not supported"));
-    EXPECT_THAT(test::input_error_of([&] { load(ball("<ref id='unused'/>")); }),
+    EXPECT_THAT(input_error_of([&] { load(ball("<ref id='unused'/>")); }),
                 HasSubstr("the bsdf 'ward' is not supported"));
 }
 
 }  // namespace
-}  // namespace gib::xml_upgrade_test
+}  // namespace gib::test::xml_upgrade_test
