@@ -40,9 +40,8 @@ TEST(FuzzFindings, PlyElementsStandOnce) {
 
 TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
     for (const std::string index : {"9223372036854775807", "-9223372036854775808", "4294967295", "3"})
-        EXPECT_THAT(
-            input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
-            HasSubstr("is out of range: there are 3 vertices"))
+        EXPECT_THAT(input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
+                    HasSubstr("is out of range: there are 3 vertices"))
             << index;
 }
 
@@ -157,9 +156,7 @@ TEST(FuzzFindings, NormalsOfFacesOfNearlyNoArea) {
 TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     // A disk has no extent along its axis, so any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {
-        const LoadedScene loaded =
-            load(std::string("<shape type='disk'><transform name='to_world'><scale z='") + z +
-                       "'/></transform></shape>");
+        const LoadedScene loaded = load(shape("disk", to_world("<scale z='", z, "'/>")));
         const auto& disk = std::get<Disk>(loaded.scene->shapes()[0]);
         EXPECT_LT((disk.normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
     }
@@ -169,10 +166,8 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
 std::string chain(int count) {
     std::string text;
     for (int i = 0; i < count; ++i)
-        text += "<bsdf id='m" + std::to_string(i) + "' type='mask'><ref id='m" + std::to_string(i + 1) +
-                "'/></bsdf>\n";
-    return text + "<bsdf id='m" + std::to_string(count) +
-           "' type='diffuse'/>\n<shape type='sphere'><ref id='m0'/></shape>";
+        text += with_id("bsdf", "mask", "m" + std::to_string(i), reference("m" + std::to_string(i + 1))) + "\n";
+    return text + with_id("bsdf", "diffuse", "m" + std::to_string(count)) + "\n" + shape("sphere", reference("m0"));
 }
 
 TEST(FuzzFindings, MaterialsAreNotTooDeep) {
@@ -183,47 +178,45 @@ TEST(FuzzFindings, MaterialsAreNotTooDeep) {
 TEST(FuzzFindings, TexturesAreNotExponential) {
     std::string text;
     for (int i = 0; i < 50; ++i)
-        text += "<texture type='checkerboard' id='t" + std::to_string(i) + "'>" + "<ref name='color0' id='t" +
-                std::to_string(i + 1) + "'/><ref name='color1' id='t" + std::to_string(i + 1) + "'/></texture>\n";
-    text +=
-        "<texture type='checkerboard' id='t50'/><shape type='sphere'><bsdf type='diffuse'><ref "
-        "name='reflectance' id='t0'/></bsdf></shape>";
+        text += with_id("texture", "checkerboard", "t" + std::to_string(i), "<ref name='color0' id='t",
+                        std::to_string(i + 1), "'/><ref name='color1' id='t", std::to_string(i + 1), "'/>") +
+                "\n";
+    text += with_id("texture", "checkerboard", "t50") +
+            shape("sphere", bsdf("diffuse", "<ref name='reflectance' id='t0'/>"));
     EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
 }
 
 TEST(FuzzFindings, ManySmallMaterialsAreFine) {
-    std::string text = "<shape type='sphere'/>";
+    std::string text = shape("sphere");
     for (int i = 0; i < 2000; ++i)
-        text += "<bsdf type='mask'><bsdf type='diffuse'/></bsdf>\n";
+        text += bsdf("mask", bsdf("diffuse")) + "\n";
     EXPECT_EQ(scene_error(text), "no error");
 }
 
 TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
     const auto error = [](const std::string& sensor, const std::string& film) {
         return input_error_of([&] {
-            parse_scene("<scene version='3.0.0'><sensor type='perspective'>" + sensor +
-                            "\n<film type='hdrfilm'>" + film + "</film></sensor><shape type='sphere'/></scene>",
+            parse_scene("<scene version='3.0.0'>" +
+                            element("sensor", "perspective", sensor, "\n", element("film", "hdrfilm", film)) +
+                            shape("sphere") + "</scene>",
                         "t.xml");
         });
     };
     const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
-    EXPECT_THAT(error("<float name='principal_point_offset_x' value='1e38'/>", ""), StartsWith(message));
-    EXPECT_THAT(error("", "<rfilter type='box'><float name='radius' value='1e38'/></rfilter>"),
-                StartsWith(message));
-    EXPECT_EQ(error("<float name='fov' value='179.999'/>", ""), "no error");
+    EXPECT_THAT(error(number("principal_point_offset_x", 1e38), ""), StartsWith(message));
+    EXPECT_THAT(error("", element("rfilter", "box", radius(1e38))), StartsWith(message));
+    EXPECT_EQ(error(number("fov", 179.999), ""), "no error");
 }
 
 TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
     const auto ball = [](const char* radius) {
-        return std::string("<shape type='sphere'><float name='radius' value='") + radius +
-               "'/>\n<emitter type='area'/></shape>";
+        return shape("sphere", number("radius", radius), "\n", emitter("area"));
     };
     EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
     EXPECT_EQ(scene_error(ball("1e-18")), "no error");
     EXPECT_EQ(scene_error(ball("1e17")), "no error");
     // The six sides have an area of 4e36 each.
-    EXPECT_THAT(scene_error("<shape type='cube'><transform name='to_world'><scale value='1e18'/></transform>\n"
-                            "<emitter type='area'/></shape>"),
+    EXPECT_THAT(scene_error(shape("cube", to_world(scale(1e18)), "\n", emitter("area"))),
                 StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
 }
 
@@ -234,9 +227,8 @@ TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
     const std::string error = scene_error(
-        "<shape type='obj'><string name='filename' value='far.obj'/><transform name='to_world'><matrix "
-        "value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/></transform></shape>\n"
-        "<shape type='obj'><string name='filename' value='near.obj'/></shape>",
+        shape("obj", filename("far.obj"), to_world("<matrix value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/>")) + "\n" +
+            shape("obj", filename("near.obj")),
         folder / "t.xml");
     EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
 }
@@ -246,12 +238,10 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
     folder.write("sky.pfm", "PF\n100000 100000\n-1.0\n");
     folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n");
     for (const std::string file : {"sky.pfm", "sky.hdr"}) {
-        const std::string name = "<string name='filename' value='" + file + "'/>";
-        const std::string ball = "<shape type='sphere'/>";
-        for (const auto& body :
-             {ball + "<emitter type='envmap'>" + name + "</emitter>",
-              "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>" + name +
-                  "</texture></bsdf></shape>"})
+        const std::string name = filename(file);
+        const std::string ball = shape("sphere");
+        for (const auto& body : {ball + emitter("envmap", name),
+                                 shape("sphere", bsdf("diffuse", named("texture", "reflectance", "bitmap", name)))})
             EXPECT_THAT(scene_error(body, folder / "t.xml"), StartsWith(folder / file + ":1:1: ")) << file;
     }
 }
@@ -259,8 +249,7 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 class ExperimentFindings : public ::testing::Test {
 protected:
     std::string error(const std::string& rest, const std::string& scene = "a.xml") const {
-        return input_error_of(
-            [&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
+        return input_error_of([&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
     }
     const TemporaryFolder folder_;
     const std::string scene_ = folder_.write("a.xml", "");

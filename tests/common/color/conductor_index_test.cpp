@@ -35,22 +35,22 @@ TEST(ConductorIndex, EveryNameHasOne) {
     for (const char* name : {"", "au", "none", "Unobtainium"})
         EXPECT_FALSE(conductor_index(name)) << name;
     EXPECT_TRUE((conductor_index("Hg")->k == conductor_index("Hg_palik")->k).all());
-    load("<shape type='sphere'><bsdf type='conductor'><string name='material' value='Au'/></bsdf></shape>");
+    load(shape("sphere", bsdf("conductor", text("material", "Au"))));
 }
 
 TEST(ConductorIndex, WrongMaterialsAreErrors) {
     const auto error_of = [](const std::string& body) -> std::string {
         try {
-            load("<shape type='sphere'><bsdf type='conductor'>\n" + body + "</bsdf></shape>");
+            load(shape("sphere", bsdf("conductor", "\n", body)));
         } catch (const InputError& e) {
             return e.what();
         }
         return "no error";
     };
     EXPECT_THAT(
-        error_of("<string name='material' value='gold'/>"),
+        error_of(text("material", "gold")),
         StartsWith("test.xml:3:25: there is no material 'gold'; known are: none, a-C, Ag, Al, AlAs, AlAs_palik"));
-    EXPECT_THAT(error_of("<string name='material' value='Au'/><rgb name='k' value='1'/>"),
+    EXPECT_THAT(error_of(text("material", "Au") + rgb("k", 1)),
                 StartsWith("test.xml:3:25: give either 'material' or 'eta' and 'k'"));
     EXPECT_THAT(error_of("<spectrum name='eta' value='400:-1 500:1'/>"),
                 StartsWith("test.xml:3:22: 'eta' must not be negative: -1"));

@@ -66,8 +66,7 @@ std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
         folder.write("prism.obj",
                      "v -1 -0.8660254 -9\nv 1 -0.8660254 -9\nv 0 0.8660254 -9\nv -1 -0.8660254 9\nv 1 -0.8660254 9\n"
                      "v 0 0.8660254 9\nf 1 3 2\nf 4 5 6\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 3 1 4\nf 3 4 6\n");
-    return "<shape type='obj'><string name='filename' value='" + mesh +
-           "'/><boolean name='face_normals' value='true'/>" + bsdf + "</shape>";
+    return shape("obj", filename(mesh), flag("face_normals"), bsdf);
 }
 
 /// A direction in the plane of the prism's cross-section.
@@ -116,12 +115,11 @@ double deviation(const Scene& scene, int stratum, double incidence) {
 // incidence (A + delta) / 2 (Born and Wolf, section 4.7.2). Here A is 60 degrees.
 TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     const TemporaryFolder folder;
-    const std::string glass =
-        "<float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float name='abbe' value='30'/>";
-    const std::string same_everywhere = "<bsdf type='dielectric'>" + glass + "</bsdf>";
-    const std::string textured = "<bsdf type='dielectric'>" + glass +
-                                 "<texture name='specular_transmittance' type='checkerboard'><rgb name='color0' "
-                                 "value='0.9'/><rgb name='color1' value='0.8'/></texture></bsdf>";
+    const std::string glass = number("int_ior", 1.6) + number("ext_ior", 1) + number("abbe", 30);
+    const std::string same_everywhere = bsdf("dielectric", glass);
+    const std::string textured =
+        bsdf("dielectric", glass,
+             named("texture", "specular_transmittance", "checkerboard", rgb("color0", 0.9), rgb("color1", 0.8)));
     for (const std::string& bsdf : {same_everywhere, textured}) {
         const auto scene = load(prism(folder, bsdf));
         ASSERT_TRUE(scene.scene->has_dispersion());
@@ -147,14 +145,9 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
                lamp = 100.f * direction_at(angle_of(incidence) - 49 * degree);
     const auto xyz = [](const Vec3& v) { return fmt::format("{}, {}, {}", v.x(), v.y(), v.z()); };
     const auto scene = scene_of(scene_xml(
-        "<sensor type='perspective'><float name='fov' value='0.0001'/><transform name='to_world'><lookat origin='" +
-        xyz(eye) + "' target='" + xyz(on_left_face) + "' up='0, 0, 1'/></transform>" + box_film(2) + "</sensor>" +
-        prism(folder,
-              "<bsdf type='dielectric'><float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float "
-              "name='abbe' value='30'/></bsdf>") +
-        "<shape type='rectangle'><transform name='to_world'><scale x='3.5' y='20'/><lookat origin='" + xyz(lamp) +
-        "' target='0, 0, 0' up='0, 0, 1'/></transform><emitter type='area'><rgb name='radiance' "
-        "value='1'/></emitter></shape>"));
+        camera(0.0001, to_world(look_at(xyz(eye), xyz(on_left_face), "0, 0, 1")), box_film(2)) +
+        prism(folder, bsdf("dielectric", number("int_ior", 1.6), number("ext_ior", 1), number("abbe", 30))) +
+        shape("rectangle", to_world(scale(3.5, 20, 1), look_at(xyz(lamp), "0, 0, 0", "0, 0, 1")), area_light(1))));
     Colord expected = Colord::Zero();
     int seen = 0;
     for (int k = 0; k < wavelength_strata; ++k) {
@@ -184,26 +177,19 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
 
 /// A ball of glass of index 1.5; `parameters` are the further ones of its bsdf.
 std::string glass_ball(const std::string& bsdf_type, const std::string& parameters) {
-    return "<shape type='sphere'><bsdf type='" + bsdf_type + "'><float name='int_ior' value='1.5'/>" + parameters +
-           "</bsdf></shape>";
+    return shape("sphere", bsdf(bsdf_type, number("int_ior", 1.5), parameters));
 }
-const std::string camera =
-    "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><translate "
-    "z='-4'/></transform>" +
-    box_film(16) + "</sensor>";
+const std::string camera = camera(40, to_world(translate(0, 0, -4)), box_film(16));
 const std::string floor_and_lamp =
-    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' angle='-90'/><translate "
-    "y='-1'/></transform><bsdf type='diffuse'/></shape><shape type='sphere'><point name='center' x='1' y='3' "
-    "z='0'/><float "
-    "name='radius' value='1.2'/><emitter type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape>";
+    shape("rectangle", to_world(scale(4), rotate('x', -90), translate(0, -1, 0)), bsdf("diffuse")) +
+    shape("sphere", center(1, 3, 0), radius(1.2), area_light("20, 10, 5"));
 
 // Lossless glass under a white sky is invisible in every channel, however strongly it splits light.
 TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
-    const std::string sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    const std::string sky = constant_light(1);
     for (const char* type : {"dielectric", "roughdielectric"}) {
         const bool rough = std::string(type) == "roughdielectric";
-        const std::string split =
-            std::string("<float name='cauchy_b' value='0.05'/>") + (rough ? "<float name='alpha' value='0.01'/>" : "");
+        const std::string split = std::string(number("cauchy_b", 0.05)) + (rough ? number("alpha", 0.01) : "");
         const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64, seeds);
         for (const Moments& m : moments) {
             // A rough interface loses the light that its facets would scatter a second time, which
@@ -220,8 +206,7 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
     const auto scene = [](const std::string& more) {
         return scene_of(scene_xml(camera + floor_and_lamp + glass_ball("dielectric", more)));
     };
-    const auto plain = scene(""), zero = scene("<float name='cauchy_b' value='0'/>"),
-               tiny = scene("<float name='cauchy_b' value='1e-9'/>");
+    const auto plain = scene(""), zero = scene(number("cauchy_b", 0)), tiny = scene(number("cauchy_b", 1e-9));
     EXPECT_FALSE(effects_of(*zero.scene).has(Effect::dispersion));
     EXPECT_TRUE(effects_of(*tiny.scene).has(Effect::dispersion));
     const Image a = render(plain, "path", 4).total(), b = render(zero, "path", 4).total();
@@ -237,33 +222,27 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
 
 TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
     const std::vector<std::array<std::string, 3>> rows = {
-        {"<float name='cauchy_b' value='-0.1'/>", "3:24", "'cauchy_b' must not be negative: -0.1"},
-        {"<float name='cauchy_b' value='nan'/>", "3:24", "bad number 'nan'"},
-        {"<rgb name='cauchy_b' value='0.1'/>", "3:1", "'cauchy_b' cannot be a <rgb>"},
-        {"<float name='abbe' value='0'/>", "3:20", "'abbe' must be above 0"},
-        {"<float name='abbe' value='x'/>", "3:20", "bad number 'x'"},
-        {"<float name='abbe' value='50'/><float name='cauchy_b' value='0'/>", "3:20",
-         "give either 'cauchy_b' or 'abbe'"},
-        {"<float name='cauchy_b' value='100'/>", "3:24", "an index ratio of"},
-        {"<float name='abbe' value='50'/><float name='int_ior' value='0.9'/>", "3:20",
-         "'abbe' needs an 'int_ior' above 1"},
+        {number("cauchy_b", -0.1), "3:24", "'cauchy_b' must not be negative: -0.1"},
+        {number("cauchy_b", "nan"), "3:24", "bad number 'nan'"},
+        {rgb("cauchy_b", 0.1), "3:1", "'cauchy_b' cannot be a <rgb>"},
+        {number("abbe", 0), "3:20", "'abbe' must be above 0"},
+        {number("abbe", "x"), "3:20", "bad number 'x'"},
+        {number("abbe", 50) + number("cauchy_b", 0), "3:20", "give either 'cauchy_b' or 'abbe'"},
+        {number("cauchy_b", 100), "3:24", "an index ratio of"},
+        {number("abbe", 50) + number("int_ior", 0.9), "3:20", "'abbe' needs an 'int_ior' above 1"},
     };
     for (const char* type : {"dielectric", "roughdielectric"})
         for (const auto& [parameters, place, message] : rows) {
             std::string error = "no error";
             try {
-                parse_scene(scene_with("<shape type='sphere'><bsdf type='" + std::string(type) + "'>\n" + parameters +
-                                       "</bsdf></shape>"),
-                            "t.xml", {});
+                parse_scene(scene_with(shape("sphere", bsdf(std::string(type), "\n", parameters))), "t.xml", {});
             } catch (const InputError& e) {
                 error = e.what();
             }
             EXPECT_THAT(error, StartsWith("t.xml:" + place + ": ")) << parameters;
             EXPECT_THAT(error, HasSubstr(message));
         }
-    EXPECT_THROW(parse_scene(scene_with("<shape type='sphere'><bsdf type='thindielectric'><float name='abbe' "
-                                        "value='50'/></bsdf></shape>"),
-                             "t.xml", {}),
+    EXPECT_THROW(parse_scene(scene_with(shape("sphere", bsdf("thindielectric", number("abbe", 50)))), "t.xml", {}),
                  InputError);
 }
 

@@ -13,34 +13,30 @@ namespace {
 
 constexpr double pi_d = std::numbers::pi;
 
-const std::string floor_xml =
-    "<shape type='rectangle'><transform name='to_world'><scale value='20'/></transform></shape>";
+const std::string floor_xml = shape("rectangle", to_world(scale(20)));
 
 std::string point_xml(const Vec3& at, double intensity) {
-    return "<emitter type='point'><point name='position' x='" + std::to_string(at.x()) + "' y='" +
-           std::to_string(at.y()) + "' z='" + std::to_string(at.z()) + "'/><rgb name='intensity' value='" +
-           std::to_string(intensity) + "'/></emitter>";
+    return emitter("point", "<point name='position' x='", std::to_string(at.x()), "' y='", std::to_string(at.y()),
+                   "' z='", std::to_string(at.z()), "'/>", rgb("intensity", std::to_string(intensity)));
 }
 
 /// A disk of this radius that faces down.
 std::string lamp_xml(const Vec3& at, double radius, double radiance) {
-    return "<shape type='disk'><transform name='to_world'><scale value='" + std::to_string(radius) +
-           "'/><rotate x='1' angle='180'/><translate x='" + std::to_string(at.x()) + "' y='" + std::to_string(at.y()) +
-           "' z='" + std::to_string(at.z()) + "'/></transform><emitter type='area'><rgb name='radiance' value='" +
-           std::to_string(radiance) + "'/></emitter></shape>";
+    return shape(
+        "disk",
+        to_world("<scale value='", std::to_string(radius), "'/>", rotate('x', 180), "<translate x='",
+                 std::to_string(at.x()), "' y='", std::to_string(at.y()), "' z='", std::to_string(at.z()), "'/>"),
+        area_light(std::to_string(radiance)));
 }
 
 std::string spot_xml(double cutoff, double intensity) {
-    return "<emitter type='spot'><float name='cutoff_angle' value='" + std::to_string(cutoff) +
-           "'/><float name='beam_width' value='" + std::to_string(0.75 * cutoff) + "'/><rgb name='intensity' value='" +
-           std::to_string(intensity) +
-           "'/><transform name='to_world'><lookat origin='1,0,4' target='1,0,0' up='0,1,0'/></transform></emitter>";
+    return emitter("spot", number("cutoff_angle", std::to_string(cutoff)),
+                   number("beam_width", std::to_string(0.75 * cutoff)), rgb("intensity", std::to_string(intensity)),
+                   to_world(look_at("1,0,4", "1,0,0")));
 }
 
-const std::string sky_xml = "<emitter type='constant'><rgb name='radiance' value='0.1'/></emitter>";
-const std::string sun_xml =
-    "<emitter type='directional'><vector name='direction' x='0.3' y='0' z='-1'/>"
-    "<rgb name='irradiance' value='0.5'/></emitter>";
+const std::string sky_xml = constant_light(0.1);
+const std::string sun_xml = emitter("directional", vector("direction", 0.3, 0, -1), rgb("irradiance", 0.5));
 
 /// Lights of every kind over a floor, some of which face away from parts of it.
 std::string mixed_lights() {
@@ -50,9 +46,7 @@ std::string mixed_lights() {
         xml += lamp_xml(Vec3(2 * x, x * x - 3, h), 0.05 * (i + 1), 1 + i);
         xml += point_xml(Vec3(x * x - 3, 3 * x, h), 0.1 * (i + 1));
     }
-    return xml +
-           "<shape type='sphere'><point name='center' x='-3' y='3' z='1'/><float name='radius' value='0.4'/>"
-           "<emitter type='area'><rgb name='radiance' value='2'/></emitter></shape>";
+    return xml + shape("sphere", center(-3, 3, 1), radius(0.4), area_light(2));
 }
 
 Vec3 random_point(const Sampler& u) { return {8 * u.get_1d(0) - 4, 8 * u.get_1d(1) - 4, 3 * u.get_1d(2)}; }
@@ -120,13 +114,10 @@ TEST(LightBounds, ImportanceFarAwayIsTheIrradiance) {
     const double r = 0.1;
     for (const auto& [xml, irradiance] :
          {Case{point_xml(Vec3(0, 0, 10), 3), 0.03}, Case{lamp_xml(Vec3(0, 0, 10), r, 5), 5 * pi_d * r * r / 100},
-          Case{"<emitter type='spot'><float name='cutoff_angle' value='30'/><float name='beam_width' value='30'/>"
-               "<rgb name='intensity' value='2'/><transform name='to_world'><lookat origin='0,0,10' target='0,0,0' "
-               "up='0,1,0'/></transform></emitter>",
+          Case{emitter("spot", number("cutoff_angle", 30), number("beam_width", 30), rgb("intensity", 2),
+                       to_world(look_at("0,0,10", "0,0,0"))),
                0.02},
-          Case{"<shape type='sphere'><point name='center' x='0' y='0' z='10'/><float name='radius' value='0.1'/>"
-               "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>",
-               5 * pi_d * r * r / 100}}) {
+          Case{shape("sphere", center(0, 0, 10), radius(0.1), area_light(5)), 5 * pi_d * r * r / 100}}) {
         const auto loaded = load(floor_xml + xml);
         const Scene& scene = *loaded.scene;
         const Vec3 below = bounds_of(scene.lights()[0], scene.shapes()).center.cast<float>() - Vec3(0, 0, 10);
@@ -231,10 +222,7 @@ Moments moments_at(const Scene& scene, const Vec3& p, const Vec3& n, int samples
 }
 
 TEST(LightTree, ASpotUnderADimSkyIsSampledBetterThanByAnEvenChoice) {
-    const auto loaded = load(
-        "<shape type='rectangle'><transform name='to_world'><scale value='100'/></transform>"
-        "</shape>" +
-        sky_xml + spot_xml(20, 80));
+    const auto loaded = load(shape("rectangle", to_world(scale(100))) + sky_xml + spot_xml(20, 80));
     const Scene& scene = *loaded.scene;
     // The spot ends 1.46 from x = 1. Where it is dim, the sky must not be chosen too rarely.
     for (float x = -3.f; x <= 5.f; x += 0.0625f) {

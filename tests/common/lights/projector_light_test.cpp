@@ -8,11 +8,9 @@ namespace gib::test::projector_light_test {
 namespace {
 
 /// A black ball far behind the projectors of these tests, since a scene needs a surface.
-const std::string ball = "<shape type='sphere'><point name='center' x='0' y='0' z='-50'/></shape>";
+const std::string ball = shape("sphere", center(0, 0, -50));
 
-std::string projector(const std::string& parameters) {
-    return "<emitter type='projector'>" + parameters + "</emitter>";
-}
+std::string projector(const std::string& parameters) { return emitter("projector", parameters); }
 
 /// The sum of the irradiances [W/m^2] at p on a surface of normal n. `p` is in the file's coordinates.
 Color irradiance(const Scene& scene, const Vec3& p_file, const Vec3& n) {
@@ -25,8 +23,7 @@ Color irradiance(const Scene& scene, const Vec3& p_file, const Vec3& n) {
 
 // A plane across the axis at distance z receives pi B scale / z^2 everywhere within the image, and nothing beside it.
 TEST(ProjectorLight, IrradianceOfAPlaneIsTheImage) {
-    const auto scene = load(ball + projector("<float name='fov' value='60'/><float name='scale' value='3'/><rgb "
-                                             "name='irradiance' value='2, 1, 0.5'/>"));
+    const auto scene = load(ball + projector(number("fov", 60) + number("scale", 3) + rgb("irradiance", "2, 1, 0.5")));
     const float edge = std::tan(30.f * pi / 180.f);
     for (const float z : {1.f, 4.f})
         for (const float x : {-0.99f, -0.3f, 0.f, 0.99f})
@@ -47,18 +44,17 @@ TEST(ProjectorLight, ThrowsItsImageAsACameraTakesIt) {
     const TemporaryFolder folder;
     const Image image = image_of(6, 4, noise);
     write_exr(folder / "slide.exr", {{{"", image}}, {}});
-    const std::string pose =
-        "<transform name='to_world'><lookat origin='1, 2, 3' target='2, 2.5, 2' up='0, 1, 0.3'/></transform>";
-    for (const std::string& view : {std::string("<float name='fov' value='50'/>"),
-                                    std::string("<float name='fov' value='50'/><string name='fov_axis' value='y'/>"),
-                                    std::string("<string name='focal_length' value='35mm'/>")}) {
+    const std::string pose = to_world(look_at("1, 2, 3", "2, 2.5, 2", "0, 1, 0.3"));
+    for (const std::string& view :
+         {std::string(number("fov", 50)), std::string(number("fov", 50) + text("fov_axis", "y")),
+          std::string(text("focal_length", "35mm"))}) {
         const auto scene = scene_of(scene_xml(
-            "<sensor type='perspective'>" + view + pose +
-            "<film type='hdrfilm'><integer name='width' value='6'/><integer name='height' value='4'/><rfilter "
-            "type='box'/></film></sensor>" +
+            element("sensor", "perspective", view, pose,
+                    element("film", "hdrfilm", integer("width", 6), integer("height", 4), element("rfilter", "box"))) +
             ball +
-            projector(view + pose + "<texture type='bitmap' name='irradiance'><string name='filename' value='" +
-                      (folder / "slide.exr") + "'/><string name='filter_type' value='nearest'/></texture>")));
+            projector(view + pose +
+                      named("texture", "irradiance", "bitmap", filename((folder / "slide.exr")),
+                            text("filter_type", "nearest")))));
         const Sensor& camera = scene.scene->sensor();
         const auto& light = std::get<ProjectorLight>(scene.scene->lights()[0]);
         EXPECT_TRUE(light.is_textured());
@@ -81,16 +77,10 @@ TEST(ProjectorLight, ThrowsItsImageAsACameraTakesIt) {
 
 /// A white screen at distance 2 in front of a projector, seen by a camera beside the projector, and a grey wall.
 LoadedScene room() {
-    return scene_of(scene_xml(
-        "<sensor type='perspective'><float name='fov' value='30'/><transform name='to_world'><lookat origin='0, 0, 0' "
-        "target='0, 0, 2' up='0, 1, 0'/></transform>" +
-        box_film(8) +
-        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/><translate z='2'/></transform>" +
-        diffuse(0.5) +
-        "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='90'/><translate x='2' "
-        "z='1'/></transform>" +
-        diffuse(0.8) + "</shape>" +
-        projector("<float name='fov' value='80'/><rgb name='irradiance' value='4'/>")));
+    return scene_of(scene_xml(camera(30, to_world(look_at("0, 0, 0", "0, 0, 2")), box_film(8)) +
+                              shape("rectangle", to_world(scale(3), translate(0, 0, 2)), diffuse(0.5)) +
+                              shape("rectangle", to_world(rotate('y', 90), translate(2, 0, 1)), diffuse(0.8)) +
+                              projector(number("fov", 80) + rgb("irradiance", 4))));
 }
 
 class ProjectedLight : public testing::TestWithParam<std::string> {};

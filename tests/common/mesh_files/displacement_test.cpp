@@ -175,12 +175,8 @@ MeshData mesh_of(const LoadedScene& loaded) {
     return data;
 }
 
-std::string shape(const std::string& type, const std::string& body) {
-    return "<shape type='" + type + "'>" + body + "</shape>";
-}
-std::string number(const std::string& name, const std::string& value) {
-    return "<float name='" + name + "' value='" + value + "'/>";
-}
+std::string shape(const std::string& type, const std::string& body) { return shape(type, body); }
+std::string number(const std::string& name, const std::string& value) { return number(name, value); }
 
 TEST(DisplacedShape, ACubeStaysClosedAndItsEdgesSharp) {
     const MeshData mesh =
@@ -210,10 +206,8 @@ const std::string ramp_picture =
 TEST(DisplacedShape, ATextureTiltsARectangle) {
     const TemporaryFolder folder;
     folder.write("ramp.hdr", ramp_picture);
-    const std::string ramp =
-        "<texture name='displacement' type='bitmap'><string name='filename' value='ramp.hdr'/><boolean name='raw' "
-        "value='true'/><string name='wrap_mode' value='clamp'/><transform name='to_uv'><scale x='0.5'/><translate "
-        "x='0.25'/></transform></texture>";
+    const std::string ramp = named("texture", "displacement", "bitmap", filename("ramp.hdr"), flag("raw"),
+                                   text("wrap_mode", "clamp"), to_uv(scale(0.5, 1, 1), translate(0.25, 0, 0)));
     const auto displaced = [&](const std::string& more) {
         return mesh_of(load_scene(folder.write("s.xml", scene_with(shape("rectangle", ramp + more)))));
     };
@@ -225,14 +219,13 @@ TEST(DisplacedShape, ATextureTiltsARectangle) {
         EXPECT_NEAR(mesh.positions[i].z(), 0.75 * mesh.positions[i].x(), 1e-5);
         EXPECT_LT((mesh.normals[i] - Vec3(-0.6f, 0, 0.8f)).norm(), 1e-3f);
     }
-    const MeshData turned =
-        displaced(number("displacement_scale", "1.5") + "<boolean name='flip_normals' value='true'/>");
+    const MeshData turned = displaced(number("displacement_scale", "1.5") + flag("flip_normals"));
     for (const Vec3d& p : turned.positions)
         EXPECT_NEAR(p.z(), -0.75 * p.x(), 1e-5);
 }
 
 TEST(DisplacedShape, TheMidlevelStaysInPlace) {
-    const std::string ball = "<shape type='sphere'><point name='center' x='0' y='0' z='9'/></shape>";
+    const std::string ball = shape("sphere", center(0, 0, 9));
     const auto height = [&](const std::string& body) {
         const auto loaded = load(shape("rectangle", body) + ball);
         return mesh_of(loaded).positions[0].z() - double{std::get<Sphere>(loaded.scene->shapes()[1]).center.z()} + 9;
@@ -248,10 +241,8 @@ TEST(DisplacedShape, FaceNormalsStayFacets) {
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const auto mesh = [&](const std::string& value) {
         return mesh_of(load_scene(
-            folder.write("s.xml", scene_with(shape("obj",
-                                                         "<string name='filename' value='m.obj'/><boolean "
-                                                         "name='face_normals' value='" +
-                                                             value + "'/>" + number("displacement", "1"))))));
+            folder.write("s.xml", scene_with(shape("obj", filename("m.obj") + "<boolean name='face_normals' value='" +
+                                                              value + "'/>" + number("displacement", "1"))))));
     };
     EXPECT_TRUE(mesh("true").normals.empty());
     EXPECT_FALSE(mesh("false").normals.empty());
@@ -268,10 +259,8 @@ TEST(DisplacedShape, ErrorsNameThePlace) {
                 StartsWith("test.xml:3:1: shape 'cube' does not take a parameter 'displacement_edge'"));
     const TemporaryFolder folder;
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const std::string path =
-        folder.write("s.xml", scene_with(shape("obj",
-                                                     "<string name='filename' value='m.obj'/>\n<texture "
-                                                     "name='displacement' type='checkerboard'/>")));
+    const std::string path = folder.write(
+        "s.xml", scene_with(shape("obj", filename("m.obj") + "\n" + named("texture", "displacement", "checkerboard"))));
     EXPECT_THAT(input_error_of([&] { load_scene(path); }),
                 HasSubstr("s.xml:3:1: the displacement is a texture, but the mesh has no texture coordinates"));
 }

@@ -75,8 +75,7 @@ TEST(PlyAttributes, MustBeFinite) {
 }
 
 std::string attribute(const std::string& parameter, const std::string& name, const std::string& more = "") {
-    return "<texture type='mesh_attribute' name='" + parameter + "'><string name='name' value='" + name + "'/>" + more +
-           "</texture>";
+    return named("texture", parameter, "mesh_attribute", text("name", name), more);
 }
 std::string diffuse(const std::string& reflectance, const std::string& id = "") {
     return "<bsdf type='diffuse'" + (id.empty() ? "" : " id='" + id + "'") + ">" + reflectance + "</bsdf>";
@@ -95,12 +94,9 @@ protected:
     }
 
     static std::string square(const std::string& body, const std::string& file = "square.ply") {
-        return "<shape type='ply'><string name='filename' value='" + file +
-               "'/><boolean name='face_normals' value='true'/>" + body + "</shape>";
+        return shape("ply", filename(file), flag("face_normals"), body);
     }
-    LoadedScene load(const std::string& body) const {
-        return load_scene(folder_.write("s.xml", scene_with(body)));
-    }
+    LoadedScene load(const std::string& body) const { return load_scene(folder_.write("s.xml", scene_with(body))); }
     std::string error_of(const std::string& body) const {
         return input_error_of([&] { load(body); });
     }
@@ -123,8 +119,7 @@ void expect_color(const Color& actual, const Color& expected, const char* what) 
 
 TEST_F(MeshAttributeTextures, VertexColorsAreInterpolated) {
     const auto loaded = load(square(diffuse(attribute("reflectance", "vertex_color"))));
-    const auto scaled =
-        load(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='0.5'/>"))));
+    const auto scaled = load(square(diffuse(attribute("reflectance", "vertex_color", number("scale", 0.5)))));
     const auto heat = load(square(diffuse(attribute("reflectance", "vertex_heat"))));
     // On this square red is x and green is y, on both triangles.
     for (const auto& [x, y] : {std::pair(0.1f, 0.3f), std::pair(0.8f, 0.3f), std::pair(0.95f, 0.9f)}) {
@@ -141,9 +136,9 @@ TEST_F(MeshAttributeTextures, FaceColorsAreConstantOnAFace) {
 }
 
 TEST_F(MeshAttributeTextures, ASharedBsdfTakesTheAttributeOfEachMesh) {
-    const std::string away = "<transform name='to_world'><translate x='2'/></transform>";
-    const auto loaded = load(diffuse(attribute("reflectance", "vertex_color"), "paint") + square("<ref id='paint'/>") +
-                             square("<ref id='paint'/>" + away, "other.ply"));
+    const std::string away = to_world(translate(2, 0, 0));
+    const auto loaded = load(diffuse(attribute("reflectance", "vertex_color"), "paint") + square(reference("paint")) +
+                             square(reference("paint") + away, "other.ply"));
     const Vec3 center(1.5f, 0.5f, 0);
     expect_color(reflectance_at(loaded, 0.25f, 0.75f, center), Color(0.25f, 0.75f, 0.5f), "first");
     expect_color(reflectance_at(loaded, 2.25f, 0.75f, center), Color(0.75f, 0.25f, 0.5f), "second");
@@ -152,16 +147,13 @@ TEST_F(MeshAttributeTextures, ASharedBsdfTakesTheAttributeOfEachMesh) {
 
 TEST_F(MeshAttributeTextures, InstancesShowTheAttributesOfTheirGroup) {
     const auto loaded =
-        load("<shape type='shapegroup' id='g'>" + square(diffuse(attribute("reflectance", "vertex_color"))) +
-             "</shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale "
-             "value='2'/></transform></shape>");
+        load(with_id("shape", "shapegroup", "g", square(diffuse(attribute("reflectance", "vertex_color")))) +
+             shape("instance", reference("g"), to_world(scale(2))));
     expect_color(reflectance_at(loaded, 0.5f, 1.5f, Vec3(1, 1, 0)), Color(0.25f, 0.75f, 0.5f), "instance");
 }
 
 TEST_F(MeshAttributeTextures, LampsEmitTheAttribute) {
-    const auto loaded =
-        load(square("<emitter type='area'>" + attribute("radiance", "vertex_color", "<float name='scale' value='8'/>") +
-                    "</emitter>"));
+    const auto loaded = load(square(emitter("area", attribute("radiance", "vertex_color", number("scale", 8)))));
     expect_color(hit_at(loaded, 0.25f, 0.75f).Le(Vec3::UnitZ()) / 8, Color(0.25f, 0.75f, 0.5f), "hit");
     // The mean radiance is (4, 4, 4) over an area of 1; the power is pi times that.
     const Colord power = loaded.scene->emitted_power();
@@ -186,30 +178,27 @@ TEST_F(MeshAttributeTextures, ErrorsNameThePlace) {
                           "face_color"));
     EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "paint")))),
                 HasSubstr("the name of an attribute begins with 'vertex_' or 'face_', not 'paint'"));
-    EXPECT_THAT(error_of("<shape type='sphere'>" + diffuse(attribute("reflectance", "vertex_color")) + "</shape>"),
+    EXPECT_THAT(error_of(shape("sphere", diffuse(attribute("reflectance", "vertex_color")))),
                 HasSubstr("there is no attribute 'vertex_color' here"));
-    EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='2'/>")))),
+    EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "vertex_color", number("scale", 2))))),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
     std::string bright = painted_square;
     bright.replace(bright.find("0 0 0 0 0 0.5 0.25"), 18, "0 0 0 0 0 1e30 0.25");
     folder_.write("square.ply", bright);
-    EXPECT_THAT(
-        error_of(square("<emitter type='area'>" +
-                        attribute("radiance", "vertex_color", "<float name='scale' value='1e30'/>") + "</emitter>")),
-        HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
+    EXPECT_THAT(error_of(square(emitter("area", attribute("radiance", "vertex_color", number("scale", 1e30))))),
+                HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
     EXPECT_EQ(error_of(diffuse(attribute("reflectance", "vertex_any"), "unused") + square("")), "no error");
 }
 
 TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
     const auto raw = [](const std::string& value) {
-        return diffuse("<texture type='rawconstant' name='reflectance'>" + value + "</texture>");
+        return diffuse(named("texture", "reflectance", "rawconstant", value));
     };
-    expect_color(reflectance_at(load(square(raw("<float name='value' value='0.25'/>"))), 0.5f, 0.4f),
-                 Color::Constant(0.25f), "float");
-    expect_color(reflectance_at(load(square(raw("<vector name='value' value='0.25, 0.5, 1'/>"))), 0.5f, 0.4f),
-                 Color(0.25f, 0.5f, 1), "vector");
+    expect_color(reflectance_at(load(square(raw(number("value", 0.25)))), 0.5f, 0.4f), Color::Constant(0.25f), "float");
+    expect_color(reflectance_at(load(square(raw(vector("value", 0.25, 0.5, 1)))), 0.5f, 0.4f), Color(0.25f, 0.5f, 1),
+                 "vector");
     EXPECT_THAT(error_of(square(raw(""))), HasSubstr("value"));
-    EXPECT_THAT(error_of(square(raw("<vector name='value' value='0.25, 0.5, 2'/>"))),
+    EXPECT_THAT(error_of(square(raw(vector("value", 0.25, 0.5, 2)))),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
 }
 

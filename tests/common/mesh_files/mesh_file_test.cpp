@@ -107,7 +107,7 @@ TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
 TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
     const TemporaryFolder folder;
     const std::string obj = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nW 1\nf 1 2 3\n");
-    const std::string shape = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
+    const std::string shape = shape("obj", filename("m.obj"));
     EXPECT_EQ(load_scene(folder.write("s.xml", scene_with(shape + shape))).warnings,
               std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
 }

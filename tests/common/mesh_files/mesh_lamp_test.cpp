@@ -46,11 +46,9 @@ TEST(LampMesh, TheLightOfASquareDoesNotDependOnItsFaces) {
     const TemporaryFolder folder;
     for (const auto& [name, text] : lamps) {
         folder.write("lamp.obj", text);
-        const auto loaded = load_scene(folder.write(
-            "s.xml",
-            scene_with("<shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>"
-                             "</shape><shape type='obj'><string name='filename' value='lamp.obj'/><emitter "
-                             "type='area'><rgb name='radiance' value='1'/></emitter></shape>")));
+        const auto loaded =
+            load_scene(folder.write("s.xml", scene_with(shape("rectangle", to_world(scale(3))) +
+                                                        shape("obj", filename("lamp.obj"), area_light(1)))));
         EXPECT_NEAR(loaded.scene->emitted_power()[0], std::numbers::pi, 1e-5) << name;
         // The form factor of two parallel unit squares at distance 1 (Howell, configuration C-11) is 0.199825.
         EXPECT_NEAR(mean_irradiance(loaded) / std::numbers::pi, 0.199825, 5e-4) << name;

@@ -204,10 +204,7 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     folder.write("m.txt", meshes + materials + bones);
     write_map(folder);
     const auto load = [&](const std::string& body) {
-        return load_scene(
-                   folder.write("s.xml", scene_with("<shape type='ms3d'><string name='filename' value='m.txt'/>" +
-                                                    body + "</shape>")))
-            .scene;
+        return load_scene(folder.write("s.xml", scene_with(shape("ms3d", filename("m.txt"), body)))).scene;
     };
     const auto albedo = [](const Scene& scene, std::size_t shape, float u = 0) {
         const MaterialPoint point{Vec2(u, 0.5f), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), Frame(Vec3::UnitZ())};
@@ -230,31 +227,28 @@ TEST(Ms3dFile, ScenesTakeEveryGroupWithItsMaterial) {
     EXPECT_GT(floor.normal_of(0).z(), 0);
     ASSERT_EQ(scene->lights().size(), 1u);  // the brass glows
     EXPECT_EQ(std::get<AreaLight>(scene->lights()[0]).radiance[2], 0.3f);
-    const auto black = load("<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>");
+    const auto black = load(bsdf("diffuse", number("reflectance", 0)));
     EXPECT_EQ(albedo(*black, 0)[1], 0.f);
     EXPECT_EQ(albedo(*black, 1)[1], 0.f);
     EXPECT_EQ(black->materials().size(), 1u);
-    const auto lamps = load("<emitter type='area'/>");
+    const auto lamps = load(emitter("area"));
     EXPECT_EQ(lamps->lights().size(), 2u);
-    const auto options = load(
-        "<boolean name='face_normals' value='true'/><boolean name='flip_normals' value='true'/>"
-        "<boolean name='flip_tex_coords' value='true'/><transform name='to_world'><scale "
-        "value='2'/></transform>");
+    const auto options =
+        load(flag("face_normals") + flag("flip_normals") + flag("flip_tex_coords") + to_world(scale(2)));
     const Mesh& changed = std::get<Mesh>(options->shapes()[0]);
     EXPECT_TRUE(changed.normals.empty());
     EXPECT_TRUE(changed.flip_normals);
     EXPECT_EQ(changed.uvs[0], Vec2(0, 0));
     EXPECT_NEAR(area_of(options->shapes()[0]), 16, 1e-5);
-    EXPECT_THROW(load("<float name='scale' value='2'/>"), InputError);
-    EXPECT_THROW(load("<integer name='shape_index' value='0'/>"), InputError);
+    EXPECT_THROW(load(number("scale", 2)), InputError);
+    EXPECT_THROW(load(integer("shape_index", 0)), InputError);
 }
 
 TEST(Ms3dFile, EmissiveMaterialsCannotBeInstanced) {
     const TemporaryFolder folder;
     folder.write("m.txt", meshes + materials + bones);
     write_map(folder);
-    const std::string group =
-        "<shape type='shapegroup'><shape type='ms3d'><string name='filename' value='m.txt'/></shape></shape>";
+    const std::string group = shape("shapegroup", shape("ms3d", filename("m.txt")));
     try {
         load_scene(folder.write("s.xml", scene_with(group)));
         ADD_FAILURE() << "no error";
@@ -269,8 +263,7 @@ TEST(Ms3dFile, GroupsOfOneMaterialShareIt) {
     text.replace(text.find("\"roof\" 1 -1"), 11, "\"roof\" 1 1");
     folder.write("m.txt", text);
     write_map(folder);
-    const auto loaded = load_scene(
-        folder.write("s.xml", scene_with("<shape type='ms3d'><string name='filename' value='m.txt'/></shape>")));
+    const auto loaded = load_scene(folder.write("s.xml", scene_with(shape("ms3d", filename("m.txt")))));
     EXPECT_EQ(loaded.scene->materials().size(), 1u);
 }
 

@@ -241,9 +241,7 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
     const TemporaryFolder folder;
     folder.write("m.serialized", file_of({Square{4, 0x1000}, Square{4, 0x1003}, Square{4, 0x1011}}));
     const auto load = [&](const std::string& body) {
-        return load_scene(folder.write("s.xml", scene_with("<shape type='serialized'><string name='filename' "
-                                                           "value='m.serialized'/>" +
-                                                           body + "</shape>")));
+        return load_scene(folder.write("s.xml", scene_with(shape("serialized", filename("m.serialized"), body))));
     };
     const auto mesh = [&](const std::string& body) { return std::get<Mesh>(load(body).scene->shapes()[0]); };
     const auto index = [](int i) { return "<integer name='shape_index' value='" + std::to_string(i) + "'/>"; };
@@ -251,14 +249,14 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
     EXPECT_LT((mesh(index(1)).normals.at(0) - Vec3(0, 0.6f, 0.8f)).norm(), 1e-6f);
     EXPECT_EQ(mesh(index(1)).uvs.at(2), Vec2(0.25f, 1));  // as stored
     EXPECT_TRUE(mesh(index(2)).normals.empty());
-    EXPECT_TRUE(mesh(index(1) + "<boolean name='face_normals' value='true'/>").normals.empty());
-    EXPECT_TRUE(mesh("<boolean name='flip_normals' value='true'/>").flip_normals);
+    EXPECT_TRUE(mesh(index(1) + flag("face_normals")).normals.empty());
+    EXPECT_TRUE(mesh(flag("flip_normals")).flip_normals);
     const auto error = [&](const std::string& body) { return input_error_of([&] { load(body); }); };
     EXPECT_THAT(error(index(-1)), HasSubstr("'shape_index' must be between 0 and"));
     EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ":1:1: shape_index 7 is out of range"));
-    EXPECT_THAT(error("<boolean name='flip_tex_coords' value='true'/>"),
+    EXPECT_THAT(error(flag("flip_tex_coords")),
                 HasSubstr("shape 'serialized' does not take a parameter 'flip_tex_coords'"));
-    EXPECT_THAT(error("<float name='shape_index' value='1'/>"), HasSubstr("'shape_index' cannot be a <float>"));
+    EXPECT_THAT(error(number("shape_index", 1)), HasSubstr("'shape_index' cannot be a <float>"));
 }
 
 }  // namespace

@@ -15,18 +15,14 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr double degree = std::numbers::pi / 180;
-const std::string ball = "<shape type='sphere'/>\n";
+const std::string ball = shape("sphere") + "\n";
 
-std::string number(const std::string& name, double value) {
-    return "<float name='" + name + "' value='" + std::to_string(value) + "'/>";
-}
+std::string number(const std::string& name, double value) { return number(name, std::to_string(value)); }
 std::string sun_at(double x, double y, double z) {
     return "<vector name='sun_direction' value='" + std::to_string(x) + " " + std::to_string(y) + " " +
            std::to_string(z) + "'/>";
 }
-std::string emitter(const std::string& type, const std::string& parameters) {
-    return "<emitter type='" + type + "'>\n" + parameters + "</emitter>";
-}
+std::string emitter(const std::string& type, const std::string& parameters) { return emitter(type, "\n", parameters); }
 LoadedScene lit_by(const std::string& type, const std::string& parameters) {
     return load(ball + emitter(type, parameters));
 }
@@ -63,7 +59,7 @@ TEST(DaylightEmitters, ASkyHasTheFormulasRadianceAndIsBlackBelowTheHorizon) {
 
 // The sky of a scene with y upwards: to_world turns it, and sun_direction stays in world space.
 TEST(DaylightEmitters, ToWorldTurnsTheSkyButNotTheSunsDirection) {
-    const std::string y_up = "<transform name='to_world'><rotate x='1' angle='-90'/></transform>";
+    const std::string y_up = to_world(rotate('x', -90));
     const LoadedScene turned = lit_by("sunsky", y_up + sun_at(1, 2, 0.5)),
                       straight = lit_by("sunsky", sun_at(1, -0.5, 2));
     for (double theta : {10.0, 70.0, 120.0})
@@ -179,25 +175,24 @@ TEST(DaylightEmitters, WarnOfWhatDiffersFromMitsuba) {
 }
 
 TEST(DaylightEmitters, Errors) {
-    EXPECT_EQ(error_of("sunsky", "<rgb name='albedo' value='0.2'/><integer name='resolution' value='64'/>"),
-              "no error");
+    EXPECT_EQ(error_of("sunsky", rgb("albedo", 0.2) + integer("resolution", 64)), "no error");
     const auto expect = [](const std::string& type, const std::string& parameters, const std::string& message) {
         EXPECT_THAT(error_of(type, parameters), StartsWith("t.xml:4:")) << parameters;
         EXPECT_THAT(error_of(type, parameters), HasSubstr(message)) << parameters;
     };
     expect("sky", number("turbidity", 0.5), "'turbidity' must be between 1 and 10");
-    expect("sky", "<rgb name='albedo' value='1.2'/>", "'albedo'");
+    expect("sky", rgb("albedo", 1.2), "'albedo'");
     expect("sky", number("hour", 25), "'hour' must be between 0 and 24");
-    expect("sky", "<integer name='month' value='2'/><integer name='day' value='30'/>", "month 2 of 2010 has no day 30");
+    expect("sky", integer("month", 2) + integer("day", 30), "month 2 of 2010 has no day 30");
     expect("sky", number("hour", 5) + sun_at(1, 0, 0), "give either");
     expect("sky", sun_at(0, 0, 0), "'sun_direction' must not be zero");
     expect("sky", number("sun_scale", 1), "does not take a parameter 'sun_scale'");
     expect("sun", number("sky_scale", 1), "does not take a parameter 'sky_scale'");
     expect("sun", number("sun_radius_scale", 1e-3), "it must be 0, or between 0.01 and 180");
     expect("sunsky", number("stretch", 3), "'stretch' must be between 1 and 2");
-    expect("sunsky", "<transform name='to_world'><scale x='2'/></transform>", "must not scale or shear");
+    expect("sunsky", to_world(scale(2, 1, 1)), "must not scale or shear");
     EXPECT_THAT(error_of("sunsky", number("sun_scale", 1e38)), HasSubstr("t.xml:3:1: the light is too bright"));
-    EXPECT_THAT(input_error_of([&] { load(ball + emitter("sky", "") + "<emitter type='constant'/>"); }),
+    EXPECT_THAT(input_error_of([&] { load(ball + emitter("sky", "") + emitter("constant")); }),
                 HasSubstr("only one environment"));
 }
 

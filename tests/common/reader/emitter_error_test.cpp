@@ -175,8 +175,7 @@ TEST(EmitterFiles, AreInTheContentHash) {
     const TemporaryFolder folder;
     const auto hash = [&](float value) {
         write_exr(folder / "map.exr", {{{"", image_of(4, 3, [&](int, int) { return Color::Constant(value); })}}, {}});
-        return parse_scene(scene_with(emitter("envmap", "<string name='filename' value='map.exr'/>")),
-                           folder / "t.xml")
+        return parse_scene(scene_with(emitter("envmap", "<string name='filename' value='map.exr'/>")), folder / "t.xml")
             .content_hash;
     };
     EXPECT_EQ(hash(1), hash(1));

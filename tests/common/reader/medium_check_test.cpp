@@ -13,13 +13,14 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-const std::string fog = "<medium type='homogeneous' id='fog'/>\n", core = "<medium type='homogeneous' id='core'/>\n";
-const std::string sky = "<emitter type='constant'/>\n";
+const std::string fog = with_id("medium", "homogeneous", "fog") + "\n",
+                  core = with_id("medium", "homogeneous", "core") + "\n";
+const std::string sky = emitter("constant") + "\n";
 
 std::string sphere(double radius, double z, const std::string& media) {
-    return "<shape type='sphere'><float name='radius' value='" + std::to_string(radius) +
-           "'/><transform name='to_world'><translate z='" + std::to_string(z) + "'/></transform><bsdf type='null'/>" +
-           media + "</shape>\n";
+    return shape("sphere", number("radius", std::to_string(radius)),
+                 to_world("<translate z='", std::to_string(z), "'/>"), bsdf("null"), media) +
+           "\n";
 }
 std::string side(const std::string& name, const std::string& medium) {
     return "<ref name='" + name + "' id='" + medium + "'/>";
@@ -49,23 +50,21 @@ TEST(MediumContradictions, AnInnerBoundaryThatDoesNotNameItsOutside) {
 
 TEST(MediumContradictions, LightFromInfinityInAMediumWithoutABoundary) {
     const auto warnings = [](const std::string& more) {
-        const std::string camera_in_fog = fog + "<sensor type='perspective'><ref id='fog'/></sensor>\n";
+        const std::string camera_in_fog = fog + element("sensor", "perspective", reference("fog")) + "\n";
         return parse_scene("<scene version='3.0.0'>" + camera_in_fog + sphere(1, 3, "") + more + "</scene>", "test.xml",
                            {})
             .warnings;
     };
     EXPECT_THAT(warnings(sky),
                 ElementsAre(HasSubstr("medium 'fog' has no boundary around the scene, so that no light")));
-    EXPECT_THAT(warnings("<emitter type='point'><point name='position' value='0, 0, 2'/></emitter>"), IsEmpty());
+    EXPECT_THAT(warnings(emitter("point", point("position", 0, 0, 2))), IsEmpty());
     EXPECT_THAT(warnings(sky + sphere(5, 0, side("interior", "fog"))), IsEmpty());
 }
 
 // The camera's rays end at a wall. Only those of the lamp behind it reach the media.
 TEST(MediumContradictions, OnTheWayOfALampAlone) {
-    const std::string wall =
-        "<shape type='rectangle'><transform name='to_world'><scale value='3'/><translate "
-        "z='1'/></transform><bsdf type='diffuse'/></shape>\n";
-    const std::string lamp = "<emitter type='point'><point name='position' value='0, 0, 2'/></emitter>\n";
+    const std::string wall = shape("rectangle", to_world(scale(3), translate(0, 0, 1)), bsdf("diffuse")) + "\n";
+    const std::string lamp = emitter("point", point("position", 0, 0, 2)) + "\n";
     const std::string outer = sphere(2, 5, side("interior", "fog"));
     EXPECT_THAT(warnings_of(fog + core + wall + lamp + outer + sphere(1.8, 5, side("interior", "core"))),
                 Contains(HasSubstr("rays of the lamp arrive here in medium 'fog'")));
@@ -76,16 +75,12 @@ TEST(MediumContradictions, OnTheWayOfALampAlone) {
 
 /// Rectangle after rectangle of the box [-1, 1]^3, shifted to z = 5.
 std::string box_of_rectangles(int count, const std::string& media) {
-    const std::string turns[] = {"",
-                                 "<rotate y='1' angle='180'/>",
-                                 "<rotate y='1' angle='90'/>",
-                                 "<rotate y='1' angle='270'/>",
-                                 "<rotate x='1' angle='90'/>",
-                                 "<rotate x='1' angle='270'/>"};
+    const std::string turns[] = {
+        "", rotate('y', 180), rotate('y', 90), rotate('y', 270), rotate('x', 90), rotate('x', 270)};
     std::string body;
     for (int i = 0; i < count; ++i)
-        body += "<shape type='rectangle'><transform name='to_world'><translate z='1'/>" + turns[i] +
-                "<translate z='5'/></transform><bsdf type='null'/>" + media + "</shape>\n";
+        body +=
+            shape("rectangle", to_world(translate(0, 0, 1), turns[i], translate(0, 0, 5)), bsdf("null"), media) + "\n";
     return body;
 }
 
@@ -93,11 +88,7 @@ TEST(OpenBoundaries, AreMeshesWithEdgesOfOneTriangle) {
     const std::string inside = side("interior", "fog");
     EXPECT_THAT(warnings_of(fog + box_of_rectangles(1, inside)),
                 Contains(StartsWith("test.xml:3:1: the boundary of medium 'fog' is open: 4 of its edges")));
-    EXPECT_THAT(warnings_of(fog +
-                            "<shape type='cube'><transform name='to_world'><translate z='5'/></transform><bsdf "
-                            "type='null'/>" +
-                            inside + "</shape>"),
-                IsEmpty());
+    EXPECT_THAT(warnings_of(fog + shape("cube", to_world(translate(0, 0, 5)), bsdf("null"), inside)), IsEmpty());
     EXPECT_THAT(warnings_of(fog + box_of_rectangles(6, inside)), IsEmpty());
     // Behind a floor there is no medium that could get out.
     EXPECT_THAT(warnings_of(fog + box_of_rectangles(1, side("exterior", "fog"))), IsEmpty());

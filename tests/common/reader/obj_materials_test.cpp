@@ -29,9 +29,7 @@ protected:
         return parse_scene("<scene version='" + version + "'>\n" + sensor_xml + shape(bsdfs) + "</scene>",
                            folder_ / "s.xml");
     }
-    static std::string shape(const std::string& bsdfs) {
-        return "<shape type='obj'><string name='filename' value='m.obj'/>" + bsdfs + "</shape>";
-    }
+    static std::string shape(const std::string& bsdfs) { return shape("obj", filename("m.obj"), bsdfs); }
     /// The reflectance of the square whose middle is at x.
     static float at(const LoadedScene& loaded, float x) {
         const auto hit = loaded.scene->intersect(Ray{Vec3(x - 1.5f, 0, 1), -Vec3::UnitZ()});  // the scene is recentred
@@ -55,11 +53,10 @@ TEST_F(ObjMaterials, OfOlderScenesMayHaveCapitals) {
 }
 
 TEST_F(ObjMaterials, TakeReferences) {
-    const LoadedScene scene =
-        parse_scene("<scene version='0.6.0'>" + sensor_xml +
-                        "<bsdf type='diffuse' id='a'><float name='reflectance' value='0.3'/></bsdf>" +
-                        shape("<ref id='a' name='Wood_A'/>" + diffuse("glass", 0.1)) + "</scene>",
-                    folder_ / "s.xml");
+    const LoadedScene scene = parse_scene("<scene version='0.6.0'>" + sensor_xml +
+                                              with_id("bsdf", "diffuse", "a", number("reflectance", 0.3)) +
+                                              shape("<ref id='a' name='Wood_A'/>" + diffuse("glass", 0.1)) + "</scene>",
+                                          folder_ / "s.xml");
     EXPECT_EQ(squares(scene), (std::vector{0.3f, 0.1f, 0.3f}));
 }
 
@@ -89,16 +86,14 @@ TEST_F(ObjMaterials, DoNotMatterToOneBsdfWithAnotherName) {
 }
 
 TEST(ShapeErrors, SecondBsdf) {
-    EXPECT_THAT(input_error_of(
-                    [] { test::load("<shape type='sphere'><bsdf type='null'/>\n<bsdf type='null'/></shape>"); }),
+    EXPECT_THAT(input_error_of([] { test::load(shape("sphere", bsdf("null"), "\n", bsdf("null"))); }),
                 HasSubstr("test.xml:3:1: <shape> can hold only one <bsdf>"));
 }
 
 TEST(MergedShapes, AreThoseInTheMerge) {
-    const auto loaded = test::load(
-        "<shape type='merge'><shape type='cube'/><shape type='rectangle'><bsdf type='null'/></shape></shape>");
+    const auto loaded = test::load(shape("merge", shape("cube"), shape("rectangle", bsdf("null"))));
     EXPECT_EQ(loaded.scene->shapes().size(), 2u);
-    EXPECT_THAT(input_error_of([] { test::load("<shape type='merge'>\n<shape type='merge'/></shape>"); }),
+    EXPECT_THAT(input_error_of([] { test::load(shape("merge", "\n", shape("merge"))); }),
                 HasSubstr("test.xml:3:1: a merge cannot hold a shape 'merge'"));
 }
 

@@ -10,7 +10,7 @@
 namespace gib::test::scene_file_test {
 namespace {
 
-const std::string ball = "<shape type='sphere'/>";
+const std::string ball = shape("sphere");
 
 /// The hit of a ray in the file's coordinates; those of the loaded scene are relative to the centre of its bounds.
 std::optional<SurfaceHit> hit(const LoadedScene& loaded, const Vec3& o, const Vec3& d, const Vec3& center) {
@@ -23,8 +23,8 @@ Ray camera_ray(const std::string& sensor, int x, int y) {
 }
 
 std::string film(int width, int height) {
-    return "<film type='hdrfilm'><integer name='width' value='" + std::to_string(width) +
-           "'/><integer name='height' value='" + std::to_string(height) + "'/><rfilter type='box'/></film>";
+    return element("film", "hdrfilm", "<integer name='width' value='", std::to_string(width),
+                   "'/><integer name='height' value='", std::to_string(height), "'/>", element("rfilter", "box"));
 }
 
 void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
@@ -33,20 +33,18 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
 
 Vec3 center_of_disk(const std::string& operations) {
     // The transform also moves the scene's origin, but the normal of the disk does not depend on it.
-    const auto loaded = load("<shape type='disk'><transform name='to_world'>" + operations + "</transform></shape>");
+    const auto loaded = load(shape("disk", to_world(operations)));
     return std::get<Disk>(loaded.scene->shapes()[0]).normal;
 }
 
 TEST(SceneFile, TransformsApplyInDocumentOrder) {
     const auto bounds_of_order = [](const std::string& a, const std::string& b) {
-        const auto loaded = load("<shape type='sphere'/><shape type='sphere'><transform name='to_world'>" + a + b +
-                                 "</transform></shape>");
+        const auto loaded = load(shape("sphere") + shape("sphere", to_world(a, b)));
         const auto& first = std::get<Sphere>(loaded.scene->shapes()[0]);
         const auto& second = std::get<Sphere>(loaded.scene->shapes()[1]);
         return Vec3(second.center - first.center);
     };
-    const std::string translate = "<translate x='1'/>", scale = "<scale value='3'/>",
-                      turn = "<rotate z='1' angle='90'/>";
+    const std::string translate = translate(1, 0, 0), scale = scale(3), turn = rotate('z', 90);
     expect_near(bounds_of_order(translate, scale), Vec3(3, 0, 0));
     expect_near(bounds_of_order(scale, translate), Vec3(1, 0, 0));
     expect_near(bounds_of_order(translate, turn), Vec3(0, 1, 0));
@@ -56,15 +54,14 @@ TEST(SceneFile, TransformsApplyInDocumentOrder) {
 }
 
 TEST(SceneFile, LookatTurnsTheZAxisToTheTarget) {
-    expect_near(center_of_disk("<lookat origin='0,0,0' target='5,0,0' up='0,0,1'/>"), Vec3(1, 0, 0));
+    expect_near(center_of_disk(look_at("0,0,0", "5,0,0", "0,0,1")), Vec3(1, 0, 0));
     expect_near(center_of_disk("<lookat origin='1 2 3' target='1 2 1'/>"), Vec3(0, 0, -1));
 }
 
 TEST(SceneFile, CameraRaysFollowTheFieldOfView) {
     // An image of 4 x 2 seen along +z with x to the left: pixel centres at (3/4, 1/2) of the half extents.
     const auto sensor = [](const std::string& axis, double fov) {
-        return "<sensor type='perspective'><string name='fov_axis' value='" + axis + "'/><float name='fov' value='" +
-               std::to_string(fov) + "'/>" + film(4, 2) + "</sensor>";
+        return element("sensor", "perspective", text("fov_axis", axis), number("fov", std::to_string(fov)), film(4, 2));
     };
     const auto expected = [](double half_width) {
         return Vec3d(0.75 * half_width, 0.5 * half_width / 2, 1).normalized().cast<float>().eval();
@@ -76,13 +73,10 @@ TEST(SceneFile, CameraRaysFollowTheFieldOfView) {
     expect_near(camera_ray(sensor("diagonal", 90), 0, 0).d, expected(2 / std::sqrt(5.0)));
     // The default is 35 mm film: a diagonal of 43.27 mm, seen from 50 mm.
     const double half_diagonal = std::hypot(36, 24) / 100;
-    expect_near(camera_ray("<sensor type='perspective'>" + film(4, 2) + "</sensor>", 0, 0).d,
+    expect_near(camera_ray(element("sensor", "perspective", film(4, 2)), 0, 0).d,
                 expected(half_diagonal * 2 / std::sqrt(5.0)));
-    expect_near(
-        camera_ray("<sensor type='perspective'><string name='focal_length' value='100mm'/>" + film(4, 2) + "</sensor>",
-                   0, 0)
-            .d,
-        expected(half_diagonal / std::sqrt(5.0)));
+    expect_near(camera_ray(element("sensor", "perspective", text("focal_length", "100mm"), film(4, 2)), 0, 0).d,
+                expected(half_diagonal / std::sqrt(5.0)));
     const Vec3 last = camera_ray(sensor("x", 90), 3, 1).d;
     expect_near(last, expected(1).cwiseProduct(Vec3(-1, -1, 1)));
 }
@@ -101,10 +95,7 @@ TEST(SceneFile, ClipDistancesActOnlyIfGiven) {
 
 TEST(SceneFile, OrthographicSensorsAreScaledByTheirTransform) {
     const Ray ray = camera_ray(
-        "<sensor type='orthographic'><transform name='to_world'><scale x='10' y='10'/>"
-        "<translate z='-5'/></transform>" +
-            film(2, 2) + "</sensor>",
-        0, 0);
+        element("sensor", "orthographic", to_world(scale(10, 10, 1), translate(0, 0, -5)), film(2, 2)), 0, 0);
     expect_near(ray.o, Vec3(5, 5, -5));
     expect_near(ray.d, Vec3(0, 0, 1));
 }
@@ -118,23 +109,21 @@ TEST(SceneFile, ResolutionOverridesTheFilm) {
 TEST(SceneFile, IntegratorsGiveTheLongestPath) {
     const auto edges = [](const std::string& integrator) { return load(integrator + ball).max_edges; };
     const auto path = [](const std::string& depth) {
-        return "<integrator type='path'><integer name='max_depth' value='" + depth +
-               "'/><integer name='rr_depth' value='9'/></integrator>";
+        return element("integrator", "path", "<integer name='max_depth' value='", depth, "'/>", integer("rr_depth", 9));
     };
     EXPECT_EQ(edges(""), INT_MAX);
-    EXPECT_EQ(edges("<integrator type='path'/>"), INT_MAX);
+    EXPECT_EQ(edges(element("integrator", "path")), INT_MAX);
     EXPECT_EQ(edges(path("-1")), INT_MAX);
     EXPECT_EQ(edges(path("0")), 0);
     EXPECT_EQ(edges(path("17")), 17);
-    EXPECT_EQ(edges("<integrator type='direct'><integer name='emitter_samples' value='4'/></integrator>"), 2);
-    EXPECT_EQ(edges("<integrator type='moment'>" + path("6") + "</integrator>"), 6);
+    EXPECT_EQ(edges(element("integrator", "direct", integer("emitter_samples", 4))), 2);
+    EXPECT_EQ(edges(element("integrator", "moment", path("6"))), 6);
 }
 
 TEST(SceneFile, ParametersReplaceDefaults) {
     const std::string body =
-        "<default name='r' value='2'/><default name='r' value='9'/><default name='rx' value='4'/>"
-        "<shape type='sphere'><float name='radius' value='$r'/></shape>"
-        "<shape type='sphere'><float name='radius' value='$rx'/></shape>";
+        "<default name='r' value='2'/><default name='r' value='9'/><default name='rx' value='4'/>" +
+        shape("sphere", number("radius", "$r")) + shape("sphere", number("radius", "$rx"));
     const auto radius = [](const LoadedScene& l, std::size_t i) {
         return std::get<Sphere>(l.scene->shapes()[i]).radius;
     };
@@ -144,11 +133,9 @@ TEST(SceneFile, ParametersReplaceDefaults) {
 }
 
 TEST(SceneFile, ReferencesShareOneMaterial) {
-    const auto loaded = load(
-        "<shape type='sphere'><ref id='b'/></shape>"
-        "<bsdf type='diffuse' id='a'><rgb name='reflectance' value='0.1, 0.2 0.3'/></bsdf>"
-        "<alias id='a' as='b'/>"
-        "<shape type='sphere'><ref name='bsdf' id='a'/></shape>");
+    const auto loaded =
+        load(shape("sphere", reference("b")) + with_id("bsdf", "diffuse", "a", rgb("reflectance", "0.1, 0.2 0.3")) +
+             "<alias id='a' as='b'/>" + shape("sphere", "<ref name='bsdf' id='a'/>"));
     ASSERT_EQ(loaded.scene->materials().size(), 1u);
     const auto color = loaded.scene->material_of_shape(0).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse;
     EXPECT_EQ(color[0], 0.1f);
@@ -157,9 +144,7 @@ TEST(SceneFile, ReferencesShareOneMaterial) {
 }
 
 TEST(SceneFile, ShapesWithoutAMaterialAreGreyAndLightsBlack) {
-    const auto loaded = load(
-        "<shape type='sphere'/><shape type='disk'><emitter type='area'><rgb name='radiance' "
-        "value='3'/></emitter></shape>");
+    const auto loaded = load(shape("sphere") + shape("disk", area_light(3)));
     EXPECT_EQ(loaded.scene->material_of_shape(0).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.5f);
     EXPECT_FALSE(loaded.scene->material_of_shape(0).two_sided());
     EXPECT_EQ(loaded.scene->material_of_shape(1).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[1], 0.f);
@@ -193,10 +178,8 @@ TEST(SceneFile, MaterialsKeepMitsubasDefaults) {
 }
 
 TEST(SceneFile, PointEmittersStandAtTheirPosition) {
-    const auto loaded = load(ball +
-                             "<emitter type='point'><point name='position' value='1, 2, 3'/><rgb "
-                             "name='intensity' value='5'/></emitter><emitter type='point'><transform "
-                             "name='to_world'><translate y='4'/></transform></emitter>");
+    const auto loaded = load(ball + emitter("point", point("position", 1, 2, 3), rgb("intensity", 5)) +
+                             emitter("point", to_world(translate(0, 4, 0))));
     ASSERT_EQ(loaded.scene->lights().size(), 2u);
     expect_near(std::get<PointLight>(loaded.scene->lights()[0]).position, Vec3(1, 2, 3));
     EXPECT_EQ(std::get<PointLight>(loaded.scene->lights()[0]).intensity[0], 5.f);
@@ -205,9 +188,8 @@ TEST(SceneFile, PointEmittersStandAtTheirPosition) {
 
 TEST(SceneFile, IncludesAndPathsAreFound) {
     const TemporaryFolder folder;
-    folder.write("sub/part.xml",
-                 "<scene version='3.1.0'><shape type='obj'><string name='filename' value='m.obj'/></shape></scene>");
-    folder.write("one.xml", "<shape type='sphere'><float name='radius' value='$r'/></shape>");
+    folder.write("sub/part.xml", "<scene version='3.1.0'>" + shape("obj", filename("m.obj")) + "</scene>");
+    folder.write("one.xml", shape("sphere", number("radius", "$r")));
     folder.write("sub/m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const auto main = folder.write("main.xml", scene_with("<default name='r' value='2'/><path value='sub'/><include "
                                                           "filename='part.xml'/><include filename='one.xml'/>"));
@@ -220,22 +202,21 @@ TEST(SceneFile, IncludesAndPathsAreFound) {
 
 TEST(SceneFile, NormalMapsMayBeOneColour) {
     const auto normal = [](const std::string& map) {
-        const auto loaded =
-            load("<shape type='rectangle'><bsdf type='normalmap'>" + map + "<bsdf type='diffuse'/></bsdf></shape>");
+        const auto loaded = load(shape("rectangle", bsdf("normalmap", map, bsdf("diffuse"))));
         const Material& material = loaded.scene->material_of_shape(0);
         EXPECT_TRUE(material.is_bumped());
         return std::get<NormalMap>(material.node()).normal.color(Vec2{0.5f, 0.5f});
     };
     const Color expected(0.5f, 0.25f, 1.f);
-    for (const char* map : {"<rgb name='normalmap' value='0.5 0.25 1'/>",
-                            "<spectrum name='normalmap' type='srgb'><rgb name='color' value='0.5 0.25 1'/></spectrum>",
-                            "<texture name='normalmap' type='srgb'><rgb name='color' value='0.5 0.25 1'/></texture>"})
+    for (const char* map :
+         {rgb("normalmap", "0.5 0.25 1"), named("spectrum", "normalmap", "srgb", rgb("color", "0.5 0.25 1")),
+          named("texture", "normalmap", "srgb", rgb("color", "0.5 0.25 1"))})
         EXPECT_TRUE((normal(map) == expected).all()) << map;
 }
 
 TEST(SceneFile, ShapesMayReferToAnAreaEmitterOfTheScene) {
-    const std::string emitter = "<emitter type='area' id='e'><rgb name='radiance' value='7'/></emitter>",
-                      shape = "<shape type='sphere'><ref id='e'/></shape>";
+    const std::string emitter = with_id("emitter", "area", "e", rgb("radiance", 7)),
+                      shape = shape("sphere", reference("e"));
     for (const std::string& body : {emitter + shape, shape + emitter}) {
         const auto loaded = load(body);
         ASSERT_EQ(loaded.scene->lights().size(), 1u);
@@ -249,11 +230,9 @@ TEST(SceneFile, IncludesMayBeOneObjectOfWhatHoldsThem) {
                  "<bsdf version='3.0.0' type='diffuse' id='grey'><include filename='colour.xml' "
                  "name='reflectance'/></bsdf>");
     folder.write("colour.xml",
-                 "<texture version='3.0.0' name='other' type='srgb'><rgb name='color' "
-                 "value='0.1 0.2 0.3'/></texture>");
+                 "<texture version='3.0.0' name='other' type='srgb'>" + rgb("color", "0.1 0.2 0.3") + "</texture>");
     const std::string include = "<include filename='grey.xml'/>";
-    for (const std::string& body :
-         {"<shape type='sphere'>" + include + "</shape>", include + "<shape type='sphere'><ref id='grey'/></shape>"}) {
+    for (const std::string& body : {shape("sphere", include), include + shape("sphere", reference("grey"))}) {
         const auto loaded = load_scene(folder.write("main.xml", scene_with(body)));
         const Bsdf* bsdf = loaded.scene->material_of_shape(0).constant();
         ASSERT_TRUE(bsdf);
@@ -263,9 +242,7 @@ TEST(SceneFile, IncludesMayBeOneObjectOfWhatHoldsThem) {
 
 TEST(SceneFile, NestedIncludesAreFoundBesideTheirFileFirst) {
     const TemporaryFolder folder;
-    const auto ball_of = [](const std::string& radius) {
-        return "<shape type='sphere'><float name='radius' value='" + radius + "'/></shape>";
-    };
+    const auto ball_of = [](const std::string& radius) { return shape("sphere", number("radius", radius)); };
     folder.write("ball.xml", ball_of("1"));
     folder.write("sub/ball.xml", ball_of("2"));
     folder.write("sub/deep/ball.xml", ball_of("3"));
@@ -292,32 +269,28 @@ Vec3 normal_from_above(const std::string& shape) {
 }
 
 TEST(SceneFile, NormalsFollowMitsuba) {
-    const std::string flip = "<boolean name='flip_normals' value='true'/>";
-    const std::string mirror_x = "<transform name='to_world'><scale x='-1'/></transform>";
-    const std::string mirror_z = "<transform name='to_world'><scale z='-1'/></transform>";
+    const std::string flip = flag("flip_normals");
+    const std::string mirror_x = to_world(scale(-1, 1, 1));
+    const std::string mirror_z = to_world(scale(1, 1, -1));
     const Vec3 up(0, 0, 1), down(0, 0, -1);
     for (const std::string type : {"rectangle", "disk", "cube", "sphere"}) {
-        const auto shape = [&](const std::string& body) { return "<shape type='" + type + "'>" + body + "</shape>"; };
+        const auto shape = [&](const std::string& body) { return shape(type, body); };
         const auto sign = [&](const std::string& body) { return normal_from_above(shape(body)).z() > 0 ? 1 : -1; };
         EXPECT_EQ(sign(""), 1) << type;
         EXPECT_EQ(sign(flip), -1) << type;
     }
     // The normals of flat shapes and cubes follow the inverse transpose; a mirrored sphere turns inside out.
     for (const std::string type : {"rectangle", "disk"}) {
-        expect_near(normal_from_above("<shape type='" + type + "'>" + mirror_x + "</shape>"), up);
-        expect_near(normal_from_above("<shape type='" + type + "'>" + mirror_z + "</shape>"), down);
+        expect_near(normal_from_above(shape(type, mirror_x)), up);
+        expect_near(normal_from_above(shape(type, mirror_z)), down);
     }
-    expect_near(normal_from_above("<shape type='cube'>" + mirror_x + "</shape>"), up);
-    expect_near(
-        normal_from_above("<shape type='cube'>" + mirror_x + "<boolean name='face_normals' value='true'/></shape>"),
-        down);
-    EXPECT_LT(normal_from_above("<shape type='sphere'>" + mirror_x + "</shape>").z(), 0.f);
+    expect_near(normal_from_above(shape("cube", mirror_x)), up);
+    expect_near(normal_from_above(shape("cube", mirror_x, flag("face_normals"))), down);
+    EXPECT_LT(normal_from_above(shape("sphere", mirror_x)).z(), 0.f);
 }
 
 TEST(SceneFile, CubesAreClosedAndFaceOutwards) {
-    const auto loaded = load(
-        "<shape type='cube'><transform name='to_world'><scale x='2'/><rotate z='1' angle='30'/>"
-        "</transform></shape>");
+    const auto loaded = load(shape("cube", to_world(scale(2, 1, 1), rotate('z', 30))));
     const auto& mesh = std::get<Mesh>(loaded.scene->shapes()[0]);
     EXPECT_NEAR(area_of(loaded.scene->shapes()[0]), 8 + 2 * 16, 1e-4);
     EXPECT_TRUE(mesh.normals.empty());
@@ -334,8 +307,7 @@ TEST(SceneFile, MeshNormalsAreSmoothUnlessFaceNormals) {
     // A roof: two slopes that share their ridge.
     folder.write("roof.obj", "v 0 0 1\nv 1 0 1\nv 1 -1 0\nv 0 -1 0\nv 1 1 0\nv 0 1 0\nf 4 3 2 1\nf 1 2 5 6\n");
     const auto mesh = [&](const std::string& body) {
-        const auto path = folder.write(
-            "s.xml", scene_with("<shape type='obj'><string name='filename' value='roof.obj'/>" + body + "</shape>"));
+        const auto path = folder.write("s.xml", scene_with(shape("obj", filename("roof.obj"), body)));
         return std::get<Mesh>(load_scene(path).scene->shapes()[0]);
     };
     const Mesh smooth = mesh("");
@@ -347,7 +319,7 @@ TEST(SceneFile, MeshNormalsAreSmoothUnlessFaceNormals) {
             EXPECT_GT(smooth.normals[i].z(), 0.99f);
         }
     EXPECT_TRUE(ridge);
-    EXPECT_TRUE(mesh("<boolean name='face_normals' value='true'/>").normals.empty());
+    EXPECT_TRUE(mesh(flag("face_normals")).normals.empty());
 }
 
 TEST(SceneFile, ATransformMovesFileNormalsByItsInverseTranspose) {
@@ -355,24 +327,19 @@ TEST(SceneFile, ATransformMovesFileNormalsByItsInverseTranspose) {
     folder.write("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvn 0 3 3\nf 1/1/1 2/1/1 3/1/1\n");
     const auto load_with = [&](const std::string& scale) {
         return std::get<Mesh>(
-            load_scene(
-                folder.write("s.xml", scene_with("<shape type='obj'><string name='filename' value='n.obj'/><transform "
-                                                 "name='to_world'>" +
-                                                 scale + "</transform></shape>")))
+            load_scene(folder.write("s.xml", scene_with(shape("obj", filename("n.obj"), to_world(scale)))))
                 .scene->shapes()[0]);
     };
-    const Mesh mesh = load_with("<scale x='1' y='1' z='2'/>");
+    const Mesh mesh = load_with(scale(1, 1, 2));
     expect_near(mesh.normals[0], Vec3(0, 1, 0.5f).normalized());
     EXPECT_EQ(mesh.uvs[0], Vec2(0, 0.75f));  // OBJ turns v over, as Mitsuba's default
     // The side that the file's normals call the front stays the front under a mirror.
-    const Mesh mirrored = load_with("<scale x='-1'/>");
+    const Mesh mirrored = load_with(scale(-1, 1, 1));
     EXPECT_GT(mirrored.normal_of(0).z(), 0);
 }
 
 TEST(SceneFile, AFarSceneIsRecentredInDouble) {
-    const auto loaded = load(
-        "<shape type='sphere'><point name='center' x='1e8' y='-2e8' z='0.25'/></shape>"
-        "<shape type='sphere'><point name='center' x='100000004' y='-2e8' z='0.25'/></shape>");
+    const auto loaded = load(shape("sphere", center(1e8, -2e8, 0.25)) + shape("sphere", center(100000004, -2e8, 0.25)));
     expect_near(std::get<Sphere>(loaded.scene->shapes()[0]).center, Vec3(-2, 0, 0), 1e-7f);
     expect_near(std::get<Sphere>(loaded.scene->shapes()[1]).center, Vec3(2, 0, 0), 1e-7f);
     EXPECT_NEAR(loaded.scene->sensor().generate_ray(0, 0, Vec2(0.5f, 0.5f)).o.y(), 2e8f, 16.f);
@@ -383,9 +350,8 @@ TEST(SceneFile, TheHashCoversWhateverTheImageDependsOn) {
     const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     folder.write("m.obj", obj);
     folder.write("i.xml", ball);
-    const auto path =
-        folder.write("main.xml", scene_with("<default name='a' value='1'/><include filename='i.xml'/><shape "
-                                            "type='obj'><string name='filename' value='m.obj'/></shape>"));
+    const auto path = folder.write("main.xml", scene_with("<default name='a' value='1'/><include filename='i.xml'/>" +
+                                                          shape("obj", filename("m.obj"))));
     const std::string first = load_scene(path).content_hash;
     EXPECT_EQ(first.size(), 40u);
     EXPECT_EQ(load_scene(path).content_hash, first);

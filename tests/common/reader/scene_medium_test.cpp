@@ -22,7 +22,7 @@ std::string error_of(const std::string& body) {
 
 /// A shape with a medium inside, whose parameters are on line 3.
 std::string in_ball(const std::string& type, const std::string& parameters) {
-    return "<shape type='sphere'><medium name='interior' type='" + type + "'>\n" + parameters + "</medium></shape>";
+    return shape("sphere", named("medium", "interior", type, "\n", parameters));
 }
 
 struct Row {
@@ -40,37 +40,32 @@ void expect_errors(const std::vector<Row>& rows) {
 TEST(MediumErrors, Parameters) {
     expect_errors({
         {"fog", "", "2:46", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
-        {"homogeneous", "<float name='sigma' value='1'/>", "3:1",
-         "medium 'homogeneous' does not take a parameter 'sigma'"},
-        {"homogeneous", "<bsdf type='diffuse'/>", "3:1", "does not take a <bsdf>"},
-        {"homogeneous", "<float name='sigma_t' value='-1'/>", "3:23", "-1"},
-        {"homogeneous", "<float name='sigma_t' value='nan'/>", "3:23", "bad number 'nan'"},
-        {"homogeneous", "<rgb name='albedo' value='0.5, 1.5, 0'/>", "3:20", "1.5"},
-        {"homogeneous", "<float name='scale' value='-2'/>", "3:21", "'scale' must not be negative"},
-        {"homogeneous", "<float name='scale' value='1e10'/>", "3:21", "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_t' value='1e10'/>", "3:23", "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_a' value='6e8'/><float name='sigma_s' value='6e8'/>", "3:23",
-         "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:56",
+        {"homogeneous", number("sigma", 1), "3:1", "medium 'homogeneous' does not take a parameter 'sigma'"},
+        {"homogeneous", bsdf("diffuse"), "3:1", "does not take a <bsdf>"},
+        {"homogeneous", number("sigma_t", -1), "3:23", "-1"},
+        {"homogeneous", number("sigma_t", "nan"), "3:23", "bad number 'nan'"},
+        {"homogeneous", rgb("albedo", "0.5, 1.5, 0"), "3:20", "1.5"},
+        {"homogeneous", number("scale", -2), "3:21", "'scale' must not be negative"},
+        {"homogeneous", number("scale", 1e10), "3:21", "an extinction above 1e+09"},
+        {"homogeneous", number("sigma_t", 1e10), "3:23", "an extinction above 1e+09"},
+        {"homogeneous", number("sigma_a", 6e8) + number("sigma_s", 6e8), "3:23", "an extinction above 1e+09"},
+        {"homogeneous", number("sigma_t", 1) + number("sigma_a", 1), "3:56",
          "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
-        {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "'sigma_t' cannot be a <volume>"},
-        {"homogeneous", "<phase type='kkay'/>", "3:8",
+        {"homogeneous", named("volume", "sigma_t", "constvolume"), "3:1", "'sigma_t' cannot be a <volume>"},
+        {"homogeneous", element("phase", "kkay"), "3:8",
          "the phase 'kkay' is not supported; supported are: isotropic, hg, rayleigh"},
-        {"homogeneous", "<phase type='rayleigh'><float name='g' value='0.5'/></phase>", "3:24",
+        {"homogeneous", element("phase", "rayleigh", number("g", 0.5)), "3:24",
          "phase 'rayleigh' does not take a parameter 'g'"},
-        {"homogeneous", "<phase type='hg'><float name='g' value='1'/></phase>", "3:34",
-         "'g' must be between -0.999 and 0.999, not 1"},
-        {"homogeneous", "<phase type='isotropic'><float name='g' value='0.5'/></phase>", "3:25",
+        {"homogeneous", element("phase", "hg", number("g", 1)), "3:34", "'g' must be between -0.999 and 0.999, not 1"},
+        {"homogeneous", element("phase", "isotropic", number("g", 0.5)), "3:25",
          "phase 'isotropic' does not take a parameter 'g'"},
-        {"homogeneous", "<phase type='hg'/><phase type='hg'/>", "3:19", "only one <phase>"},
-        {"heterogeneous", "<float name='sigma_s' value='1'/>", "3:1", "does not take a parameter 'sigma_s'"},
-        {"heterogeneous", "<volume name='sigma_t' type='vdb'/>", "3:24",
+        {"homogeneous", element("phase", "hg") + element("phase", "hg"), "3:19", "only one <phase>"},
+        {"heterogeneous", number("sigma_s", 1), "3:1", "does not take a parameter 'sigma_s'"},
+        {"heterogeneous", named("volume", "sigma_t", "vdb"), "3:24",
          "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
-        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs 'filename'"},
-        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
-         "3:42", "no.vol"},
-        {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",
-         "2"},
+        {"heterogeneous", named("volume", "sigma_t", "gridvolume"), "3:1", "'gridvolume' needs 'filename'"},
+        {"heterogeneous", named("volume", "sigma_t", "gridvolume", filename("no.vol")), "3:42", "no.vol"},
+        {"heterogeneous", named("volume", "albedo", "constvolume", number("value", 2)), "3:62", "2"},
     });
 }
 
@@ -79,8 +74,7 @@ TEST(MediumErrors, Grids) {
     const std::string good = folder.write("good.vol", volume_bytes({2, 1, 1}, 1, {0.5f, 3.f}));
     const std::string negative = folder.write("negative.vol", volume_bytes({1, 1, 1}, 1, {-0.5f}));
     const auto grid = [](const std::string& name, const std::string& file, const std::string& more = "") {
-        return "<volume name='" + name + "' type='gridvolume'><string name='filename' value='" + file + "'/>" + more +
-               "</volume>";
+        return named("volume", name, "gridvolume", filename(file), more);
     };
     const auto error = [&](const std::string& parameters) { return error_of(in_ball("heterogeneous", parameters)); };
     EXPECT_EQ(error(grid("sigma_t", good)), "no error");
@@ -88,12 +82,10 @@ TEST(MediumErrors, Grids) {
                 HasSubstr("t.xml:3:1: 'albedo' must be between 0 and 1, but its volume has 3"));
     EXPECT_THAT(error(grid("sigma_t", negative)),
                 HasSubstr("t.xml:3:1: 'sigma_t' must not be negative, but its volume has -0.5"));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='filter_type' value='cubic'/>")),
-                HasSubstr("t.xml:4:28: "));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='wrap_type' value='zero'/>")), HasSubstr("t.xml:4:26: "));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<transform name='to_world'><scale x='0'/></transform>")),
-                HasSubstr("t.xml:4:"));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<float name='value' value='1'/>")),
+    EXPECT_THAT(error(grid("sigma_t", good, "\n" + text("filter_type", "cubic"))), HasSubstr("t.xml:4:28: "));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n" + text("wrap_type", "zero"))), HasSubstr("t.xml:4:26: "));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n" + to_world(scale(0, 1, 1)))), HasSubstr("t.xml:4:"));
+    EXPECT_THAT(error(grid("sigma_t", good, "\n" + number("value", 1))),
                 HasSubstr("t.xml:4:1: volume 'gridvolume' does not take a parameter 'value'"));
 }
 
@@ -126,9 +118,8 @@ TEST(MediumErrors, VolumeFiles) {
     };
     for (const auto& [bytes, message] : rows) {
         const std::string file = folder.write("v.vol", bytes);
-        const std::string error = error_of(in_ball(
-            "heterogeneous",
-            "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
+        const std::string error =
+            error_of(in_ball("heterogeneous", named("volume", "sigma_t", "gridvolume", filename(file))));
         EXPECT_THAT(error, StartsWith(file + ":1:1: ")) << message;
         EXPECT_THAT(error, HasSubstr(message));
     }
@@ -147,10 +138,9 @@ TEST(MediumReader, TakesVolumesOfBytes) {
 
 // The errors of a medium that nothing refers to are warnings, and it is left out.
 TEST(MediumReader, ReadsWhatNothingRefersTo) {
-    const std::string ball = "<shape type='sphere'/>";
-    EXPECT_TRUE(load("<medium type='homogeneous' id='fog'/>" + ball).warnings.empty());
-    const LoadedScene scene =
-        load("<medium type='homogeneous' id='fog'><rgb name='albedo' value='2'/></medium>" + ball);
+    const std::string ball = shape("sphere");
+    EXPECT_TRUE(load(with_id("medium", "homogeneous", "fog") + ball).warnings.empty());
+    const LoadedScene scene = load(with_id("medium", "homogeneous", "fog", rgb("albedo", 2)) + ball);
     EXPECT_THAT(scene.warnings, ::testing::ElementsAre(::testing::AllOf(
                                     StartsWith("test.xml:2:1: nothing refers to this medium"), HasSubstr("'albedo'"))));
     EXPECT_FALSE(scene.scene->has_media());
@@ -158,12 +148,12 @@ TEST(MediumReader, ReadsWhatNothingRefersTo) {
 
 // A medium may stand in the scene, and shapes and the camera refer to it; in a shape it needs the name of a side.
 TEST(MediumReader, TakesReferences) {
-    const std::string fog = "<medium type='homogeneous' id='fog'/>";
-    EXPECT_EQ(error_of(fog + "<shape type='sphere'><ref name='exterior' id='fog'/></shape>"), "no error");
-    EXPECT_THAT(error_of("<shape type='sphere'>\n<medium type='homogeneous'/></shape>"),
+    const std::string fog = with_id("medium", "homogeneous", "fog");
+    EXPECT_EQ(error_of(fog + shape("sphere", "<ref name='exterior' id='fog'/>")), "no error");
+    EXPECT_THAT(error_of(shape("sphere", "\n", element("medium", "homogeneous"))),
                 StartsWith("t.xml:3:1: shape 'sphere' does not take a <medium>"));
-    EXPECT_FALSE(effects_of(*load(fog + "<shape type='sphere'/>").scene).has(Effect::participating_media));
-    EXPECT_TRUE(effects_of(*load(fog + "<shape type='sphere'><ref name='interior' id='fog'/></shape>").scene)
+    EXPECT_FALSE(effects_of(*load(fog + shape("sphere")).scene).has(Effect::participating_media));
+    EXPECT_TRUE(effects_of(*load(fog + shape("sphere", "<ref name='interior' id='fog'/>")).scene)
                     .has(Effect::participating_media));
 }
 

@@ -15,13 +15,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string ball = "<shape type='sphere'/>";
+const std::string ball = shape("sphere");
 
 /// A film of `size` x `size` pixels that starts on line 1.
 std::string film(int size, const std::string& body = "") {
     const std::string pixels = std::to_string(size);
-    return "<film type='hdrfilm'><integer name='width' value='" + pixels + "'/><integer name='height' value='" +
-           pixels + "'/>" + body + "</film>";
+    return element("film", "hdrfilm", "<integer name='width' value='", pixels, "'/><integer name='height' value='",
+                   pixels, "'/>", body);
 }
 
 std::string crop(const std::string& offset_x, const std::string& offset_y, const std::string& width,
@@ -38,12 +38,10 @@ LoadedScene load(const std::string& body, const SceneLoadOptions& options = {}) 
 }
 
 Sensor sensor_of(const std::string& type, const std::string& body, const SceneLoadOptions& options = {}) {
-    return load("<sensor type='" + type + "'>" + body + "</sensor>", options).scene->sensor();
+    return load(element("sensor", type, body), options).scene->sensor();
 }
 
-std::string number(const std::string& name, const std::string& value) {
-    return "<float name='" + name + "' value='" + value + "'/>";
-}
+std::string number(const std::string& name, const std::string& value) { return number(name, value); }
 
 const Vec2 middle(0.5f, 0.5f), rim(1.f, 0.5f);
 
@@ -68,11 +66,11 @@ TEST(SceneSensor, OnlyAnOpenLensCallsForDepthOfField) {
         return effects_of(*load(sensor).scene).has(Effect::depth_of_field);
     };
     const auto lens = [](const std::string& radius) {
-        return "<sensor type='thinlens'>" + number("aperture_radius", radius) + "</sensor>";
+        return element("sensor", "thinlens", number("aperture_radius", radius));
     };
     EXPECT_TRUE(effects(lens("0.1")));
     EXPECT_FALSE(effects(lens("0")));
-    EXPECT_FALSE(effects("<sensor type='perspective'>" + number("focus_distance", "5.8") + "</sensor>"));
+    EXPECT_FALSE(effects(element("sensor", "perspective", number("focus_distance", "5.8"))));
 }
 
 TEST(SceneSensor, ACropIsTheImage) {
@@ -89,7 +87,7 @@ TEST(SceneSensor, ACropIsTheImage) {
 }
 
 TEST(SceneSensor, AnotherResolutionShowsTheSameCrop) {
-    const std::string body = number("fov", "40") + film(16, crop("3", "9", "10", "2") + "<rfilter type='box'/>");
+    const std::string body = number("fov", "40") + film(16, crop("3", "9", "10", "2") + element("rfilter", "box"));
     const Sensor coarse = sensor_of("perspective", body);
     const Sensor fine = sensor_of("perspective", body, {{}, std::pair(20, 4)});
     EXPECT_EQ(fine.width(), 20);
@@ -105,56 +103,51 @@ TEST(SceneSensor, FiltersSpreadByTheirParameter) {
         const Sensor sensor = sensor_of("orthographic", film(2, filter));
         return (sensor.generate_ray(0, 0, middle).o - sensor.generate_ray(0, 0, {0.75f, 0.5f}).o).x();
     };
-    const std::string radius = "<float name='radius' value='3'/>";
-    EXPECT_NEAR(offset("<rfilter type='box'/>"), 0.25f, 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type='box'>" + radius + "</rfilter>"), 1.5f, 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type='tent'/>"), 1 - std::sqrt(0.5f), 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type='tent'>" + radius + "</rfilter>"), 3 - 3 * std::sqrt(0.5f), 1e-6f);
+    const std::string radius = radius(3);
+    EXPECT_NEAR(offset(element("rfilter", "box")), 0.25f, 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "box", radius)), 1.5f, 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "tent")), 1 - std::sqrt(0.5f), 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "tent", radius)), 3 - 3 * std::sqrt(0.5f), 1e-6f);
     // The offset is the quartile of a normal distribution, less the small effect of the cut at 4 standard deviations.
-    EXPECT_NEAR(offset("<rfilter type='gaussian'/>"), 0.6745f * 0.5f, 2e-3f);
+    EXPECT_NEAR(offset(element("rfilter", "gaussian")), 0.6745f * 0.5f, 2e-3f);
     EXPECT_NEAR(offset(""), 0.6745f * 0.5f, 2e-3f);
 }
 
 TEST(SceneSensor, WhatExistingScenesSayOfFilmsAndSamplersIsAccepted) {
-    const auto with = [](const std::string& body) { return load("<sensor type='perspective'>" + body + "</sensor>"); };
+    const auto with = [](const std::string& body) { return load(element("sensor", "perspective", body)); };
     for (const std::string type : {"independent", "stratified", "multijitter", "orthogonal", "ldsampler"}) {
-        const auto scene = with("<sampler type='" + type +
-                                "'><integer name='sample_count' value='25'/><integer name='seed' "
-                                "value='3'/></sampler>");
+        const auto scene = with(element("sampler", type, integer("sample_count", 25), integer("seed", 3)));
         EXPECT_EQ(scene.sample_count, 25) << type;
     }
-    EXPECT_EQ(with("<sampler type='independent'/>").sample_count, std::nullopt);
-    with(film(4,
-              "<string name='pixel_format' value='rgba'/><string name='component_format' value='float32'/>"
-              "<string name='file_format' value='OpenEXR'/><boolean name='sample_border' value='true'/>"));
+    EXPECT_EQ(with(element("sampler", "independent")).sample_count, std::nullopt);
+    with(film(4, text("pixel_format", "rgba") + text("component_format", "float32") + text("file_format", "OpenEXR") +
+                     flag("sample_border")));
     with(number("shutter_open", "0") + number("shutter_close", "1") + number("focus_distance", "6"));
-    const auto referred = load(
-        "<sampler type='orthogonal' id='s'><integer name='sample_count' value='49'/></sampler><rfilter "
-        "type='box' id='r'/><film type='hdrfilm' id='f'><integer name='width' value='3'/><ref "
-        "id='r'/></film><sensor type='perspective'><ref id='s'/><ref id='f'/></sensor>");
+    const auto referred =
+        load(with_id("sampler", "orthogonal", "s", integer("sample_count", 49)) + with_id("rfilter", "box", "r") +
+             with_id("film", "hdrfilm", "f", integer("width", 3), reference("r")) +
+             element("sensor", "perspective", reference("s"), reference("f")));
     EXPECT_EQ(referred.sample_count, 49);
     EXPECT_EQ(referred.scene->sensor().width(), 3);
 }
 
 // As in Mitsuba, only the first of several sensors counts by default.
 TEST(SceneSensor, TheFirstOfSeveralCounts) {
-    const auto scene =
-        load("<sensor type='perspective'>" + film(3) + "</sensor><sensor type='orthographic'>" + film(5) + "</sensor>");
+    const auto scene = load(element("sensor", "perspective", film(3)) + element("sensor", "orthographic", film(5)));
     EXPECT_EQ(scene.scene->sensor().width(), 3);
 }
 
 TEST(SceneSensor, NestedIntegratorsGiveTheLongestPath) {
     const auto edges = [](const std::string& integrator) {
-        return load("<sensor type='perspective'/>" + integrator).max_edges;
+        return load(element("sensor", "perspective") + integrator).max_edges;
     };
-    const std::string path = "<integrator type='path'><integer name='max_depth' value='5'/></integrator>";
-    const std::string aovs = "<string name='aovs' value='dd.y:depth'/>";
-    EXPECT_EQ(edges("<integrator type='moment'>" + path + "</integrator>"), 5);
-    EXPECT_EQ(edges("<integrator type='aov'>" + aovs + path + "</integrator>"), 5);
-    EXPECT_EQ(edges("<integrator type='moment'><integrator type='aov'>" + aovs + path + "</integrator></integrator>"),
-              5);
-    EXPECT_EQ(edges("<integrator type='moment'><integrator type='direct'/></integrator>"), 2);
-    EXPECT_EQ(edges("<integrator type='aov'>" + aovs + "</integrator>"), INT_MAX);
+    const std::string path = element("integrator", "path", integer("max_depth", 5));
+    const std::string aovs = text("aovs", "dd.y:depth");
+    EXPECT_EQ(edges(element("integrator", "moment", path)), 5);
+    EXPECT_EQ(edges(element("integrator", "aov", aovs, path)), 5);
+    EXPECT_EQ(edges(element("integrator", "moment", element("integrator", "aov", aovs, path))), 5);
+    EXPECT_EQ(edges(element("integrator", "moment", element("integrator", "direct"))), 2);
+    EXPECT_EQ(edges(element("integrator", "aov", aovs)), INT_MAX);
 }
 
 std::string error_of(const std::string& sensor) {
@@ -167,9 +160,7 @@ std::string error_of(const std::string& sensor) {
 }
 
 TEST(SceneSensorErrors, Lenses) {
-    const auto lens = [](const std::string& body) {
-        return error_of("<sensor type='thinlens'>\n" + body + "</sensor>");
-    };
+    const auto lens = [](const std::string& body) { return error_of(element("sensor", "thinlens", "\n", body)); };
     const std::string radius = number("aperture_radius", "1") + "\n";
     EXPECT_THAT(lens(""), StartsWith("t.xml:2:1: 'thinlens' needs 'aperture_radius'"));
     EXPECT_THAT(lens(number("aperture_radius", "-1")),
@@ -177,28 +168,28 @@ TEST(SceneSensorErrors, Lenses) {
     EXPECT_THAT(lens(number("aperture_radius", "x")), StartsWith("t.xml:3:31: bad number 'x'"));
     EXPECT_THAT(lens(number("aperture_radius", "nan")), StartsWith("t.xml:3:31: bad number 'nan'"));
     EXPECT_THAT(lens(radius + number("focus_distance", "inf")), StartsWith("t.xml:4:30: bad number 'inf'"));
-    EXPECT_THAT(lens(radius + "<rgb name='focus_distance' value='1'/>"),
+    EXPECT_THAT(lens(radius + rgb("focus_distance", 1)),
                 StartsWith("t.xml:4:1: 'focus_distance' cannot be a <rgb>; it takes: <float>, <integer>"));
-    EXPECT_THAT(error_of("<sensor type='orthographic'>\n" + radius + "</sensor>"),
+    EXPECT_THAT(error_of(element("sensor", "orthographic", "\n", radius)),
                 StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'aperture_radius'"));
-    EXPECT_THAT(error_of("<sensor type='orthographic'>\n" + number("fov", "50") + "</sensor>"),
+    EXPECT_THAT(error_of(element("sensor", "orthographic", "\n", number("fov", "50"))),
                 StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'fov'; it takes: to_world"));
-    EXPECT_THAT(lens("<string name='aperture_radius' value='1'/>"), HasSubstr("cannot be a <string>"));
+    EXPECT_THAT(lens(text("aperture_radius", "1")), HasSubstr("cannot be a <string>"));
     for (const char* distance : {"0", "-2"})
         EXPECT_THAT(lens(radius + number("focus_distance", distance)),
                     StartsWith("t.xml:4:30: 'focus_distance' must be above 0, not "))
             << distance;
-    EXPECT_THAT(lens(radius + "<transform name='to_world'><scale value='2'/></transform>"),
+    EXPECT_THAT(lens(radius + to_world(scale(2))),
                 StartsWith("t.xml:4:1: the to_world of a perspective sensor must not scale"));
     EXPECT_THAT(lens(radius + number("principal_point_offset_x", "1")),
                 HasSubstr("sensor 'thinlens' does not take a parameter 'principal_point_offset_x'"));
-    EXPECT_THAT(error_of("<sensor type='perspective'>\n" + radius + "</sensor>"),
+    EXPECT_THAT(error_of(element("sensor", "perspective", "\n", radius)),
                 HasSubstr("sensor 'perspective' does not take a parameter 'aperture_radius'"));
 }
 
 TEST(SceneSensorErrors, Crops) {
     const auto cropped = [](const std::string& body) {
-        return error_of("<sensor type='perspective'>" + film(16, body) + "</sensor>");
+        return error_of(element("sensor", "perspective", film(16, body)));
     };
     EXPECT_THAT(cropped(crop("1", "", "", "")),
                 StartsWith("t.xml:3:31: the crop window from 1 to 17 is not within the film's 16 pixels"));
@@ -209,53 +200,48 @@ TEST(SceneSensorErrors, Crops) {
     EXPECT_THAT(cropped(crop("2147483647", "", "1", "")), HasSubstr("from 2147483647 to 2147483648"));
     EXPECT_THAT(cropped(crop("-1", "", "1", "")), StartsWith("t.xml:3:31: 'crop_offset_x' must be between 0 and"));
     EXPECT_THAT(cropped(crop("", "", "", "0")), StartsWith("t.xml:3:29: 'crop_height' must be between 1 and"));
-    EXPECT_THAT(cropped("\n<float name='crop_width' value='3'/>"), HasSubstr("cannot be a <float>"));
+    EXPECT_THAT(cropped("\n" + number("crop_width", 3)), HasSubstr("cannot be a <float>"));
 }
 
 TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
     const auto filter = [](const std::string& body) {
-        return error_of("<sensor type='perspective'>" + film(4, "\n" + body) + "</sensor>");
+        return error_of(element("sensor", "perspective", film(4, "\n" + body)));
     };
-    EXPECT_THAT(filter("<rfilter type='sinc'/>"),
+    EXPECT_THAT(filter(element("rfilter", "sinc")),
                 StartsWith("t.xml:3:10: the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"));
-    EXPECT_THAT(filter("<rfilter type='tent'><float name='radius' value='0'/></rfilter>"),
-                StartsWith("t.xml:3:43: 'radius' must be above 0"));
-    EXPECT_THAT(filter("<rfilter type='tent'><float name='stddev' value='1'/></rfilter>"),
+    EXPECT_THAT(filter(element("rfilter", "tent", radius(0))), StartsWith("t.xml:3:43: 'radius' must be above 0"));
+    EXPECT_THAT(filter(element("rfilter", "tent", number("stddev", 1))),
                 HasSubstr("rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"));
-    EXPECT_THAT(filter("<rfilter type='gaussian'><float name='stddev' value='0'/></rfilter>"),
+    EXPECT_THAT(filter(element("rfilter", "gaussian", number("stddev", 0))),
                 StartsWith("t.xml:3:47: 'stddev' must be above 0"));
-    EXPECT_THAT(filter("<rfilter type='gaussian'><float name='radius' value='2'/></rfilter>"),
+    EXPECT_THAT(filter(element("rfilter", "gaussian", radius(2))),
                 StartsWith("t.xml:3:26: rfilter 'gaussian' does not take a parameter 'radius'; it takes: stddev"));
-    EXPECT_THAT(error_of("<sensor type='perspective'>\n<sampler type='independent'><integer name='sample_count' "
-                         "value='0'/></sampler></sensor>"),
-                StartsWith("t.xml:3:58: 'sample_count' must be between 1 and"));
+    EXPECT_THAT(
+        error_of(element("sensor", "perspective", "\n", element("sampler", "independent", integer("sample_count", 0)))),
+        StartsWith("t.xml:3:58: 'sample_count' must be between 1 and"));
 }
 
 // Films, samplers and integrators of any name are taken for what counts here; a warning says what does not.
 TEST(SceneSensor, WarnsOfWhatHasNoEffect) {
-    const auto warnings = [](const std::string& body) {
-        return load("<sensor type='perspective'>" + body + "</sensor>").warnings;
-    };
-    EXPECT_THAT(warnings(film(4, "<rfilter type='lanczos'/><float name='gain' value='2'/>")),
+    const auto warnings = [](const std::string& body) { return load(element("sensor", "perspective", body)).warnings; };
+    EXPECT_THAT(warnings(film(4, element("rfilter", "lanczos") + number("gain", 2))),
                 ElementsAre("t.xml:1:161: the filter 'lanczos' has negative lobes: gaussian stands in for it",
                             "t.xml:1:186: film 'hdrfilm': 'gain' has no effect"));
-    EXPECT_THAT(warnings("<film type='newfilm'/>"),
+    EXPECT_THAT(warnings(element("film", "newfilm")),
                 ElementsAre("t.xml:1:73: film 'newfilm': only its size, its window and its filter are read"));
-    EXPECT_THAT(warnings("<sampler type='halton'><integer name='scramble' value='1'/><float name='x' "
-                         "value='1'/></sampler>"),
+    EXPECT_THAT(warnings(element("sampler", "halton", integer("scramble", 1), number("x", 1))),
                 ElementsAre("t.xml:1:132: sampler 'halton': 'x' has no effect"));
-    const auto moments = load(
-        "<sensor type='perspective'/><integrator type='moment'><integrator type='pssmlt'><integer "
-        "name='max_depth' value='3'/></integrator></integrator>");
+    const auto moments =
+        load(element("sensor", "perspective") +
+             element("integrator", "moment", element("integrator", "pssmlt", integer("max_depth", 3))));
     EXPECT_EQ(moments.max_edges, 3);
     EXPECT_THAT(moments.warnings, ElementsAre(HasSubstr("integrator 'pssmlt'")));
 }
 
 // A warning comes once, however often its cause does.
 TEST(SceneSensor, WarnsOnce) {
-    const std::string body = film(4, "<rfilter type='lanczos'/>");
-    const auto scene =
-        load("<sensor type='perspective'>" + body + "</sensor><sensor type='perspective'>" + body + "</sensor>");
+    const std::string body = film(4, element("rfilter", "lanczos"));
+    const auto scene = load(element("sensor", "perspective", body) + element("sensor", "perspective", body));
     EXPECT_EQ(scene.warnings.size(), 1u);
 }
 

@@ -12,39 +12,31 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string sphere(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>\n"; }
-std::string glass(const std::string& parameters) {
-    return "<bsdf type='dielectric'><float name='int_ior' value='1.5'/>" + parameters + "</bsdf>";
-}
-const std::string diffuse = "<bsdf type='diffuse'/>";
+std::string sphere(const std::string& bsdf) { return shape("sphere", bsdf) + "\n"; }
+std::string glass(const std::string& parameters) { return bsdf("dielectric", number("int_ior", 1.5), parameters); }
+const std::string diffuse = bsdf("diffuse");
 std::string blend(const std::string& first, const std::string& second) {
-    return "<bsdf type='blendbsdf'><float name='weight' value='0.5'/>" + first + second + "</bsdf>";
+    return bsdf("blendbsdf", number("weight", 0.5), first, second);
 }
-std::string masked(const std::string& nested) {
-    return "<bsdf type='mask'><float name='opacity' value='0.5'/>" + nested + "</bsdf>";
-}
+std::string masked(const std::string& nested) { return bsdf("mask", number("opacity", 0.5), nested); }
 /// The error of a scene with two spheres in one place.
 std::string error_of(const std::string& bsdf, const std::string& other_bsdf) {
     return input_error_of([&] { load(sphere(bsdf) + sphere(other_bsdf)); });
 }
 
 TEST(CoincidentShapes, InterfacesThatRefractAlikeAreSeenAsOne) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const std::string water = bsdf("dielectric", number("int_ior", 1.33));
     for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{
              {glass(""), glass("")}, {glass(""), diffuse}, {diffuse, diffuse}, {blend(glass(""), diffuse), glass("")}})
         EXPECT_EQ(error_of(a, b), "no error") << a << b;
-    EXPECT_EQ(input_error_of([&] {
-                  load("<shape type='sphere'><point name='center' x='9' y='0' z='0'/>" + water + "</shape>" +
-                       sphere(glass("")));
-              }),
-              "no error")
+    EXPECT_EQ(input_error_of([&] { load(shape("sphere", center(9, 0, 0), water) + sphere(glass(""))); }), "no error")
         << "apart";
 }
 
 TEST(CoincidentShapes, InterfacesThatRefractOtherwiseAreRefused) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
-    const std::string rough = "<bsdf type='roughdielectric'><float name='int_ior' value='1.33'/></bsdf>";
-    const std::string dispersive = glass("<float name='cauchy_b' value='0.01'/>");
+    const std::string water = bsdf("dielectric", number("int_ior", 1.33));
+    const std::string rough = bsdf("roughdielectric", number("int_ior", 1.33));
+    const std::string dispersive = glass(number("cauchy_b", 0.01));
     for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{{glass(""), water},
                                                                                {glass(""), rough},
                                                                                {glass(""), dispersive},
@@ -58,16 +50,16 @@ TEST(CoincidentShapes, InterfacesThatRefractOtherwiseAreRefused) {
 }
 
 TEST(CoincidentShapes, GroupsAreLookedInto) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
+    const std::string water = bsdf("dielectric", number("int_ior", 1.33));
     const auto group = [&](const std::string& other) {
-        return "<shape type='shapegroup' id='g'>\n" + sphere(glass("")) + sphere(other) +
-               "</shape><shape type='instance'><ref id='g'/></shape>";
+        return with_id("shape", "shapegroup", "g", "\n", sphere(glass("")), sphere(other)) +
+               shape("instance", reference("g"));
     };
     EXPECT_EQ(input_error_of([&] { load(group(glass(""))); }), "no error");
     EXPECT_THAT(input_error_of([&] { load(group(water)); }), HasSubstr("test.xml:4:1: this surface lies exactly"));
 }
 
-const std::string emitter = "<emitter type='area'><rgb name='radiance' value='1'/></emitter>";
+const std::string emitter = area_light(1);
 
 TEST(CoincidentShapes, CurvedLampsInOtherSurfacesAreRefused) {
     EXPECT_THAT(error_of(emitter, diffuse),
@@ -78,27 +70,26 @@ TEST(CoincidentShapes, CurvedLampsInOtherSurfacesAreRefused) {
 
 TEST(CoincidentShapes, LampsMayStandOnSurfaces) {
     const std::string cube = "<shape type='cube'>";
-    const std::string above = "<transform name='to_world'><translate z='2'/></transform>";
+    const std::string above = to_world(translate(0, 0, 2));
     EXPECT_EQ(input_error_of([&] { load(cube + "</shape>" + cube + above + emitter + "</shape>"); }), "no error");
     EXPECT_THAT(input_error_of([&] { load(cube + "</shape>" + cube + emitter + "</shape>"); }),
                 HasSubstr("this lamp lies exactly in the place of the surface"));
 }
 
 std::string placed(const std::string& type, const std::string& operations, const std::string& inside) {
-    return "<shape type='" + type + "'><transform name='to_world'>" + operations + "</transform>" + inside + "</shape>";
+    return shape(type, to_world(operations), inside);
 }
 
 // A flat lamp in the plane of a wall, of the wall's size or smaller, at any angle and place, is lifted off the wall
 // so that rays find it, but by less than 1e-5 of the scene's size.
 TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
-    for (const std::string place :
-         {"", "<rotate x='1' y='2' z='3' angle='50'/>", "<translate x='7' y='8' z='9'/>",
-          "<rotate x='1' y='2' z='3' angle='50'/><translate x='700' y='-800' z='900'/>", "<scale value='1e-6'/>"})
+    for (const std::string place : {"", "<rotate x='1' y='2' z='3' angle='50'/>", translate(7, 8, 9),
+                                    "<rotate x='1' y='2' z='3' angle='50'/>" + translate(700, -800, 900), scale(1e-6)})
         for (const std::string kind : {"rectangle", "disk"})
-            for (const std::string size : {"<scale value='0.2'/><translate x='0.3' y='0.1'/>", ""}) {
+            for (const std::string size : {scale(0.2) + translate(0.3, 0.1, 0), ""}) {
                 const LoadedScene loaded =
                     load(placed("rectangle", place, diffuse) + placed(kind, size + place, emitter) +
-                         placed("rectangle", "<translate x='3' z='-1'/>" + place, diffuse));
+                         placed("rectangle", translate(3, 0, -1) + place, diffuse));
                 const Scene& scene = *loaded.scene;
                 const Shape& lamp = scene.shapes()[1];
                 const auto* disk = std::get_if<Disk>(&lamp);
@@ -123,7 +114,7 @@ TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
 
 // A lamp that only touches a wall with its edge, or is 0.01 away from it, is not moved.
 TEST(CoincidentShapes, OtherLampsStayWhereTheyAre) {
-    for (const std::string wall : {"<rotate y='1' angle='90'/><translate x='1'/>", "<translate z='0.01'/>"}) {
+    for (const std::string wall : {rotate('y', 90) + translate(1, 0, 0), translate(0, 0, 0.01)}) {
         const LoadedScene loaded = load(placed("rectangle", "", emitter) + placed("rectangle", wall, diffuse));
         const auto& lamp = std::get<Mesh>(loaded.scene->shapes()[0]);
         const auto& other = std::get<Mesh>(loaded.scene->shapes()[1]);
@@ -150,8 +141,7 @@ TEST(CoincidentShapes, InterfacesThatFaceEachOtherAreRefused) {
 
 TEST(CoincidentShapes, BoundariesOfDifferentMediaAreRefused) {
     const auto fog = [](const std::string& density) {
-        return "<bsdf type='null'/><medium name='interior' type='homogeneous'><rgb name='sigma_t' value='" + density +
-               "'/><rgb name='albedo' value='0.5'/></medium>";
+        return bsdf("null") + named("medium", "interior", "homogeneous", rgb("sigma_t", density), rgb("albedo", 0.5));
     };
     EXPECT_THAT(error_of(fog("1"), glass("")), HasSubstr("which refracts otherwise"));
     EXPECT_THAT(error_of(fog("1"), fog("2")), HasSubstr("which bounds another medium"));
@@ -159,8 +149,7 @@ TEST(CoincidentShapes, BoundariesOfDifferentMediaAreRefused) {
 }
 
 TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
-    const std::string lamp =
-        "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";
+    const std::string lamp = shape("sphere", area_light(1));
     EXPECT_THAT(input_error_of([&] { load(lamp + "\n" + lamp); }),
                 HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the one at line 2"));
     const TemporaryFolder folder;
@@ -174,10 +163,8 @@ TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
 std::string error_of_lamp(const std::string& faces) {
     const TemporaryFolder folder;
     folder.write("lamp.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 0\nv 0 -1 0\n" + faces);
-    return input_error_of([&] {
-        parse_scene(scene_with("<shape type='obj'><string name='filename' value='lamp.obj'/>" + emitter + "</shape>"),
-                    folder / "main.xml");
-    });
+    return input_error_of(
+        [&] { parse_scene(scene_with(shape("obj", filename("lamp.obj"), emitter)), folder / "main.xml"); });
 }
 
 TEST(CoincidentShapes, FansAboutAnInnerPointAreNoLampTwice) {

@@ -17,21 +17,21 @@ LoadedScene every_shape(const std::string& scale = "1") {
     const std::string resize = "<scale value='" + scale + "'/></transform>";
     const std::string move = "<transform name='to_world'><translate x='4'/>" + resize;
     const std::string tilt = "<transform name='to_world'><rotate x='1' y='0.3' angle='70'/><translate y='3'/>" + resize;
-    return load("<shape type='cube'><transform name='to_world'>" + resize + "</shape><shape type='sphere'>" +
-                      move + "</shape><shape type='disk'>" + tilt +
-                      "</shape><shape type='cylinder'><point name='p0' x='-3' y='0' z='-2'/><point "
-                      "name='p1' x='-3' y='0' "
-                      "z='2'/><float name='radius' value='0.7'/><transform name='to_world'>" +
-                      resize + "</shape>" +
-                      "<shape type='shapegroup' id='g'><shape type='sphere'/><shape type='cube'><transform "
-                      "name='to_world'><translate x='4'/></transform>" +
-                      "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale "
-                      "x='0.5' y='1.5'/><translate z='5'/>" +
-                      resize +
-                      "</shape><shape type='instance'><ref "
-                      "id='g'/><transform name='to_world'><rotate z='1' angle='30'/><translate y='-5' "
-                      "x='-2'/>" +
-                      resize + "</shape>");
+    return load("<shape type='cube'><transform name='to_world'>" + resize + "</shape><shape type='sphere'>" + move +
+                "</shape><shape type='disk'>" + tilt +
+                "</shape><shape type='cylinder'><point name='p0' x='-3' y='0' z='-2'/><point "
+                "name='p1' x='-3' y='0' "
+                "z='2'/><float name='radius' value='0.7'/><transform name='to_world'>" +
+                resize + "</shape>" +
+                "<shape type='shapegroup' id='g'><shape type='sphere'/><shape type='cube'><transform "
+                "name='to_world'><translate x='4'/></transform>" +
+                "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale "
+                "x='0.5' y='1.5'/><translate z='5'/>" +
+                resize +
+                "</shape><shape type='instance'><ref "
+                "id='g'/><transform name='to_world'><rotate z='1' angle='30'/><translate y='-5' "
+                "x='-2'/>" +
+                resize + "</shape>");
 }
 
 // Packets of every size, of neighbouring rays and of rays in all directions, find what single rays find. Embree's

@@ -48,7 +48,7 @@ std::string matrix(const Mat4d& m) {
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 4; ++k)
             text += fmt::format("{} ", m(i, k));
-    return "<transform name='to_world'><matrix value='" + text + "'/></transform>";
+    return to_world("<matrix value='", text, "'/>");
 }
 
 /// A random affine map that turns, stretches by up to 100 : 1, shears, perhaps mirrors, and moves.
@@ -66,16 +66,16 @@ Mat4d any_affine(Random& random, double reach) {
 }
 
 std::string file_shape(const std::string& name, const std::string& body = "") {
-    return "<shape type='obj'><string name='filename' value='" + name + "'/>" + body + "</shape>";
+    return shape("obj", filename(name), body);
 }
 std::string instance_of(const std::string& shapes, const std::string& placed) {
-    return "<shape type='instance'>" + placed + "<shape type='shapegroup'>" + shapes + "</shape></shape>";
+    return shape("instance", placed, shape("shapegroup", shapes));
 }
 /// Two balls in opposite corners, which keep the centre of the scene at the file's origin whatever stands between.
 std::string corners(double reach) {
     std::string balls;
     for (const double x : {-reach, reach})
-        balls += fmt::format("<shape type='sphere'><point name='center' value='{}'/></shape>", x);
+        balls += fmt::format(shape("sphere", "<point name='center' value='{}'/>"), x);
     return balls;
 }
 
@@ -172,24 +172,20 @@ TEST(Instance, PlainScenesHitNoInstance) {
 
 TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
     const auto ball = [](double x, const std::string& bsdf) {
-        return fmt::format("<shape type='sphere'><point name='center' x='{}' y='0' z='0'/><ref id='{}'/></shape>", x,
-                           bsdf);
+        return fmt::format(shape("sphere", "<point name='center' x='{}' y='0' z='0'/>", reference("{}")), x, bsdf);
     };
     std::string bsdfs;
     for (int i = 0; i < 5; ++i)
-        bsdfs += fmt::format("<bsdf type='diffuse' id='b{0}'><float name='reflectance' value='0.{0}'/></bsdf>", i);
+        bsdfs += fmt::format(with_id("bsdf", "diffuse", "b{0}", number("reflectance", "0.{0}")), i);
     const auto instance = [](const std::string& group, double y) {
-        return fmt::format(
-            "<shape type='instance'><ref id='{}'/><transform name='to_world'><translate "
-            "y='{}'/></transform></shape>",
-            group, y);
+        return fmt::format(shape("instance", reference("{}"), to_world("<translate y='{}'/>")), group, y);
     };
     // Instances may precede the group that they show, and a group may have no instance.
     const auto loaded =
-        load(bsdfs + instance("h", 10) + ball(0, "b0") + instance("g", 20) + "<shape type='shapegroup' id='g'>" +
-             ball(0, "b1") + ball(5, "b2") + "</shape>" + "<shape type='shapegroup' id='unseen'>" + ball(0, "b1") +
-             "</shape>" + "<shape type='shapegroup' id='h'>" + ball(0, "b3") + ball(5, "b4") + "</shape>" +
-             instance("h", 30) + ball(5, "b1"));
+        load(bsdfs + instance("h", 10) + ball(0, "b0") + instance("g", 20) +
+             with_id("shape", "shapegroup", "g", ball(0, "b1"), ball(5, "b2")) +
+             with_id("shape", "shapegroup", "unseen", ball(0, "b1")) +
+             with_id("shape", "shapegroup", "h", ball(0, "b3"), ball(5, "b4")) + instance("h", 30) + ball(5, "b1"));
     const Scene& scene = *loaded.scene;
     EXPECT_EQ(scene.shapes().size(), 6u);
     EXPECT_EQ(scene.instances().size(), 3u);
@@ -214,12 +210,12 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
 TEST(Instance, CountsForTheAnalysisOfEffects) {
     const TemporaryFolder folder;
     const std::string file = folder.write("m.obj", blob(4, true));
-    const std::string glass = "<bsdf type='dielectric'/>";
+    const std::string glass = bsdf("dielectric");
     const auto loaded = load(instance_of(file_shape(file, glass), ""));
     const Effects effects = effects_of(*loaded.scene);
     EXPECT_TRUE(effects.has(Effect::refraction));
     EXPECT_TRUE(effects.has(Effect::smooth_normals));
-    const auto unseen = load("<shape type='shapegroup'>" + file_shape(file, glass) + "</shape>" + corners(1));
+    const auto unseen = load(shape("shapegroup", file_shape(file, glass)) + corners(1));
     EXPECT_FALSE(effects_of(*unseen.scene).has(Effect::refraction));
 }
 
@@ -231,8 +227,8 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
     long leaving = 0, entering = 0, again = 0, lost = 0, near = 0;
     for (int scene = 0; scene < 80; ++scene) {
         const double reach = std::pow(10, 4 * static_cast<double>(random.next()) - 1);
-        const std::string face_normals = "<boolean name='face_normals' value='true'/>";
-        const std::string shape = scene % 2 ? "<shape type='sphere'/>" : file_shape(file, face_normals);
+        const std::string face_normals = flag("face_normals");
+        const std::string shape = scene % 2 ? shape("sphere") : file_shape(file, face_normals);
         const auto loaded = load(instance_of(shape, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
         const Bounds bounds = transformed(loaded.scene->instances()[0], bounds_of(loaded.scene->shapes()[2]));
         for (int i = 0; i < 500; ++i) {

@@ -13,17 +13,11 @@ namespace {
 
 Shape shape_of(const std::string& xml) { return load(xml).scene->shapes()[0]; }
 
-std::string shape(const std::string& type, const std::string& body) {
-    return "<shape type='" + type + "'>" + body + "</shape>";
-}
+std::string shape(const std::string& type, const std::string& body) { return shape(type, body); }
 
-const std::string turned =
-    "<transform name='to_world'><scale value='3'/><rotate x='1' y='2' z='-0.5' angle='50'/>"
-    "<translate x='1' y='-2' z='5'/></transform>";
-const std::string mirrored =
-    "<transform name='to_world'><scale x='-2' y='2' z='2'/><rotate x='1' y='-1' z='0.5' angle='70'/>"
-    "</transform>";
-const std::string flipped = "<boolean name='flip_normals' value='true'/>";
+const std::string turned = to_world(scale(3), "<rotate x='1' y='2' z='-0.5' angle='50'/>", translate(1, -2, 5));
+const std::string mirrored = to_world(scale(-2, 2, 2), "<rotate x='1' y='-1' z='0.5' angle='70'/>");
+const std::string flipped = flag("flip_normals");
 
 /// A point of a shape, and another one at a distance of `h` in a random direction on the
 /// surface, on the same triangle.
@@ -84,7 +78,7 @@ TEST(SurfaceParametrisation, DerivativesAreThoseOfThePoint) {
             EXPECT_LT(worst_difference(shape_of(shape(type, placed)), seed++), 0.01) << type << placed;
         EXPECT_LT(worst_difference(shape_of(shape("obj", file + placed)), seed++), 0.01) << placed;
     }
-    const std::string oval = "<transform name='to_world'><scale x='4' y='0.5'/></transform>";
+    const std::string oval = to_world(scale(4, 0.5, 1));
     EXPECT_LT(worst_difference(shape_of(shape("disk", oval)), seed++), 0.01);
 }
 
@@ -101,12 +95,10 @@ TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
     expect_uv(plain, Vec3(0, 0, 1), Vec2(0, 0));
     expect_uv(plain, Vec3(0, 0, -1), Vec2(0, 1));
     // The rotation takes x to y and y to -x.
-    const Shape quarter = shape_of(
-        shape("sphere", "<transform name='to_world'><scale value='2'/><rotate z='1' angle='90'/></transform>"));
+    const Shape quarter = shape_of(shape("sphere", to_world(scale(2), rotate('z', 90))));
     expect_uv(quarter, Vec3(0, 2, 0), Vec2(0, 0.5f));
     expect_uv(quarter, Vec3(-2, 0, 0), Vec2(0.25f, 0.5f));
-    const Shape mirror =
-        shape_of(shape("sphere", "<transform name='to_world'><scale x='1' y='-1' z='1'/></transform>"));
+    const Shape mirror = shape_of(shape("sphere", to_world(scale(1, -1, 1))));
     expect_uv(mirror, Vec3(0, 1, 0), Vec2(0.75f, 0.5f));
     expect_uv(mirror, Vec3(1, 0, 0), Vec2(0, 0.5f));
 }
@@ -117,7 +109,7 @@ TEST(SurfaceParametrisation, SpheresKeepTheirDigitsNearThePoles) {
 }
 
 TEST(SurfaceParametrisation, DisksHaveRadiusAndAngle) {
-    const Shape s = shape_of(shape("disk", "<transform name='to_world'><scale x='4' y='2'/></transform>" + flipped));
+    const Shape s = shape_of(shape("disk", to_world(scale(4, 2, 1)) + flipped));
     expect_uv(s, Vec3(4, 0, 0), Vec2(1, 0));
     expect_uv(s, Vec3(0, 1, 0), Vec2(0.5f, 0.25f));
     expect_uv(s, Vec3(-2, 0, 0), Vec2(0.5f, 0.5f));
@@ -136,15 +128,11 @@ void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
 }
 
 TEST(SurfaceParametrisation, CylindersHaveTheAngleAndTheHeight) {
-    const Shape s = shape_of(shape("cylinder",
-                                   "<point name='p0' x='0' y='0' z='-2'/><point name='p1' x='0' y='0' "
-                                   "z='2'/><float name='radius' value='3'/>" +
-                                       flipped));
+    const Shape s = shape_of(shape("cylinder", point("p0", 0, 0, -2) + point("p1", 0, 0, 2) + radius(3) + flipped));
     expect_uv(s, Vec3(3, 0, -2), Vec2(0, 0));
     expect_uv(s, Vec3(0, 3, 1), Vec2(0.25f, 0.75f));
     expect_uv(s, Vec3(0, -3, 2), Vec2(0.75f, 1));
-    const Shape mirror =
-        shape_of(shape("cylinder", "<transform name='to_world'><scale x='1' y='-1' z='4'/></transform>"));
+    const Shape mirror = shape_of(shape("cylinder", to_world(scale(1, -1, 4))));
     expect_uv(mirror, Vec3(0, 1, 1), Vec2(0.75f, 0.75f));
 }
 
@@ -194,7 +182,7 @@ TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
 /// The uv where a ray along -z from above (x, y) hits the mesh file m.`type` with `body` in its element.
 Vec2 uv_from_above(const TemporaryFolder& folder, const std::string& type, const std::string& body, float x, float y) {
     const std::string name = folder / ("m." + type);
-    const auto loaded = load(shape(type, "<string name='filename' value='" + name + "'/>" + body));
+    const auto loaded = load(shape(type, filename(name) + body));
     const auto hit = loaded.scene->intersect({Vec3(x, y, 5) - loaded.scene->bounds().center(), Vec3(0, 0, -1)});
     // The ray starts at the file's (x, y, 5); the origin of the loaded scene is the centre of its bounds.
     EXPECT_TRUE(hit) << type << body;
@@ -248,9 +236,9 @@ TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
     for (const std::string type : {"obj", "ply"}) {
         const auto mesh = [&](const std::string& name, const std::string& body) {
             const std::string path = folder / (name + "." + type);
-            return std::get<Mesh>(shape_of(shape(type, "<string name='filename' value='" + path + "'/>" + body)));
+            return std::get<Mesh>(shape_of(shape(type, filename(path) + body)));
         };
-        const std::string faceted = "<boolean name='face_normals' value='true'/>";
+        const std::string faceted = flag("face_normals");
         const Mesh bare = mesh("bare", ""), full = mesh("full", "");
         ASSERT_EQ(bare.normals.size(), 4u) << type;
         EXPECT_LT((bare.normals[1] - bare.normal_of(0).normalized().cast<float>()).norm(), 1e-6f) << type;
@@ -274,9 +262,7 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
         folder.write("m.obj", triangle + faces);
         EXPECT_LT((uv_from_above(folder, "obj", "", -0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(), 1e-6f) << faces;
         // A mirror moves the corners but keeps their order.
-        EXPECT_LT((uv_from_above(folder, "obj", "<transform name='to_world'><scale x='-1'/></transform>", 0.5f, -0.8f) -
-                   Vec2(0.25f, 0.1f))
-                      .norm(),
+        EXPECT_LT((uv_from_above(folder, "obj", to_world(scale(-1, 1, 1)), 0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(),
                   1e-6f)
             << faces;
     }

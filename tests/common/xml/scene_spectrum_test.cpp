@@ -111,30 +111,24 @@ TEST(Spectrum, ColoursOutOfGamutAreClamped) {
 
 TEST(Spectrum, PluginsMeanTheSameAsLists) {
     const auto plugin = [](const std::string& type, const std::string& body, ColorRange range) {
-        return color_of("<spectrum name='x' type='" + type + "'>" + body + "</spectrum>", range);
+        return color_of(named("spectrum", "x", type, body), range);
     };
     const auto emission = ColorRange::emission;
     const Color list = color_of_list("400:1 500:2 600:4", emission);
+    expect_near(plugin("irregular", text("wavelengths", "400, 500, 600") + text("values", "1 2 4"), emission), list,
+                1e-7f);
     expect_near(
-        plugin("irregular", "<string name='wavelengths' value='400, 500, 600'/><string name='values' value='1 2 4'/>",
+        plugin("regular", number("wavelength_min", 400) + number("wavelength_max", 600) + text("values", "1, 2, 4"),
                emission),
         list, 1e-7f);
-    expect_near(plugin("regular",
-                       "<float name='wavelength_min' value='400'/><float name='wavelength_max' value='600'/>"
-                       "<string name='values' value='1, 2, 4'/>",
-                       emission),
-                list, 1e-7f);
-    EXPECT_TRUE((plugin("uniform", "<float name='value' value='3'/>", emission) == 3.f).all());
+    EXPECT_TRUE((plugin("uniform", number("value", 3), emission) == 3.f).all());
     EXPECT_TRUE((plugin("d65", "", emission) == 1.f).all());
-    expect_near(plugin("d65", "<float name='scale' value='2'/><rgb name='color' value='1 2 3'/>", emission),
-                Color(2, 4, 6), 1e-7f);
-    expect_near(plugin("srgb", "<rgb name='color' value='0.1 0.2 0.3'/>", ColorRange::unit), Color(0.1f, 0.2f, 0.3f),
-                1e-7f);
+    expect_near(plugin("d65", number("scale", 2) + rgb("color", "1 2 3"), emission), Color(2, 4, 6), 1e-7f);
+    expect_near(plugin("srgb", rgb("color", "0.1 0.2 0.3"), ColorRange::unit), Color(0.1f, 0.2f, 0.3f), 1e-7f);
 }
 
 Color blackbody(double temperature) {
-    return color_of("<spectrum name='x' type='blackbody'><float name='temperature' value='" +
-                        std::to_string(temperature) + "'/></spectrum>",
+    return color_of(named("spectrum", "x", "blackbody", number("temperature", std::to_string(temperature))),
                     ColorRange::emission);
 }
 
@@ -148,9 +142,7 @@ TEST(Spectrum, BlackbodiesHaveTheirColourAndLuminance) {
 }
 
 TEST(Spectrum, ABlackbodyTakesAScale) {
-    const std::string scaled =
-        "<spectrum name='x' type='blackbody'><float name='temperature' value='3000'/><float name='scale' "
-        "value='0.25'/></spectrum>";
+    const std::string scaled = named("spectrum", "x", "blackbody", number("temperature", 3000), number("scale", 0.25));
     EXPECT_TRUE(color_of(scaled, ColorRange::emission).isApprox(0.25f * blackbody(3000), 1e-6f));
 }
 
@@ -159,11 +151,11 @@ TEST(Spectrum, StandsWhereverAColourDoes) {
     folder.write("data/a.spd", "# wavelengths\n400 0.1 # first\r\n\n  500\t0.2\n600 0.4\n700 0.1");
     const std::string file = "<spectrum name='intensity' filename='a.spd'/>";
     const auto scene = [&](const std::string& intensity) {
-        return parse_scene(scene_with("<path value='data'/><shape type='sphere'><bsdf type='diffuse'><spectrum "
-                                      "name='reflectance' filename='a.spd'/></bsdf></shape><spectrum type='d65' "
-                                      "id='white'/><emitter type='point'>" +
-                                      intensity + "</emitter>"),
-                           folder / "main.xml");
+        return parse_scene(
+            scene_with("<path value='data'/>" +
+                       shape("sphere", bsdf("diffuse", "<spectrum name='reflectance' filename='a.spd'/>")) +
+                       with_id("spectrum", "d65", "white") + emitter("point", intensity)),
+            folder / "main.xml");
     };
     const auto intensity = [](const LoadedScene& loaded) {
         return std::get<PointLight>(loaded.scene->lights().at(0)).intensity;
@@ -171,7 +163,7 @@ TEST(Spectrum, StandsWhereverAColourDoes) {
     const LoadedScene first = scene(file);
     expect_near(intensity(first), Color(0.442717f, 0.278474f, 0.118373f), 1e-6f);
     EXPECT_TRUE((intensity(scene("<ref name='intensity' id='white'/>")) == 1.f).all());
-    EXPECT_TRUE((intensity(scene("<integer name='intensity' value='2'/>")) == 2.f).all());
+    EXPECT_TRUE((intensity(scene(integer("intensity", 2))) == 2.f).all());
     folder.write("data/a.spd", "400 0.1\n500 0.2\n600 0.5\n700 0.1");
     EXPECT_NE(scene(file).content_hash, first.content_hash);
 }
@@ -203,31 +195,28 @@ TEST(SpectrumErrors, Lists) {
                                            {"", "a spectrum needs two wavelengths or more, found 0"},
                                            {"x", "bad number 'x'"},
                                            {"1.5", "'reflectance' must be between 0 and 1, not 1.5"}}) {
-        const std::string error =
-            error_of(scene_with("<shape type='sphere'><bsdf type='diffuse'>\n<spectrum name='reflectance' value='" +
-                                row.list + "'/></bsdf></shape>"));
+        const std::string error = error_of(
+            scene_with(shape("sphere", bsdf("diffuse", "\n<spectrum name='reflectance' value='", row.list, "'/>"))));
         EXPECT_THAT(error, StartsWith("t.xml:3:30: " + row.message)) << row.list;
     }
     const auto emitter = [](const std::string& body) {
-        return error_of(scene_with("<shape type='sphere'><emitter type='area'>\n" + body + "</emitter></shape>"));
+        return error_of(scene_with(shape("sphere", emitter("area", "\n", body))));
     };
     EXPECT_THAT(emitter("<spectrum name='radiance' value='400:-1 500:2'/>"),
                 StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("<spectrum name='radiance' value='-1'/>"),
-                StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("<spectrum name='radiance' value='3e38'/>"), HasSubstr("too large"));
+    EXPECT_THAT(emitter(spectrum("radiance", -1)), StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter(spectrum("radiance", 3e38)), HasSubstr("too large"));
     EXPECT_THAT(emitter("<spectrum name='radiance' value='400:1e39 500:0'/>"), HasSubstr("too large"));
     EXPECT_THAT(emitter("<spectrum name='radiance'/>"), StartsWith("t.xml:3:1: <spectrum> needs the attribute"));
     EXPECT_THAT(emitter("<spectrum name='radiance' value='1' filename='a'/>"), HasSubstr("there is no file 'a'"));
-    EXPECT_THAT(emitter("<rgb name='radiance' value='#ff0000'/>"), StartsWith("t.xml:3:22: bad number '#ff0000'"));
+    EXPECT_THAT(emitter(rgb("radiance", "#ff0000")), StartsWith("t.xml:3:22: bad number '#ff0000'"));
 }
 
 TEST(SpectrumErrors, Files) {
     const TemporaryFolder folder;
     const auto error_in = [&](const std::string& content) {
         folder.write("a.spd", content);
-        return error_of(scene_with("<shape type='sphere'><emitter type='area'>\n<spectrum name='radiance' "
-                                   "filename='a.spd'/></emitter></shape>"),
+        return error_of(scene_with(shape("sphere", emitter("area", "\n<spectrum name='radiance' filename='a.spd'/>"))),
                         folder / "main.xml");
     };
     const std::string path = folder / "a.spd";
@@ -254,36 +243,33 @@ TEST(SpectrumErrors, Files) {
 
 TEST(SpectrumErrors, Plugins) {
     const auto emitter = [](const std::string& type, const std::string& body) {
-        return error_of(scene_with("<shape type='sphere'><emitter type='area'>\n<spectrum name='radiance' type='" +
-                                   type + "'>\n" + body + "</spectrum></emitter></shape>"));
+        return error_of(
+            scene_with(shape("sphere", emitter("area", "\n", named("spectrum", "radiance", type, "\n", body)))));
     };
     EXPECT_THAT(emitter("sodium", ""),
                 StartsWith("t.xml:3:27: the spectrum 'sodium' is not supported; supported are: uniform, regular, "
                            "irregular, srgb, d65, blackbody"));
     EXPECT_THAT(emitter("uniform", ""), StartsWith("t.xml:3:1: 'uniform' needs 'value'"));
-    EXPECT_THAT(emitter("uniform", "<float name='value' value='-1'/>"),
-                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("uniform", "<float name='value' value='1'/><float name='b' value='1'/>"),
+    EXPECT_THAT(emitter("uniform", number("value", -1)), StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter("uniform", number("value", 1) + number("b", 1)),
                 HasSubstr("spectrum 'uniform' does not take a parameter 'b'"));
     EXPECT_THAT(emitter("blackbody", ""), HasSubstr("'blackbody' needs 'temperature'"));
-    EXPECT_THAT(emitter("blackbody", "<float name='temperature' value='0'/>"),
+    EXPECT_THAT(emitter("blackbody", number("temperature", 0)),
                 StartsWith("t.xml:4:27: 'temperature' must be above 0"));
     EXPECT_THAT(emitter("srgb", ""), HasSubstr("'srgb' needs 'color'"));
-    EXPECT_THAT(emitter("srgb", "<spectrum name='color' value='1'/>"),
+    EXPECT_THAT(emitter("srgb", spectrum("color", 1)),
                 StartsWith("t.xml:4:1: 'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"));
     EXPECT_THAT(emitter("srgb' id='a", "<ref name='color' id='a'/>"), HasSubstr("'color' cannot be a <spectrum>"));
-    EXPECT_THAT(emitter("d65", "<float name='scale' value='-1'/>"),
-                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("irregular", "<string name='values' value='1 2'/><string name='wavelengths' value='1'/>"),
+    EXPECT_THAT(emitter("d65", number("scale", -1)), StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
+    EXPECT_THAT(emitter("irregular", text("values", "1 2") + text("wavelengths", "1")),
                 StartsWith("t.xml:4:23: found 2 values at 1 wavelengths"));
-    EXPECT_THAT(emitter("irregular", "<string name='values' value='1 2'/>"), HasSubstr("needs 'wavelengths'"));
-    EXPECT_THAT(emitter("regular",
-                        "<string name='values' value='1 2'/><float name='wavelength_min' value='500'/>"
-                        "<float name='wavelength_max' value='400'/>"),
-                StartsWith("t.xml:4:23: the wavelengths must increase: 400 follows 500"));
-    EXPECT_THAT(error_of(scene_with("<shape type='sphere'><bsdf type='diffuse'>\n<spectrum name='reflectance' "
-                                    "type='blackbody'/></bsdf></shape>")),
-                StartsWith("t.xml:3:1: 'reflectance' cannot be a blackbody: only an emission can"));
+    EXPECT_THAT(emitter("irregular", text("values", "1 2")), HasSubstr("needs 'wavelengths'"));
+    EXPECT_THAT(
+        emitter("regular", text("values", "1 2") + number("wavelength_min", 500) + number("wavelength_max", 400)),
+        StartsWith("t.xml:4:23: the wavelengths must increase: 400 follows 500"));
+    EXPECT_THAT(
+        error_of(scene_with(shape("sphere", bsdf("diffuse", "\n", named("spectrum", "reflectance", "blackbody"))))),
+        StartsWith("t.xml:3:1: 'reflectance' cannot be a blackbody: only an emission can"));
 }
 
 }  // namespace

@@ -21,19 +21,17 @@ struct OldScene {
 };
 
 const std::string old_sensor =
-    "<sensor type='perspective'><float name='fov' value='60'/><transform name='toWorld'><lookAt origin='0,1,4' "
-    "target='0,0,0' up='0,1,0'/></transform><film type='hdrfilm'><integer name='width' value='12'/><integer "
-    "name='height' value='8'/><rfilter type='box'/></film></sensor>";
+    camera(60, "<transform name='toWorld'><lookAt origin='0,1,4' target='0,0,0' up='0,1,0'/></transform>",
+           element("film", "hdrfilm", integer("width", 12), integer("height", 8), element("rfilter", "box")));
 const std::string new_sensor =
-    "<sensor type='perspective'><float name='fov' value='60'/><transform name='to_world'><lookat origin='0,1,4' "
-    "target='0,0,0' up='0,1,0'/></transform><film type='hdrfilm'><integer name='width' value='12'/><integer "
-    "name='height' value='8'/><rfilter type='box'/></film></sensor>";
-const std::string sky = "<emitter type='constant'><rgb name='radiance' value='0.5'/></emitter>";
+    camera(60, to_world(look_at("0,1,4", "0,0,0")),
+           element("film", "hdrfilm", integer("width", 12), integer("height", 8), element("rfilter", "box")));
+const std::string sky = constant_light(0.5);
 
-const std::string spots = "<texture type='bitmap'><string name='filename' value='spots.ppm'/></texture>";
+const std::string spots = texture("bitmap", filename("spots.ppm"));
 
 /// A ball with a bsdf.
-std::string ball(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>"; }
+std::string ball(const std::string& bsdf) { return shape("sphere", bsdf); }
 
 OldScene with_bsdf(const std::string& name, const std::string& old_bsdf, const std::string& new_bsdf,
                    const std::vector<std::string>& warnings = {}) {
@@ -44,160 +42,126 @@ std::vector<OldScene> cameras() {
     return {
         {"perspective",
          "0.6.0",
-         "<sensor type='perspective'><string name='fovAxis' value='smaller'/><float name='fov' value='50'/><float "
-         "name='nearClip' value='0.5'/><float name='farClip' value='100'/><float name='focusDistance' "
-         "value='4'/><transform name='toWorld'><lookAt "
-         "origin='0,1,4' target='0,0,0' up='0,1,0'/></transform><sampler type='sobol'><integer name='sampleCount' "
-         "value='8'/><integer name='scramble' value='3'/></sampler><film type='ldrfilm'><integer name='width' "
-         "value='10'/><integer name='height' "
-         "value='8'/><float name='gamma' value='2.2'/><string name='tonemapMethod' value='gamma'/><boolean "
-         "name='banner' value='false'/><integer name='cropOffsetX' value='2'/><integer name='cropWidth' "
-         "value='6'/><rfilter "
-         "type='mitchell'/></film></sensor>" +
+         element("sensor", "perspective", text("fovAxis", "smaller"), number("fov", 50), number("nearClip", 0.5),
+                 number("farClip", 100), number("focusDistance", 4),
+                 "<transform name='toWorld'><lookAt origin='0,1,4' target='0,0,0' up='0,1,0'/></transform>",
+                 element("sampler", "sobol", integer("sampleCount", 8), integer("scramble", 3)),
+                 element("film", "ldrfilm", integer("width", 10), integer("height", 8), number("gamma", 2.2),
+                         text("tonemapMethod", "gamma"), flag("banner", false), integer("cropOffsetX", 2),
+                         integer("cropWidth", 6), element("rfilter", "mitchell"))) +
              sky + ball(""),
-         "<sensor type='perspective'><string name='fov_axis' value='smaller'/><float name='fov' value='50'/><float "
-         "name='near_clip' value='0.5'/><float name='far_clip' value='100'/><transform name='to_world'><lookat "
-         "origin='0,1,4' target='0,0,0' "
-         "up='0,1,0'/></transform><sampler type='independent'><integer name='sample_count' value='8'/></sampler><film "
-         "type='hdrfilm'><integer name='width' value='10'/><integer name='height' value='8'/><integer "
-         "name='crop_offset_x' value='2'/><integer name='crop_width' value='6'/><rfilter "
-         "type='gaussian'/></film></sensor>" +
+         element("sensor", "perspective", text("fov_axis", "smaller"), number("fov", 50), number("near_clip", 0.5),
+                 number("far_clip", 100), to_world(look_at("0,1,4", "0,0,0")),
+                 element("sampler", "independent", integer("sample_count", 8)),
+                 element("film", "hdrfilm", integer("width", 10), integer("height", 8), integer("crop_offset_x", 2),
+                         integer("crop_width", 6), element("rfilter", "gaussian"))) +
              sky + ball(""),
          {"mitchell"}},
         {"thin lens", "0.5.0",
-         "<sensor type='thinlens'><float name='fov' value='50'/><float name='apertureRadius' value='0.2'/><float "
-         "name='focusDistance' value='3'/><transform name='toWorld'><translate z='4'/><rotate y='1' "
-         "angle='180'/><scale x='1'/><translate z='8'/></transform><film type='mfilm'><integer "
-         "name='width' value='8'/><integer name='height' value='8'/><rfilter type='tent'/></film></sensor>" +
+         element("sensor", "thinlens", number("fov", 50), number("apertureRadius", 0.2), number("focusDistance", 3),
+                 "<transform name='toWorld'>", translate(0, 0, 4), rotate('y', 180), scale(1, 1, 1), translate(0, 0, 8),
+                 "</transform>",
+                 element("film", "mfilm", integer("width", 8), integer("height", 8), element("rfilter", "tent"))) +
              sky + ball(""),
-         "<sensor type='thinlens'><float name='fov' value='50'/><float name='aperture_radius' value='0.2'/><float "
-         "name='focus_distance' value='3'/><transform name='to_world'><translate z='4'/><rotate y='1' "
-         "angle='180'/><scale x='1'/><translate z='8'/></transform><film type='hdrfilm'><integer "
-         "name='width' value='8'/><integer name='height' value='8'/><rfilter type='tent'/></film></sensor>" +
+         element("sensor", "thinlens", number("fov", 50), number("aperture_radius", 0.2), number("focus_distance", 3),
+                 to_world(translate(0, 0, 4), rotate('y', 180), scale(1, 1, 1), translate(0, 0, 8)),
+                 element("film", "hdrfilm", integer("width", 8), integer("height", 8), element("rfilter", "tent"))) +
              sky + ball("")},
         {"camera of 0.3", "0.3.0",
-         "<camera type='perspective'><float name='fov' value='50'/><transform name='toWorld'><lookAt origin='0.5,1,4' "
-         "target='0,0,0' up='0,1,0'/></transform><film type='exrfilm'><integer name='width' value='12'/><integer "
-         "name='height' value='8'/><rfilter type='box'/></film></camera><luminaire type='point'><point name='position' "
-         "x='2' y='3' z='2'/><spectrum name='intensity' value='20'/></luminaire><luminaire type='constant'><spectrum "
-         "name='intensity' value='0.5'/></luminaire>" +
-             ball(""),
-         "<sensor type='perspective'><float name='fov' value='50'/><string name='fov_axis' value='smaller'/><transform "
-         "name='to_world'><scale x='-1'/><lookat origin='0.5,1,4' target='0,0,0' up='0,1,0'/></transform><film "
-         "type='hdrfilm'><integer name='width' value='12'/><integer name='height' value='8'/><rfilter "
-         "type='box'/></film></sensor><emitter type='point'><point name='position' value='2,3,2'/><rgb "
-         "name='intensity' value='20'/></emitter>" +
-             sky + ball("")},
+         "<camera type='perspective'>" + number("fov", 50) +
+             "<transform name='toWorld'><lookAt origin='0.5,1,4' target='0,0,0' up='0,1,0'/></transform>" +
+             element("film", "exrfilm", integer("width", 12), integer("height", 8), element("rfilter", "box")) +
+             "</camera><luminaire type='point'>" + point("position", 2, 3, 2) + spectrum("intensity", 20) +
+             "</luminaire><luminaire type='constant'>" + spectrum("intensity", 0.5) + "</luminaire>" + ball(""),
+         camera(50, text("fov_axis", "smaller"), to_world(scale(-1, 1, 1), look_at("0.5,1,4", "0,0,0")),
+                element("film", "hdrfilm", integer("width", 12), integer("height", 8), element("rfilter", "box"))) +
+             emitter("point", point("position", 2, 3, 2), rgb("intensity", 20)) + sky + ball("")},
         {"integrator",
          "0.6.0",
-         "<integrator type='photonmapper'><integer name='maxDepth' value='2'/><integer name='globalPhotons' "
-         "value='1000'/></integrator>" +
-             old_sensor + sky + ball(""),
-         "<integrator type='path'><integer name='max_depth' value='2'/></integrator>" + new_sensor + sky + ball(""),
+         element("integrator", "photonmapper", integer("maxDepth", 2), integer("globalPhotons", 1000)) + old_sensor +
+             sky + ball(""),
+         element("integrator", "path", integer("max_depth", 2)) + new_sensor + sky + ball(""),
          {"integrator 'photonmapper'"}},
         {"integrator in another",
          "0.6.0",
-         "<integrator type='adaptive'><float name='maxError' value='0.05'/><integrator type='path'><integer "
-         "name='maxDepth' value='2'/><boolean name='strictNormals' value='true'/></integrator></integrator>" +
+         element("integrator", "adaptive", number("maxError", 0.05),
+                 element("integrator", "path", integer("maxDepth", 2), flag("strictNormals"))) +
              old_sensor + sky + ball(""),
-         "<integrator type='path'><integer name='max_depth' value='2'/></integrator>" + new_sensor + sky + ball(""),
+         element("integrator", "path", integer("max_depth", 2)) + new_sensor + sky + ball(""),
          {"integrator 'adaptive'"}},
     };
 }
 
 std::vector<OldScene> materials() {
     return {
-        with_bsdf("colours", "<bsdf type='diffuse'><spectrum name='diffuseReflectance' value='0.2, 0.5 0.8'/></bsdf>",
-                  "<bsdf type='diffuse'><rgb name='reflectance' value='0.2 0.5 0.8'/></bsdf>"),
-        with_bsdf("sRGB in hexadecimal digits",
-                  "<bsdf type='diffuse'><srgb name='reflectance' value='#ff8000'/></bsdf>",
-                  "<bsdf type='diffuse'><rgb name='reflectance' value='1 " +
-                      fmt::format("{}", linear_from_srgb(128.f / 255)) + " 0'/></bsdf>"),
-        with_bsdf(
-            "checkerboard",
-            "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'><float name='uscale' "
-            "value='3'/><float name='voffset' value='0.25'/><float name='vscale' value='2'/><spectrum name='color0' "
-            "value='0.9'/></texture></bsdf>",
-            "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'><transform name='to_uv'><translate "
-            "y='0.25'/><scale x='3' y='2'/></transform><rgb name='color0' value='0.9'/></texture></bsdf>"),
-        with_bsdf(
-            "conductor in water",
-            "<bsdf type='conductor'><rgb name='eta' value='0.2'/><rgb name='k' value='3.6'/><string name='extEta' "
-            "value='water'/></bsdf>",
-            "<bsdf type='conductor'><rgb name='eta' value='0.15003751'/><rgb name='k' value='2.7006752'/></bsdf>"),
+        with_bsdf("colours", bsdf("diffuse", "<spectrum name='diffuseReflectance' value='0.2, 0.5 0.8'/>"),
+                  one_sided("0.2 0.5 0.8")),
+        with_bsdf("sRGB in hexadecimal digits", bsdf("diffuse", "<srgb name='reflectance' value='#ff8000'/>"),
+                  one_sided("1 " + fmt::format("{}", linear_from_srgb(128.f / 255)) + " 0")),
+        with_bsdf("checkerboard",
+                  bsdf("diffuse", named("texture", "reflectance", "checkerboard", number("uscale", 3),
+                                        number("voffset", 0.25), number("vscale", 2), spectrum("color0", 0.9))),
+                  bsdf("diffuse", named("texture", "reflectance", "checkerboard",
+                                        to_uv(translate(0, 0.25, 0), scale(3, 2, 1)), rgb("color0", 0.9)))),
+        with_bsdf("conductor in water", bsdf("conductor", rgb("eta", 0.2), rgb("k", 3.6), text("extEta", "water")),
+                  bsdf("conductor", rgb("eta", 0.15003751), rgb("k", 2.7006752))),
         with_bsdf("rough conductor",
-                  "<bsdf type='roughconductor'><string name='material' value='Au'/><string name='distribution' "
-                  "value='phong'/><float name='alphaU' value='0.2'/><float name='alphaV' value='0.3'/></bsdf>",
-                  "<bsdf type='roughconductor'><string name='material' value='Au'/><string name='distribution' "
-                  "value='beckmann'/><float name='alpha_u' value='0.2'/><float name='alpha_v' value='0.3'/></bsdf>",
+                  bsdf("roughconductor", text("material", "Au"), text("distribution", "phong"), number("alphaU", 0.2),
+                       number("alphaV", 0.3)),
+                  bsdf("roughconductor", text("material", "Au"), text("distribution", "beckmann"),
+                       number("alpha_u", 0.2), number("alpha_v", 0.3)),
                   {"'phong'"}),
+        with_bsdf("glass", bsdf("dielectric", text("intIOR", "water"), number("extIOR", 1)),
+                  bsdf("dielectric", text("int_ior", "water"), number("ext_ior", 1))),
         with_bsdf(
-            "glass",
-            "<bsdf type='dielectric'><string name='intIOR' value='water'/><float name='extIOR' value='1'/></bsdf>",
-            "<bsdf type='dielectric'><string name='int_ior' value='water'/><float name='ext_ior' value='1'/></bsdf>"),
-        with_bsdf("rough plastic",
-                  "<bsdf type='roughplastic'><float name='alpha' value='0.2'/><spectrum name='diffuseReflectance' "
-                  "value='0.1,0.4,0.2'/><boolean name='nonlinear' value='true'/></bsdf>",
-                  "<bsdf type='roughplastic'><float name='alpha' value='0.2'/><rgb name='diffuse_reflectance' "
-                  "value='0.1,0.4,0.2'/><boolean name='nonlinear' value='true'/></bsdf>"),
-        with_bsdf("bump map of 0.6",
-                  "<bsdf type='bumpmap'><texture type='scale'><float name='scale' value='0.05'/><texture "
-                  "type='bitmap'><string name='filename' value='spots.ppm'/><float name='uscale' "
-                  "value='3'/></texture></texture><bsdf type='diffuse'/></bsdf>",
-                  "<bsdf type='bumpmap'><texture type='bitmap'><string name='filename' value='spots.ppm'/><transform "
-                  "name='to_uv'><scale x='3'/></transform></texture><float name='scale' value='0.05'/><bsdf "
-                  "type='diffuse'/></bsdf>"),
-        with_bsdf("mixture",
-                  "<bsdf type='mixturebsdf'><string name='weights' value='0.75, 0.25'/><bsdf type='diffuse'/><bsdf "
-                  "type='plastic'/></bsdf>",
-                  "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='diffuse'/><bsdf "
-                  "type='plastic'/></bsdf>"),
-        with_bsdf("mixture that absorbs a quarter",
-                  "<bsdf type='mixturebsdf'><string name='weights' value='0.25, 0.25, 0.25'/><bsdf "
-                  "type='diffuse'/><bsdf type='plastic'/><bsdf type='phong'/></bsdf>",
-                  "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='blendbsdf'><float "
-                  "name='weight' value='0.3333333333333333'/><bsdf type='blendbsdf'><float name='weight' "
-                  "value='0.5'/><bsdf type='diffuse'/><bsdf type='plastic'/></bsdf><bsdf type='phong'/></bsdf><bsdf "
-                  "type='diffuse'><rgb name='reflectance' value='0'/></bsdf></bsdf>"),
+            "rough plastic",
+            bsdf("roughplastic", number("alpha", 0.2), "<spectrum name='diffuseReflectance' value='0.1,0.4,0.2'/>",
+                 flag("nonlinear")),
+            bsdf("roughplastic", number("alpha", 0.2), rgb("diffuse_reflectance", "0.1,0.4,0.2"), flag("nonlinear"))),
+        with_bsdf(
+            "bump map of 0.6",
+            bsdf("bumpmap",
+                 texture("scale", number("scale", 0.05), texture("bitmap", filename("spots.ppm"), number("uscale", 3))),
+                 bsdf("diffuse")),
+            bsdf("bumpmap", texture("bitmap", filename("spots.ppm"), to_uv(scale(3, 1, 1))), number("scale", 0.05),
+                 bsdf("diffuse"))),
+        with_bsdf("mixture", bsdf("mixturebsdf", text("weights", "0.75, 0.25"), bsdf("diffuse"), bsdf("plastic")),
+                  bsdf("blendbsdf", number("weight", 0.25), bsdf("diffuse"), bsdf("plastic"))),
+        with_bsdf(
+            "mixture that absorbs a quarter",
+            bsdf("mixturebsdf", text("weights", "0.25, 0.25, 0.25"), bsdf("diffuse"), bsdf("plastic"), bsdf("phong")),
+            bsdf("blendbsdf", number("weight", 0.25),
+                 bsdf("blendbsdf", number("weight", 0.3333333333333333),
+                      bsdf("blendbsdf", number("weight", 0.5), bsdf("diffuse"), bsdf("plastic")), bsdf("phong")),
+                 one_sided("0"))),
         with_bsdf("mixture of weights above 1",
-                  "<bsdf type='mixturebsdf'><string name='weights' value='3, 1'/><bsdf type='diffuse'/><bsdf "
-                  "type='plastic'/></bsdf>",
-                  "<bsdf type='blendbsdf'><float name='weight' value='0.25'/><bsdf type='diffuse'/><bsdf "
-                  "type='plastic'/></bsdf>",
+                  bsdf("mixturebsdf", text("weights", "3, 1"), bsdf("diffuse"), bsdf("plastic")),
+                  bsdf("blendbsdf", number("weight", 0.25), bsdf("diffuse"), bsdf("plastic")),
                   {"the weights sum to 4"}),
         with_bsdf("white above 1",
-                  "<bsdf type='plastic'><spectrum name='diffuseReflectance' value='1.1, 0.55, 0'/><float "
-                  "name='specularReflectance' value='1'/></bsdf>",
-                  "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.99 0.495 0'/></bsdf>",
-                  {"'diffuse_reflectance' is above 1"}),
+                  bsdf("plastic", "<spectrum name='diffuseReflectance' value='1.1, 0.55, 0'/>",
+                       number("specularReflectance", 1)),
+                  bsdf("plastic", rgb("diffuse_reflectance", "0.99 0.495 0")), {"'diffuse_reflectance' is above 1"}),
         with_bsdf("roughness in one direction",
-                  "<bsdf type='roughconductor'><string name='material' value='Au'/><float name='alpha' "
-                  "value='0.2'/><float name='alphaV' value='0.4'/></bsdf>",
-                  "<bsdf type='roughconductor'><string name='material' value='Au'/><float name='alpha_u' "
-                  "value='0.2'/><float name='alpha_v' value='0.4'/></bsdf>"),
-        with_bsdf("copper", "<bsdf type='conductor'/>",
-                  "<bsdf type='conductor'><string name='material' value='Cu'/></bsdf>"),
-        with_bsdf("rough copper", "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>",
-                  "<bsdf type='roughconductor'><string name='material' value='Cu'/><float name='alpha' "
-                  "value='0.3'/></bsdf>"),
-        with_bsdf("mirror", "<bsdf type='conductor'><string name='material' value='none'/></bsdf>",
-                  "<bsdf type='conductor'/>"),
-        with_bsdf("normal map without a name",
-                  "<bsdf type='normalmap'><texture type='bitmap'><string name='filename' value='spots.ppm'/><float "
-                  "name='gamma' value='1'/><float name='uvscale' value='2'/><float name='vscale' "
-                  "value='3'/></texture><bsdf type='diffuse'/></bsdf>",
-                  "<bsdf type='normalmap'><texture type='bitmap' name='normalmap'><string name='filename' "
-                  "value='spots.ppm'/><boolean name='raw' value='true'/><transform name='to_uv'><scale x='2' "
-                  "y='3'/></transform></texture><bsdf type='diffuse'/></bsdf>"),
-        with_bsdf("phong",
-                  "<bsdf type='phong'><spectrum name='diffuseReflectance' value='0.8'/><spectrum "
-                  "name='specularReflectance' value='0.8'/></bsdf>",
-                  "<bsdf type='phong'><rgb name='diffuse_reflectance' value='0.5'/><rgb name='specular_reflectance' "
-                  "value='0.5'/></bsdf>",
-                  {"scaled down"}),
-        {"bump map of 0.4", "0.4.1",
-         old_sensor + sky + ball("<bsdf type='bump'>" + spots + "<bsdf type='diffuse'/></bsdf>"),
-         new_sensor + sky + ball("<bsdf type='bumpmap'>" + spots + "<bsdf type='diffuse'/></bsdf>")},
+                  bsdf("roughconductor", text("material", "Au"), number("alpha", 0.2), number("alphaV", 0.4)),
+                  bsdf("roughconductor", text("material", "Au"), number("alpha_u", 0.2), number("alpha_v", 0.4))),
+        with_bsdf("copper", bsdf("conductor"), bsdf("conductor", text("material", "Cu"))),
+        with_bsdf("rough copper", bsdf("roughconductor", number("alpha", 0.3)),
+                  bsdf("roughconductor", text("material", "Cu"), number("alpha", 0.3))),
+        with_bsdf("mirror", bsdf("conductor", text("material", "none")), bsdf("conductor")),
+        with_bsdf(
+            "normal map without a name",
+            bsdf(
+                "normalmap",
+                texture("bitmap", filename("spots.ppm"), number("gamma", 1), number("uvscale", 2), number("vscale", 3)),
+                bsdf("diffuse")),
+            bsdf("normalmap",
+                 named("texture", "normalmap", "bitmap", filename("spots.ppm"), flag("raw"), to_uv(scale(2, 3, 1))),
+                 bsdf("diffuse"))),
+        with_bsdf("phong", bsdf("phong", spectrum("diffuseReflectance", 0.8), spectrum("specularReflectance", 0.8)),
+                  bsdf("phong", rgb("diffuse_reflectance", 0.5), rgb("specular_reflectance", 0.5)), {"scaled down"}),
+        {"bump map of 0.4", "0.4.1", old_sensor + sky + ball(bsdf("bump", spots, bsdf("diffuse"))),
+         new_sensor + sky + ball(bsdf("bumpmap", spots, bsdf("diffuse")))},
     };
 }
 
@@ -205,60 +169,47 @@ std::vector<OldScene> lights() {
     return {
         {"lights", "0.6.0",
          old_sensor + ball("") +
-             "<emitter type='spot'><spectrum name='intensity' value='9,8,7'/><float name='cutoffAngle' "
-             "value='40'/><float "
-             "name='beamWidth' value='20'/><transform name='toWorld'><lookAt origin='2,2,2' "
-             "target='0,0,0'/></transform></emitter>"
-             "<emitter type='directional'><vector name='direction' x='0' y='-1' z='-1'/><spectrum name='irradiance' "
-             "value='0.5'/><float name='samplingWeight' value='2'/></emitter>",
+             emitter("spot", "<spectrum name='intensity' value='9,8,7'/>", number("cutoffAngle", 40),
+                     number("beamWidth", 20),
+                     "<transform name='toWorld'><lookAt origin='2,2,2' target='0,0,0'/></transform>") +
+             emitter("directional", vector("direction", 0, -1, -1), spectrum("irradiance", 0.5),
+                     number("samplingWeight", 2)),
          new_sensor + ball("") +
-             "<emitter type='spot'><rgb name='intensity' value='9,8,7'/><float name='cutoff_angle' value='40'/><float "
-             "name='beam_width' value='20'/><transform name='to_world'><lookat origin='2,2,2' "
-             "target='0,0,0'/></transform></emitter>"
-             "<emitter type='directional'><vector name='direction' value='0,-1,-1'/><rgb name='irradiance' "
-             "value='0.5'/></emitter>"},
+             emitter("spot", rgb("intensity", "9,8,7"), number("cutoff_angle", 40), number("beam_width", 20),
+                     to_world("<lookat origin='2,2,2' target='0,0,0'/>")) +
+             emitter("directional", vector("direction", 0, -1, -1), rgb("irradiance", 0.5))},
         {"environment",
          "0.6.0",
-         old_sensor + ball("") +
-             "<emitter type='envmap'><string name='filename' value='spots.ppm'/><float name='gamma' "
-             "value='2.2'/><boolean name='cache' value='false'/></emitter>",
-         new_sensor + ball("") + "<emitter type='envmap'><string name='filename' value='spots.ppm'/></emitter>",
+         old_sensor + ball("") + emitter("envmap", filename("spots.ppm"), number("gamma", 2.2), flag("cache", false)),
+         new_sensor + ball("") + emitter("envmap", filename("spots.ppm")),
          {"'gamma' has no effect: the kind of the image decides"}},
         {"sky of 0.6",
          "0.6.0",
          old_sensor + ball("") +
-             "<emitter type='sunsky'><float name='turbidity' value='4'/><vector name='sunDirection' x='1' y='1' "
-             "z='2'/><float name='skyScale' value='3'/><float name='sunRadiusScale' value='2'/><spectrum "
-             "name='albedo' value='0.2'/><integer name='resolution' value='256'/></emitter>",
+             emitter("sunsky", number("turbidity", 4), vector("sunDirection", 1, 1, 2), number("skyScale", 3),
+                     number("sunRadiusScale", 2), spectrum("albedo", 0.2), integer("resolution", 256)),
          new_sensor + ball("") +
-             "<emitter type='sunsky'><float name='turbidity' value='4'/><vector name='sun_direction' x='1' y='1' "
-             "z='2'/><float name='sky_scale' value='3'/><float name='sun_radius_scale' value='2'/><transform "
-             "name='to_world'><matrix value='0 -1 0 0 0 0 1 0 -1 0 0 0 0 0 0 1'/></transform></emitter>",
+             emitter("sunsky", number("turbidity", 4), vector("sun_direction", 1, 1, 2), number("sky_scale", 3),
+                     number("sun_radius_scale", 2), to_world("<matrix value='0 -1 0 0 0 0 1 0 -1 0 0 0 0 0 0 1'/>")),
          {"Preetham"}},
         {"sky of 0.5 with z upwards",
          "0.5.0",
          old_sensor + ball("") +
-             "<emitter type='sky'><float name='hour' value='10'/><transform name='toWorld'><rotate x='1' "
-             "angle='90'/></transform></emitter>",
+             emitter("sky", number("hour", 10), "<transform name='toWorld'>", rotate('x', 90), "</transform>"),
          // North is y there, and x in version 3.
          new_sensor + ball("") +
-             "<emitter type='sky'><float name='hour' value='10'/><transform name='to_world'><matrix value='0 -1 0 0 0 "
-             "0 "
-             "1 0 -1 0 0 0 0 0 0 1'/><rotate x='1' angle='90'/></transform></emitter>",
+             emitter("sky", number("hour", 10),
+                     to_world("<matrix value='0 -1 0 0 0 0 1 0 -1 0 0 0 0 0 0 1'/>", rotate('x', 90))),
          {"Preetham"}},
         {"blackbody lamp", "0.6.0",
          old_sensor + ball("") +
-             "<emitter type='point'><point name='position' x='2' y='3' z='2'/><blackbody name='intensity' "
-             "temperature='3000K' scale='0.05'/></emitter>",
+             emitter("point", point("position", 2, 3, 2),
+                     "<blackbody name='intensity' temperature='3000K' scale='0.05'/>"),
          new_sensor + ball("") +
-             "<emitter type='point'><point name='position' value='2,3,2'/><spectrum name='intensity' "
-             "type='blackbody'><float name='temperature' value='3000'/><float name='scale' "
-             "value='0.05'/></spectrum></emitter>"},
+             emitter("point", point("position", 2, 3, 2),
+                     named("spectrum", "intensity", "blackbody", number("temperature", 3000), number("scale", 0.05)))},
         {"area lamp in a file that is included", "0.6.0", old_sensor + "<include filename='lamp.xml'/>" + ball(""),
-         new_sensor +
-             "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate "
-             "y='2'/></transform><emitter type='area'><rgb name='radiance' value='3'/></emitter></shape>" +
-             ball("")},
+         new_sensor + shape("rectangle", to_world(rotate('x', 90), translate(0, 2, 0)), area_light(3)) + ball("")},
     };
 }
 
@@ -266,47 +217,45 @@ std::vector<OldScene> media_and_instances() {
     return {
         {"fog", "0.6.0",
          old_sensor + sky +
-             "<shape type='cube'><medium type='homogeneous' name='interior'><spectrum name='sigmaS' "
-             "value='0.5'/><spectrum name='sigmaA' value='0.25'/><float name='densityMultiplier' value='2'/><phase "
-             "type='hg'><float name='g' value='0.3'/></phase></medium><bsdf type='null'/></shape>",
+             shape("cube",
+                   named("medium", "interior", "homogeneous", spectrum("sigmaS", 0.5), spectrum("sigmaA", 0.25),
+                         number("densityMultiplier", 2), element("phase", "hg", number("g", 0.3))),
+                   bsdf("null")),
          new_sensor + sky +
-             "<shape type='cube'><medium type='homogeneous' name='interior'><rgb name='sigma_s' value='0.5'/><rgb "
-             "name='sigma_a' value='0.25'/><float name='scale' value='2'/><phase type='hg'><float name='g' "
-             "value='0.3'/></phase></medium><bsdf type='null'/></shape>"},
+             shape("cube",
+                   named("medium", "interior", "homogeneous", rgb("sigma_s", 0.5), rgb("sigma_a", 0.25),
+                         number("scale", 2), element("phase", "hg", number("g", 0.3))),
+                   bsdf("null"))},
         {"smoke", "0.6.0",
          old_sensor + sky +
-             "<shape type='cube'><medium type='heterogeneous' name='interior'><string name='method' "
-             "value='woodcock'/><float name='stepSize' value='0.1'/><volume type='constvolume' name='density'><float "
-             "name='value' value='0.7'/></volume><volume type='constvolume' name='albedo'><spectrum name='value' "
-             "value='0.9,0.5,0.2'/></volume><float name='densityMultiplier' value='2'/></medium><bsdf "
-             "type='null'/></shape>",
+             shape("cube",
+                   named("medium", "interior", "heterogeneous", text("method", "woodcock"), number("stepSize", 0.1),
+                         named("volume", "density", "constvolume", number("value", 0.7)),
+                         named("volume", "albedo", "constvolume", "<spectrum name='value' value='0.9,0.5,0.2'/>"),
+                         number("densityMultiplier", 2)),
+                   bsdf("null")),
          new_sensor + sky +
-             "<shape type='cube'><medium type='homogeneous' name='interior'><float name='sigma_t' value='0.7'/><rgb "
-             "name='albedo' value='0.9,0.5,0.2'/><float name='scale' value='2'/></medium><bsdf type='null'/></shape>"},
+             shape("cube",
+                   named("medium", "interior", "homogeneous", number("sigma_t", 0.7), rgb("albedo", "0.9,0.5,0.2"),
+                         number("scale", 2)),
+                   bsdf("null"))},
         {"medium without a scattering coefficient",
          "0.6.0",
          old_sensor + sky +
-             "<shape type='cube'><medium type='homogeneous' name='interior'><spectrum name='sigmaA' "
-             "value='0.5'/></medium><bsdf type='null'/></shape>",
+             shape("cube", named("medium", "interior", "homogeneous", spectrum("sigmaA", 0.5)), bsdf("null")),
          new_sensor + sky +
-             "<shape type='cube'><medium type='homogeneous' name='interior'><rgb name='sigma_a' "
-             "value='0.5'/></medium><bsdf type='null'/></shape>",
+             shape("cube", named("medium", "interior", "homogeneous", rgb("sigma_a", 0.5)), bsdf("null")),
          {"'sigma_s' is not given"}},
         {"instances", "0.6.0",
-         old_sensor + sky +
-             "<shape type='shapegroup' id='g'><shape type='sphere'><float name='radius' "
-             "value='0.3'/></shape></shape><shape type='instance'><ref id='g'/><transform name='toWorld'><translate "
-             "x='1'/></transform></shape>",
-         new_sensor + sky +
-             "<shape type='shapegroup' id='g'><shape type='sphere'><float name='radius' "
-             "value='0.3'/></shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><translate "
-             "x='1'/></transform></shape>"},
+         old_sensor + sky + with_id("shape", "shapegroup", "g", shape("sphere", radius(0.3))) +
+             shape("instance", reference("g"), "<transform name='toWorld'>", translate(1, 0, 0), "</transform>"),
+         new_sensor + sky + with_id("shape", "shapegroup", "g", shape("sphere", radius(0.3))) +
+             shape("instance", reference("g"), to_world(translate(1, 0, 0)))},
         {"parameters", "0.6.0",
-         "<default name='maxDepth' value='2'/><default name='grey' value='0.25,0.25,0.25'/><integrator "
-         "type='path'><integer name='maxDepth' value='$maxDepth'/></integrator>" +
-             old_sensor + sky + ball("<bsdf type='diffuse'><spectrum name='reflectance' value='$grey'/></bsdf>"),
-         "<integrator type='path'><integer name='max_depth' value='2'/></integrator>" + new_sensor + sky +
-             ball("<bsdf type='diffuse'><rgb name='reflectance' value='0.25'/></bsdf>")},
+         "<default name='maxDepth' value='2'/><default name='grey' value='0.25,0.25,0.25'/>" +
+             element("integrator", "path", "<integer name='maxDepth' value='$maxDepth'/>") + old_sensor + sky +
+             ball(bsdf("diffuse", "<spectrum name='reflectance' value='$grey'/>")),
+         element("integrator", "path", integer("max_depth", 2)) + new_sensor + sky + ball(one_sided("0.25"))},
     };
 }
 
@@ -314,10 +263,9 @@ std::vector<OldScene> media_and_instances() {
 class OldScenes : public ::testing::Test {
 protected:
     OldScenes() {
-        folder_.write(
-            "lamp.xml",
-            "<shape version='0.5.0' type='rectangle'><transform name='toWorld'><rotate x='1' angle='90'/><translate "
-            "y='2'/></transform><emitter type='area'><spectrum name='radiance' value='3'/></emitter></shape>");
+        folder_.write("lamp.xml", "<shape version='0.5.0' type='rectangle'><transform name='toWorld'>" +
+                                      rotate('x', 90) + translate(0, 2, 0) + "</transform>" +
+                                      emitter("area", spectrum("radiance", 3)) + "</shape>");
         std::string pixels = "P6\n4 4\n255\n";
         for (int i = 0; i < 48; ++i)
             pixels += static_cast<char>(5 * i);
@@ -349,28 +297,18 @@ TEST_F(OldScenes, AreThoseOfVersion3) {
 
 TEST_F(OldScenes, HaveTheTexturesOfVersion3) {
     const auto bitmap = [](const std::string& parameters) {
-        return ball(
-            "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' "
-            "value='spots.ppm'/>" +
-            parameters + "</texture></bsdf>");
+        return ball(bsdf("diffuse", named("texture", "reflectance", "bitmap", filename("spots.ppm"), parameters)));
     };
     const auto expect = [&](const std::string& old_parameters, const std::string& new_parameters,
                             const std::vector<std::string>& warnings) {
         expect_same({"bitmap", "0.6.0", old_sensor + sky + bitmap(old_parameters),
                      new_sensor + sky + bitmap(new_parameters), warnings});
     };
-    expect(
-        "<string name='filterType' value='ewa'/><float name='maxAnisotropy' value='8'/><float name='gamma' "
-        "value='-1'/>",
-        "", {"'ewa'"});
-    expect("<string name='filterType' value='trilinear'/><float name='gamma' value='1'/>",
-           "<boolean name='raw' value='true'/>", {"'trilinear'"});
-    expect("<string name='wrapMode' value='clamp'/><string name='wrapModeV' value='clamp'/>",
-           "<string name='wrap_mode' value='clamp'/>", {});
-    expect(
-        "<string name='wrapModeU' value='mirror'/><string name='wrapModeV' value='mirror'/><float name='gamma' "
-        "value='1.8'/>",
-        "<string name='wrap_mode' value='mirror'/>", {"gamma of 1.8"});
+    expect(text("filterType", "ewa") + number("maxAnisotropy", 8) + number("gamma", -1), "", {"'ewa'"});
+    expect(text("filterType", "trilinear") + number("gamma", 1), flag("raw"), {"'trilinear'"});
+    expect(text("wrapMode", "clamp") + text("wrapModeV", "clamp"), text("wrap_mode", "clamp"), {});
+    expect(text("wrapModeU", "mirror") + text("wrapModeV", "mirror") + number("gamma", 1.8),
+           text("wrap_mode", "mirror"), {"gamma of 1.8"});
 }
 
 TEST(OldVersions, AreRefusedBefore03AndAfter3) {
@@ -382,19 +320,17 @@ TEST(OldVersions, AreRefusedBefore03AndAfter3) {
 TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
     for (const std::string bsdf : {"ward", "roughdiffuse", "coating"})
         EXPECT_THAT(input_error_of([&] {
-                        parse_scene("<scene version='0.6.0'>" + old_sensor + sky + ball("<bsdf type='" + bsdf + "'/>") +
-                                        "</scene>",
+                        parse_scene("<scene version='0.6.0'>" + old_sensor + sky + ball(bsdf(bsdf)) + "</scene>",
                                     "t.xml");
                     }),
                     HasSubstr("the bsdf '" + bsdf + "' is not supported"));
 }
 
 TEST(OldVersions, RefuseMediaThatArePresets) {
-    for (const std::string medium : {"", "<string name='material' value='Ketchup'/>"})
+    for (const std::string medium : {"", text("material", "Ketchup")})
         EXPECT_THAT(input_error_of([&] {
                         parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
-                                        ball("<medium type='homogeneous' name='interior'>" + medium + "</medium>") +
-                                        "</scene>",
+                                        ball(named("medium", "interior", "homogeneous", medium)) + "</scene>",
                                     "t.xml");
                     }),
                     HasSubstr("medium 'homogeneous' does not take a parameter 'material'"));
@@ -404,27 +340,24 @@ TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
     const auto error_of = [](const std::string& weights) {
         return input_error_of([&] {
             parse_scene("<scene version='0.6.0'>" + old_sensor + sky +
-                            ball("<bsdf type='mixturebsdf'>" + weights +
-                                 "<bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>") +
-                            "</scene>",
+                            ball(bsdf("mixturebsdf", weights, bsdf("diffuse"), bsdf("plastic"))) + "</scene>",
                         "t.xml");
         });
     };
     EXPECT_THAT(error_of(""), HasSubstr("a mixturebsdf needs 'weights'"));
-    EXPECT_THAT(error_of("<string name='weights' value='0.2'/>"), HasSubstr("found 1 weights of 2 bsdfs"));
+    EXPECT_THAT(error_of(text("weights", "0.2")), HasSubstr("found 1 weights of 2 bsdfs"));
     for (const std::string wrong : {"0, 0", "-0.5, 1"})
-        EXPECT_THAT(error_of("<string name='weights' value='" + wrong + "'/>"),
-                    HasSubstr("must not be negative, and their sum must be above 0"));
+        EXPECT_THAT(error_of(text("weights", wrong)), HasSubstr("must not be negative, and their sum must be above 0"));
 }
 
 TEST(OldVersions, WarnOfWhatNothingRefersTo) {
     const auto load = [](const std::string& shape) {
-        return scene_of(scene_xml(new_sensor + "<bsdf type='ward' id='unused'/>" + sky + shape));
+        return scene_of(scene_xml(new_sensor + with_id("bsdf", "ward", "unused") + sky + shape));
     };
     const auto scene = load(ball(""));
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_THAT(scene.warnings[0], HasSubstr("the bsdf 'ward' is not supported"));
-    EXPECT_THAT(input_error_of([&] { load(ball("<ref id='unused'/>")); }),
+    EXPECT_THAT(input_error_of([&] { load(ball(reference("unused"))); }),
                 HasSubstr("the bsdf 'ward' is not supported"));
 }
 
