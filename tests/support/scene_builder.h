@@ -164,6 +164,9 @@ std::string named(std::string_view tag, std::string_view name, std::string_view 
     return fmt::format("<{} name='{}' type='{}'>", tag, name, type) + (std::string() + ... + content) +
            fmt::format("</{}>", tag);
 }
+inline std::string reference(std::string_view name, std::string_view id) {
+    return fmt::format("<ref name='{}' id='{}'/>", name, id);
+}
 /// An element that others refer to: <tag type='...' id='...'>content</tag>.
 template <class... Content>
 std::string with_id(std::string_view tag, std::string_view type, std::string_view id, const Content&... content) {

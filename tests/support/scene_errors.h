@@ -26,12 +26,12 @@ struct ExpectedError {
     std::string content, place, message;
 };
 
-/// Expects the errors that `error_of` returns for the content of each row, in the file t.xml.
+/// Expects the errors that `error_of` returns for the content of each row, in this file.
 template <typename ErrorOf>
-void expect_errors(const std::vector<ExpectedError>& rows, const ErrorOf& error_of) {
+void expect_errors(const std::vector<ExpectedError>& rows, const ErrorOf& error_of, const std::string& file = "t.xml") {
     for (const auto& [content, place, message] : rows) {
         const std::string error = error_of(content);
-        EXPECT_THAT(error, StartsWith("t.xml:" + place + ": ")) << content;
+        EXPECT_THAT(error, StartsWith(file + ":" + place + ": ")) << content;
         EXPECT_THAT(error, HasSubstr(message)) << content;
     }
 }
