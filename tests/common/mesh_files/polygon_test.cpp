@@ -5,7 +5,9 @@
 #include "common/mesh_files/mesh_data.h"
 #include "common/mesh_files/smooth_angle.h"
 #include "common/scene/scene.h"
+#include "tests/support/mesh_area.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
@@ -130,13 +132,6 @@ TEST(Polygon, WhatHasNoTriangulationStaysAFan) {
     EXPECT_EQ(triangulated(crossing).size(), 2u);
 }
 
-double area_of(const MeshData& mesh) {
-    double area = 0;
-    for (const auto& t : mesh.triangles)
-        area += area_vector(mesh.positions, t).norm();
-    return area;
-}
-
 TEST(Polygon, BothFileFormatsPartNonConvexFaces) {
     // The notched square: 1 less the notch of base 1 and height 0.9.
     const double area = 1 - 0.45;
@@ -209,7 +204,7 @@ TEST(SmoothAngle, JoinsFacesThatLeanLess) {
 }
 
 /// The irradiance [W/m^2] at a point of the floor, by a midpoint rule over the light's samples.
-double irradiance(const Scene& scene, const Vec3& p) {
+double irradiance(const gib::Scene& scene, const Vec3& p) {
     constexpr int steps = 32;
     double sum = 0;
     for (int i = 0; i < steps; ++i)
@@ -246,8 +241,7 @@ TEST(LampMesh, TheLightOfASquareDoesNotDependOnItsFaces) {
     for (const auto& [name, text] : lamps) {
         folder.write("lamp.obj", text);
         const auto loaded =
-            load_scene(folder.write("s.xml", scene_with(shape("rectangle", to_world(scale(3))) +
-                                                        shape("obj", filename("lamp.obj"), area_light(1)))));
+            load_in(folder, shape("rectangle", to_world(scale(3))) + shape("obj", filename("lamp.obj"), area_light(1)));
         EXPECT_NEAR(loaded.scene->emitted_power()[0], std::numbers::pi, 1e-5) << name;
         // The form factor of two parallel unit squares at distance 1 (Howell, configuration C-11) is 0.199825.
         EXPECT_NEAR(mean_irradiance(loaded) / std::numbers::pi, 0.199825, 5e-4) << name;

@@ -73,7 +73,7 @@ TEST(SceneErrors, Properties) {
          {"<point name='center' x='1' y='2'/>", "3:1", "<point> needs the attribute 'z'"},
          {"<point name='center' value='1 2'/>", "3:22", "expected one or three numbers, found 2"},
          {"<boolean name='flip_normals' value='yes'/>", "3:30", "'yes' is neither true nor false"},
-         {"<bsdf type='diffuse'/><bsdf type='diffuse'/>", "3:23", "only one <bsdf>"}},
+         {"<bsdf type='diffuse'/><bsdf type='diffuse'/>", "3:23", "<shape> can hold only one <bsdf>"}},
         [](const std::string& body) { return error_in("shape", "sphere", body); });
 }
 
