@@ -1,27 +1,17 @@
 // Findings of fuzzing and of reading the code for such inputs: short files that ask for too much memory, time or
 // depth, and values that would pass the readers' checks. Each is refused with its place or has a defined result.
 
-#include "common/core/error.h"
 #include "common/images/image_file.h"
 #include "common/images/linear_file.h"
 #include "common/mesh_files/mesh_ms3d.h"
 #include "common/scene/scene.h"
 #include "experiments/plan/experiment_file.h"
-#include "tests/support/input_error.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
 #include <zlib.h>
 
 namespace gib::test::fuzz_findings_test {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
-std::string scene_error(const std::string& body, const std::string& path = "t.xml") {
-    return input_error_of([&] { parse_scene(scene_with(body), path); });
-}
 
 std::string ply(const std::string& vertex_properties, const std::string& body) {
     return "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n" +
@@ -59,18 +49,16 @@ TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
 
 TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
     const std::string more =
-        "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty "
-        "double v\n";
+        "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty double v\n";
     const auto error = [&](const std::string& values) {
         return input_error_of([&] {
             parse_ply(ply(more, "0 0 0 " + values + "\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n3 0 1 2\n"), "m.ply");
         });
     };
-    EXPECT_THAT(error("0 0 1e39 0 0"),
-                StartsWith("m.ply:15:11: vertex 0: a normal or texture coordinate is too large"));
-    EXPECT_THAT(error("0 0 1 0 1e39"),
-                StartsWith("m.ply:15:15: vertex 0: a normal or texture coordinate is too large"));
-    EXPECT_THAT(error("0 0 nan 0 0"), StartsWith("m.ply:15:11: vertex 0 is not finite"));
+    expect_errors({{"0 0 1e39 0 0", "15:11", "vertex 0: a normal or texture coordinate is too large"},
+                   {"0 0 1 0 1e39", "15:15", "vertex 0: a normal or texture coordinate is too large"},
+                   {"0 0 nan 0 0", "15:11", "vertex 0 is not finite"}},
+                  error, "m.ply");
     EXPECT_EQ(error("0 0 1e38 0 1e38"), "no error");
 }
 
@@ -157,8 +145,7 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     // A disk has no extent along its axis, so any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {
         const LoadedScene loaded = load(shape("disk", to_world("<scale z='", z, "'/>")));
-        const auto& disk = std::get<Disk>(loaded.scene->shapes()[0]);
-        EXPECT_LT((disk.normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
+        EXPECT_LT((std::get<Disk>(loaded.scene->shapes()[0]).normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
     }
 }
 
@@ -177,12 +164,13 @@ TEST(FuzzFindings, MaterialsAreNotTooDeep) {
 
 TEST(FuzzFindings, TexturesAreNotExponential) {
     std::string text;
-    for (int i = 0; i < 50; ++i)
-        text += with_id("texture", "checkerboard", "t" + std::to_string(i), "<ref name='color0' id='t",
-                        std::to_string(i + 1), "'/><ref name='color1' id='t", std::to_string(i + 1), "'/>") +
-                "\n";
-    text += with_id("texture", "checkerboard", "t50") +
-            shape("sphere", bsdf("diffuse", "<ref name='reflectance' id='t0'/>"));
+    for (int i = 0; i < 50; ++i) {
+        const std::string next = "t" + std::to_string(i + 1);
+        text += with_id("texture", "checkerboard", "t" + std::to_string(i), reference("color0", next),
+                        reference("color1", next));
+    }
+    text +=
+        with_id("texture", "checkerboard", "t50") + shape("sphere", bsdf("diffuse", reference("reflectance", "t0")));
     EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
 }
 
@@ -195,12 +183,8 @@ TEST(FuzzFindings, ManySmallMaterialsAreFine) {
 
 TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
     const auto error = [](const std::string& sensor, const std::string& film) {
-        return input_error_of([&] {
-            parse_scene("<scene version='3.0.0'>" +
-                            element("sensor", "perspective", sensor, "\n", element("film", "hdrfilm", film)) +
-                            shape("sphere") + "</scene>",
-                        "t.xml");
-        });
+        const std::string view = element("sensor", "perspective", sensor, "\n", element("film", "hdrfilm", film));
+        return input_error_of([&] { parse_scene(scene_xml(view + shape("sphere")), "t.xml"); });
     };
     const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
     EXPECT_THAT(error(number("principal_point_offset_x", 1e38), ""), StartsWith(message));
@@ -209,15 +193,13 @@ TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
 }
 
 TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
-    const auto ball = [](const char* radius) {
-        return shape("sphere", number("radius", radius), "\n", emitter("area"));
-    };
-    EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
-    EXPECT_EQ(scene_error(ball("1e-18")), "no error");
-    EXPECT_EQ(scene_error(ball("1e17")), "no error");
-    // The six sides have an area of 4e36 each.
-    EXPECT_THAT(scene_error(shape("cube", to_world(scale(1e18)), "\n", emitter("area"))),
-                StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
+    const auto ball = [](double r) { return shape("sphere", radius(r), "\n", emitter("area")); };
+    // The six sides of the cube have an area of 4e36 each.
+    expect_errors({{ball(1e-25), "3:1", "an area emitter on a shape of area 1.25664e-49"},
+                   {shape("cube", to_world(scale(1e18)), "\n", emitter("area")), "3:1",
+                    "an area emitter on a shape of area 2.4e+37"}});
+    EXPECT_EQ(scene_error(ball(1e-18)), "no error");
+    EXPECT_EQ(scene_error(ball(1e17)), "no error");
 }
 
 TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
@@ -226,11 +208,10 @@ TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
     const TemporaryFolder folder;
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
-    const std::string error = scene_error(
-        shape("obj", filename("far.obj"), to_world("<matrix value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/>")) + "\n" +
-            shape("obj", filename("near.obj")),
-        folder / "t.xml");
-    EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
+    const std::string far = to_world("<matrix value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/>");
+    EXPECT_THAT(scene_error(shape("obj", filename("far.obj"), far) + "\n" + shape("obj", filename("near.obj")),
+                            folder / "t.xml"),
+                HasSubstr("t.xml:1:1: the scene is too large"));
 }
 
 TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
@@ -238,10 +219,8 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
     folder.write("sky.pfm", "PF\n100000 100000\n-1.0\n");
     folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n");
     for (const std::string file : {"sky.pfm", "sky.hdr"}) {
-        const std::string name = filename(file);
-        const std::string ball = shape("sphere");
-        for (const auto& body : {ball + emitter("envmap", name),
-                                 shape("sphere", bsdf("diffuse", named("texture", "reflectance", "bitmap", name)))})
+        const std::string painted = bsdf("diffuse", named("texture", "reflectance", "bitmap", filename(file)));
+        for (const auto& body : {shape("sphere") + emitter("envmap", filename(file)), shape("sphere", painted)})
             EXPECT_THAT(scene_error(body, folder / "t.xml"), StartsWith(folder / file + ":1:1: ")) << file;
     }
 }

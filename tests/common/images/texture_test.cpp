@@ -15,6 +15,7 @@ namespace gib::test::texture_test {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+const FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
 
 /// The linear value of an sRGB value v (IEC 61966-2-1), in double.
 double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
@@ -168,7 +169,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
     for (int i = 0; i < 256; ++i)
         for (const int c : {i, 255 - i, i / 2})
             values.push_back(byte(c));
-    const std::string path = write_image(folder_ / "s.png", 256, 1, 3, values, {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string path = write_image(folder_ / "s.png", 256, 1, 3, values, bytes);
     const Texture texture(BitmapTexture{load(path)});
     const Texture raw(BitmapTexture{load(path, true)});
     for (int i = 0; i < 256; ++i) {
@@ -182,7 +183,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
         EXPECT_NEAR(texture.color(between)[0], (decoded(i / 255.0) + decoded((i + 1) / 255.0)) / 2, 2e-6);
     }
     // Between black and white, the mean is 0.5, not the 0.21 that decoding after the filter would give.
-    const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, bytes);
     EXPECT_NEAR(Texture(BitmapTexture{load(edge)}).value(Vec2{0.5f, 0.5f}), 0.5, 1e-6);
 }
 
@@ -205,22 +206,20 @@ TEST_F(Bitmaps, IgnoreAlphaAndDoNotMultiplyByIt) {
     const std::vector<float> rgba{byte(255), byte(102), byte(51), 0,         byte(204), byte(10), byte(0), byte(30),
                                   byte(1),   byte(2),   byte(3),  byte(255), byte(9),   byte(8),  byte(7), byte(128)};
     for (const char* name : {"a.png", "a.tga"}) {
-        const auto image = load(write_image(folder_ / name, 2, 2, 4, rgba, {OIIO::TypeDesc::UINT8, 0, {}, {}}), true);
+        const auto image = load(write_image(folder_ / name, 2, 2, 4, rgba, bytes), true);
         for (int i = 0; i < 4; ++i)
             for (int k = 0; k < 3; ++k)
                 EXPECT_NEAR(image->texel(i % 2, i / 2)[k], rgba[static_cast<std::size_t>(4 * i + k)], 1e-6)
                     << name << i;
     }
-    const auto grey = load(write_image(folder_ / "g.png", 1, 2, 2, {byte(50), 0, byte(80), byte(128)},
-                                       {OIIO::TypeDesc::UINT8, 0, {}, {}}));
+    const auto grey = load(write_image(folder_ / "g.png", 1, 2, 2, {byte(50), 0, byte(80), byte(128)}, bytes));
     EXPECT_TRUE(grey->grey());
     EXPECT_NEAR(grey->texel(0, 0)[0], decoded(50 / 255.0), 1e-6);
     EXPECT_NEAR(grey->texel(0, 1)[2], decoded(80 / 255.0), 1e-6);
 }
 
 TEST_F(Bitmaps, OfOneChannelAreGreyAndAlphaIsNotDecoded) {
-    const std::string file = write_image(folder_ / "a.png", 1, 1, 4, {byte(200), byte(100), byte(50), byte(25)},
-                                         {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string file = write_image(folder_ / "a.png", 1, 1, 4, {byte(200), byte(100), byte(50), byte(25)}, bytes);
     const auto value = [&](const std::string& channel, bool raw) {
         const auto bitmap = load(file, raw, channel);
         EXPECT_TRUE(bitmap->grey());

@@ -7,6 +7,7 @@
 #include "common/scene/scene.h"
 #include "common/shapes/accelerator.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
@@ -18,25 +19,15 @@ namespace gib::test::instance_test {
 namespace {
 
 /// A mesh, every other kind of shape, and instances of both around and beside each other.
-LoadedScene every_shape(const std::string& scale = "1") {
-    const std::string resize = "<scale value='" + scale + "'/></transform>";
-    const std::string move = "<transform name='to_world'><translate x='4'/>" + resize;
-    const std::string tilt = "<transform name='to_world'><rotate x='1' y='0.3' angle='70'/><translate y='3'/>" + resize;
-    return load("<shape type='cube'><transform name='to_world'>" + resize + "</shape><shape type='sphere'>" + move +
-                "</shape><shape type='disk'>" + tilt +
-                "</shape><shape type='cylinder'><point name='p0' x='-3' y='0' z='-2'/><point "
-                "name='p1' x='-3' y='0' "
-                "z='2'/><float name='radius' value='0.7'/><transform name='to_world'>" +
-                resize + "</shape>" +
-                "<shape type='shapegroup' id='g'><shape type='sphere'/><shape type='cube'><transform "
-                "name='to_world'><translate x='4'/></transform>" +
-                "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale "
-                "x='0.5' y='1.5'/><translate z='5'/>" +
-                resize +
-                "</shape><shape type='instance'><ref "
-                "id='g'/><transform name='to_world'><rotate z='1' angle='30'/><translate y='-5' "
-                "x='-2'/>" +
-                resize + "</shape>");
+LoadedScene every_shape(double size = 1) {
+    const std::string resize = scale(size), tilt = "<rotate x='1' y='0.3' angle='70'/>";
+    const std::string group =
+        with_id("shape", "shapegroup", "g", shape("sphere"), shape("cube", to_world(translate(4, 0, 0))));
+    return load(shape("cube", to_world(resize)) + shape("sphere", to_world(translate(4, 0, 0), resize)) +
+                shape("disk", to_world(tilt, translate(0, 3, 0), resize)) +
+                shape("cylinder", point("p0", -3, 0, -2), point("p1", -3, 0, 2), radius(0.7), to_world(resize)) +
+                group + shape("instance", reference("g"), to_world(scale(0.5, 1.5, 1), translate(0, 0, 5), resize)) +
+                shape("instance", reference("g"), to_world(rotate('z', 30), translate(-2, -5, 0), resize)));
 }
 
 // Packets of every size, of neighbouring rays and of rays in all directions, find what single rays find. Embree's
@@ -44,7 +35,7 @@ LoadedScene every_shape(const std::string& scale = "1") {
 // triangle's size and over the cosine of a slanting hit.
 TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
     const LoadedScene loaded = every_shape();
-    const Scene& scene = *loaded.scene;
+    const auto& scene = *loaded.scene;
     const Accelerator& accelerator = scene.accelerator();
     std::array<Ray, Accelerator::packet_size> rays;
     std::array<std::optional<Intersection>, Accelerator::packet_size> found;
@@ -87,11 +78,11 @@ TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
 // determinant of 1e-20, which Embree takes for zero.
 TEST(Accelerator, FindsTheSameInAnyUnits) {
     const LoadedScene loaded = every_shape();
-    const Scene& scene = *loaded.scene;
-    for (const auto& [text, scale] : {std::pair("1e-10", 1e-10f), std::pair("1e-6", 1e-6f), std::pair("1e-3", 1e-3f),
-                                      std::pair("1e6", 1e6f), std::pair("1e10", 1e10f)}) {
-        const LoadedScene loaded_resized = every_shape(text);
-        const Scene& resized = *loaded_resized.scene;
+    const auto& scene = *loaded.scene;
+    for (const double size : {1e-10, 1e-6, 1e-3, 1e6, 1e10}) {
+        const auto scale = static_cast<float>(size);
+        const LoadedScene loaded_resized = every_shape(size);
+        const auto& resized = *loaded_resized.scene;
         std::vector<int> hits_of_shape(scene.shapes().size());
         int differing = 0;
         for (std::uint64_t i = 0; i < 20000; ++i) {
@@ -108,15 +99,15 @@ TEST(Accelerator, FindsTheSameInAnyUnits) {
                 continue;
             }
             if (!found) continue;
-            EXPECT_NEAR(found->t / scale, expected->t, 2e-5f * scene.diagonal()) << text;
-            EXPECT_NEAR(found->u, expected->u, 1e-3f) << text;
-            EXPECT_NEAR(found->v, expected->v, 1e-3f) << text;
-            EXPECT_EQ(resized.accelerator().occluded({scale * ray.o, ray.d}), true) << text;
+            EXPECT_NEAR(found->t / scale, expected->t, 2e-5f * scene.diagonal()) << size;
+            EXPECT_NEAR(found->u, expected->u, 1e-3f) << size;
+            EXPECT_NEAR(found->v, expected->v, 1e-3f) << size;
+            EXPECT_EQ(resized.accelerator().occluded({scale * ray.o, ray.d}), true) << size;
             ++hits_of_shape[expected->shape];
         }
-        EXPECT_LE(differing, 4) << text;
+        EXPECT_LE(differing, 4) << size;
         for (int hits : hits_of_shape)
-            EXPECT_GT(hits, 100) << text;
+            EXPECT_GT(hits, 100) << size;
     }
 }
 
@@ -124,7 +115,7 @@ TEST(Accelerator, FindsTheSameInAnyUnits) {
 /// normals; an ellipsoid if `convex`.
 std::string blob(int rings, bool convex) {
     std::string obj;
-    const auto point = [&](int i, int k) {
+    const auto place = [&](int i, int k) {
         const double theta = std::numbers::pi * i / rings, phi = std::numbers::pi * k / rings;
         const double r = convex ? 1 : 1 + 0.3 * std::sin(3 * theta) * std::cos(2 * phi);
         return Vec3d(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi),
@@ -132,7 +123,7 @@ std::string blob(int rings, bool convex) {
     };
     for (int i = 0; i <= rings; ++i)
         for (int k = 0; k <= 2 * rings; ++k) {
-            const Vec3d p = point(i, k % (2 * rings));
+            const Vec3d p = place(i, k % (2 * rings));
             obj += fmt::format("v {} {} {}\nvt {} {}\nvn {} {} {}\n", p.x(), p.y(), p.z(), 0.5 * k / rings,
                                i / (rings + 0.5), p.x(), p.y(), p.z());
         }
@@ -179,10 +170,7 @@ std::string instance_of(const std::string& shapes, const std::string& placed) {
 }
 /// Two balls in opposite corners, which keep the centre of the scene at the file's origin whatever stands between.
 std::string corners(double reach) {
-    std::string balls;
-    for (const double x : {-reach, reach})
-        balls += fmt::format(shape("sphere", "<point name='center' value='{}'/>"), x);
-    return balls;
+    return shape("sphere", center(-reach, -reach, -reach)) + shape("sphere", center(reach, reach, reach));
 }
 
 /// A random ray that starts outside of the bounds and is directed into them.
@@ -200,7 +188,7 @@ struct Comparison {
 };
 
 /// Expects the same surface where both scenes have the same hit, and returns that hit of the instance.
-std::optional<SurfaceHit> expect_same_surface(const Scene& moved, const Scene& instanced, const Ray& ray,
+std::optional<SurfaceHit> expect_same_surface(const gib::Scene& moved, const gib::Scene& instanced, const Ray& ray,
                                               Comparison& count) {
     const auto a = moved.intersect(ray), b = instanced.intersect(ray);
     const bool same = a.has_value() == b.has_value() && (!a || a->primitive == b->primitive);
@@ -258,9 +246,8 @@ TEST(Instance, IsTheMovedSphereDiskAndCylinder) {
                                                             random.direction().cast<double>().normalized())
                                               .toRotationMatrix();
             m.topRightCorner<3, 1>() = 20 * random.direction().cast<double>();
-            const std::string shape = "<shape type='" + type + "'>", balls = corners(90);
-            const auto moved = load(shape + matrix(m) + "</shape>" + balls);
-            const auto instanced = load(instance_of(shape + "</shape>", matrix(m)) + balls);
+            const auto moved = load(shape(type, matrix(m)) + corners(90));
+            const auto instanced = load(instance_of(shape(type), matrix(m)) + corners(90));
             Comparison count;
             for (int i = 0; i < 500; ++i)
                 expect_same_surface(*moved.scene, *instanced.scene,
@@ -277,14 +264,14 @@ TEST(Instance, PlainScenesHitNoInstance) {
 }
 
 TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
-    const auto ball = [](double x, const std::string& bsdf) {
-        return fmt::format(shape("sphere", "<point name='center' x='{}' y='0' z='0'/>", reference("{}")), x, bsdf);
+    const auto ball = [](double x, const std::string& material) {
+        return shape("sphere", center(x, 0, 0), reference(material));
     };
     std::string bsdfs;
     for (int i = 0; i < 5; ++i)
-        bsdfs += fmt::format(with_id("bsdf", "diffuse", "b{0}", number("reflectance", "0.{0}")), i);
+        bsdfs += with_id("bsdf", "diffuse", "b" + std::to_string(i), number("reflectance", 0.1 * i));
     const auto instance = [](const std::string& group, double y) {
-        return fmt::format(shape("instance", reference("{}"), to_world("<translate y='{}'/>")), group, y);
+        return shape("instance", reference(group), to_world(translate(0, y, 0)));
     };
     // Instances may precede the group that they show, and a group may have no instance.
     const auto loaded =
@@ -292,7 +279,7 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
              with_id("shape", "shapegroup", "g", ball(0, "b1"), ball(5, "b2")) +
              with_id("shape", "shapegroup", "unseen", ball(0, "b1")) +
              with_id("shape", "shapegroup", "h", ball(0, "b3"), ball(5, "b4")) + instance("h", 30) + ball(5, "b1"));
-    const Scene& scene = *loaded.scene;
+    const auto& scene = *loaded.scene;
     EXPECT_EQ(scene.shapes().size(), 6u);
     EXPECT_EQ(scene.instances().size(), 3u);
     const auto reflectance = [&](float x, float y) {
@@ -300,14 +287,11 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
         const auto hit = scene.intersect({Vec3(x - 2.5f, y - 15.f, 9), Vec3(0, 0, -1)});
         return hit ? hit->bsdf->coefficients_local(Vec3(0, 0, 1)).diffuse[0] : -1.f;
     };
-    EXPECT_FLOAT_EQ(reflectance(0, 0), 0.f);
-    EXPECT_FLOAT_EQ(reflectance(5, 0), 0.1f);
-    EXPECT_FLOAT_EQ(reflectance(0, 10), 0.3f);
-    EXPECT_FLOAT_EQ(reflectance(5, 10), 0.4f);
-    EXPECT_FLOAT_EQ(reflectance(0, 20), 0.1f);
-    EXPECT_FLOAT_EQ(reflectance(5, 20), 0.2f);
-    EXPECT_FLOAT_EQ(reflectance(0, 30), 0.3f);
-    EXPECT_FLOAT_EQ(reflectance(5, 30), 0.4f);
+    for (const auto& [y, left, right] :
+         {std::tuple(0.f, 0.f, 0.1f), {10.f, 0.3f, 0.4f}, {20.f, 0.1f, 0.2f}, {30.f, 0.3f, 0.4f}}) {
+        EXPECT_FLOAT_EQ(reflectance(0, y), left);
+        EXPECT_FLOAT_EQ(reflectance(5, y), right);
+    }
     EXPECT_TRUE(scene.occluded({Vec3(-2.5f, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_FALSE(scene.occluded({Vec3(0, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_LT((scene.bounds().upper - Vec3(3.5f, 16, 1)).norm(), 1e-4f);
@@ -315,13 +299,12 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
 
 TEST(Instance, CountsForTheAnalysisOfEffects) {
     const TemporaryFolder folder;
-    const std::string file = folder.write("m.obj", blob(4, true));
-    const std::string glass = bsdf("dielectric");
-    const auto loaded = load(instance_of(file_shape(file, glass), ""));
+    const std::string crystal = file_shape(folder.write("m.obj", blob(4, true)), bsdf("dielectric"));
+    const auto loaded = load(instance_of(crystal, ""));
     const Effects effects = effects_of(*loaded.scene);
     EXPECT_TRUE(effects.has(Effect::refraction));
     EXPECT_TRUE(effects.has(Effect::smooth_normals));
-    const auto unseen = load(shape("shapegroup", file_shape(file, glass)) + corners(1));
+    const auto unseen = load(shape("shapegroup", crystal) + corners(1));
     EXPECT_FALSE(effects_of(*unseen.scene).has(Effect::refraction));
 }
 
@@ -333,9 +316,8 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
     long leaving = 0, entering = 0, again = 0, lost = 0, near = 0;
     for (int scene = 0; scene < 80; ++scene) {
         const double reach = std::pow(10, 4 * static_cast<double>(random.next()) - 1);
-        const std::string face_normals = flag("face_normals");
-        const std::string shape = scene % 2 ? shape("sphere") : file_shape(file, face_normals);
-        const auto loaded = load(instance_of(shape, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
+        const std::string body = scene % 2 ? shape("sphere") : file_shape(file, flag("face_normals"));
+        const auto loaded = load(instance_of(body, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
         const Bounds bounds = transformed(loaded.scene->instances()[0], bounds_of(loaded.scene->shapes()[2]));
         for (int i = 0; i < 500; ++i) {
             const auto hit = loaded.scene->intersect(towards(bounds, random));
@@ -419,7 +401,7 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
             parts.instances.push_back(*make_instance(0, place));
         parts.materials = loaded.scene->materials();
         parts.sensor = loaded.scene->sensor();
-        const Scene scene(std::move(parts));
+        const gib::Scene scene(std::move(parts));
         EXPECT_EQ(scene.instances().size(), count);
         const Vec3 p = places[count / 2].topRightCorner<3, 1>().cast<float>();
         EXPECT_TRUE(scene.intersect({2.f * p, -p}));

@@ -4,6 +4,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
@@ -12,8 +13,6 @@ namespace gib::test::shape_test {
 namespace {
 
 Shape shape_of(const std::string& xml) { return load(xml).scene->shapes()[0]; }
-
-std::string shape(const std::string& type, const std::string& body) { return shape(type, body); }
 
 const std::string turned = to_world(scale(3), "<rotate x='1' y='2' z='-0.5' angle='50'/>", translate(1, -2, 5));
 const std::string mirrored = to_world(scale(-2, 2, 2), "<rotate x='1' y='-1' z='0.5' angle='70'/>");
@@ -71,15 +70,14 @@ TEST(SurfaceParametrisation, DerivativesAreThoseOfThePoint) {
     folder.write("m.obj",
                  "v 0 0 0\nv 2 0 1\nv 0 1 0\nv 1 2 -1\nvt 0.2 0.3\nvt 0.9 -0.4\nvt 3 1\nvt 0 7\n"
                  "f 1/1 2/2 3/3\nf 4/4 3/1 2/3\n");
-    const std::string file = "<string name='filename' value='" + folder / "m.obj" + "'/>";
+    const std::string file = filename(folder / "m.obj");
     std::uint64_t seed = 1;
     for (const std::string& placed : {std::string(), turned, mirrored, turned + flipped}) {
         for (const std::string type : {"sphere", "disk", "cylinder", "rectangle", "cube"})
             EXPECT_LT(worst_difference(shape_of(shape(type, placed)), seed++), 0.01) << type << placed;
         EXPECT_LT(worst_difference(shape_of(shape("obj", file + placed)), seed++), 0.01) << placed;
     }
-    const std::string oval = to_world(scale(4, 0.5, 1));
-    EXPECT_LT(worst_difference(shape_of(shape("disk", oval)), seed++), 0.01);
+    EXPECT_LT(worst_difference(shape_of(shape("disk", to_world(scale(4, 0.5, 1)))), seed++), 0.01);
 }
 
 void expect_uv(const Shape& s, const Vec3& p, const Vec2& uv) {
@@ -87,7 +85,7 @@ void expect_uv(const Shape& s, const Vec3& p, const Vec2& uv) {
 }
 
 TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
-    const Shape plain = shape_of(shape("sphere", ""));
+    const Shape plain = shape_of(shape("sphere"));
     expect_uv(plain, Vec3(1, 0, 0), Vec2(0, 0.5f));
     expect_uv(plain, Vec3(0, 1, 0), Vec2(0.25f, 0.5f));
     expect_uv(plain, Vec3(-1, 1e-6f, 0), Vec2(0.5f, 0.5f));
@@ -104,7 +102,7 @@ TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
 }
 
 TEST(SurfaceParametrisation, SpheresKeepTheirDigitsNearThePoles) {
-    const Shape s = shape_of(shape("sphere", ""));
+    const Shape s = shape_of(shape("sphere"));
     EXPECT_NEAR(surface_at(s, 0, 0, 0, Vec3(1e-5f, 0, 1)).uv.y(), 1e-5 / std::numbers::pi, 1e-11);
 }
 
@@ -199,18 +197,13 @@ TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
         "-1 -1 0 0 0\n1 -1 0 1 0\n1 1 0 1 1\n-1 1 0 0 1\n4 0 1 2 3\n");
-    const auto flip = [](bool on) {
-        return std::string("<boolean name='flip_tex_coords' value='") + (on ? "true" : "false") + "'/>";
-    };
     const Vec2 as_stored(0.75f, 0.25f), turned_over(0.75f, 0.75f);
-    const auto at = [&](const std::string& type, const std::string& body) {
-        return uv_from_above(folder, type, body, 0.5f, -0.5f);
-    };
-    EXPECT_LT((at("obj", "") - turned_over).norm(), 1e-6f);
-    EXPECT_LT((at("obj", flip(true)) - turned_over).norm(), 1e-6f);
-    EXPECT_LT((at("obj", flip(false)) - as_stored).norm(), 1e-6f);
-    EXPECT_LT((at("ply", "") - as_stored).norm(), 1e-6f);
-    EXPECT_LT((at("ply", flip(true)) - turned_over).norm(), 1e-6f);
+    for (const auto& [type, body, uv] : {std::tuple("obj", std::string(), turned_over),
+                                         {"obj", flag("flip_tex_coords"), turned_over},
+                                         {"obj", flag("flip_tex_coords", false), as_stored},
+                                         {"ply", std::string(), as_stored},
+                                         {"ply", flag("flip_tex_coords"), turned_over}})
+        EXPECT_LT((uv_from_above(folder, type, body, 0.5f, -0.5f) - uv).norm(), 1e-6f) << type << body;
 }
 
 /// As in Mitsuba, meshes are smooth unless face_normals is set, even if the file has no normals.
@@ -260,15 +253,15 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
     const std::string triangle = "v -1 -1 0\nv 1 -1 0\nv -1 1 0\nv 1 1 0\n";
     for (const std::string faces : {"f 1 2 3\n", "vn 0 0 1\nf 1//1 2//1 3//1\n"}) {
         folder.write("m.obj", triangle + faces);
-        EXPECT_LT((uv_from_above(folder, "obj", "", -0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(), 1e-6f) << faces;
+        const Vec2 expected(0.25f, 0.1f), plain = uv_from_above(folder, "obj", "", -0.5f, -0.8f);
+        EXPECT_LT((plain - expected).norm(), 1e-6f) << faces;
         // A mirror moves the corners but keeps their order.
-        EXPECT_LT((uv_from_above(folder, "obj", to_world(scale(-1, 1, 1)), 0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(),
-                  1e-6f)
-            << faces;
+        const Vec2 mirror = uv_from_above(folder, "obj", to_world(scale(-1, 1, 1)), 0.5f, -0.8f);
+        EXPECT_LT((mirror - expected).norm(), 1e-6f) << faces;
     }
     // If the uv lie on a line they span no area either, and give no basis.
     folder.write("m.obj", triangle + "vt 0 0\nvt 1 1\nvt 2 2\nf 1/1 2/2 3/3\n");
-    const std::string file = "<string name='filename' value='" + folder / "m.obj" + "'/>";
+    const std::string file = filename(folder / "m.obj");
     for (const std::string& body : {turned, turned + flipped}) {
         const Shape s = shape_of(shape("obj", file + body));
         const SurfaceGeometry at = surface_at(s, 0, 0.2f, 0.2f, Vec3::Zero());
