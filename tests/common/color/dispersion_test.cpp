@@ -121,7 +121,7 @@ Passage passage(const gib::Scene& scene, int stratum, double incidence) {
         const auto next = hit->bsdf->sample_local(wo, Vec2(0.9999f, 0.5f), Vec2(0.5f, 0.5f), Transport::radiance);
         EXPECT_TRUE(next && next->wi.z() * wo.z() < 0) << "not transmitted";
         if (!next) return result;
-        result.transmittance *= static_cast<double>(next->pdf_w);  // a delta lobe's pdf_w is its share of light
+        result.transmittance *= double{next->pdf_w};  // a delta lobe's pdf_w is its share of light
         result.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
     }
     return result;

@@ -52,6 +52,13 @@ protected:
     std::shared_ptr<TextureCache> cache_ = std::make_shared<TextureCache>();
 };
 
+Texture with(BitmapTexture bitmap, TextureFilter filter, Wrap wrap) {
+    bitmap.filter = filter;
+    bitmap.wrap = wrap;
+    return Texture(std::move(bitmap));
+}
+
+constexpr TextureFilter every_filter[] = {TextureFilter::bilinear, TextureFilter::nearest};
 constexpr Wrap every_wrap[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::zero, Wrap::one};
 
 /// The texel in [0, size) that stands for any index i, by the common definition of the modes, which is Mitsuba's.
@@ -80,10 +87,9 @@ Colord filtered(const Picture& p, const Vec2d& uv, TextureFilter filter, Wrap wr
 
 TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
     const Picture p = picture(3, 2, 3);
-    BitmapTexture bitmap = texture_of(p);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest}) {
-        bitmap.filter = filter;
-        const Texture texture(bitmap);
+    const BitmapTexture bitmap = texture_of(p);
+    for (const auto filter : every_filter) {
+        const Texture texture = with(bitmap, filter, Wrap::repeat);
         EXPECT_FALSE(texture.constant());
         for (int y = 0; y < 2; ++y)
             for (int x = 0; x < 3; ++x) {
@@ -92,21 +98,19 @@ TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
             }
     }
     // The first row in the file is closest to v = 0.
-    bitmap.wrap = Wrap::clamp;
-    EXPECT_TRUE(Texture(bitmap).color(Vec2{0, 0}).isApprox(p.color(0, 0)));
-    EXPECT_TRUE(Texture(bitmap).color(Vec2{1, 1}).isApprox(p.color(2, 1)));
+    const Texture clamped = with(bitmap, TextureFilter::nearest, Wrap::clamp);
+    EXPECT_TRUE(clamped.color(Vec2{0, 0}).isApprox(p.color(0, 0)));
+    EXPECT_TRUE(clamped.color(Vec2{1, 1}).isApprox(p.color(2, 1)));
 }
 
 TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
     const Picture p = picture(5, 3, 3);
-    BitmapTexture bitmap = texture_of(p);
+    const BitmapTexture bitmap = texture_of(p);
     std::mt19937 generator(7);
     std::uniform_real_distribution<float> uniform(-4, 5);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
+    for (const auto filter : every_filter)
         for (const Wrap wrap : every_wrap) {
-            bitmap.filter = filter;
-            bitmap.wrap = wrap;
-            const Texture texture(bitmap);
+            const Texture texture = with(bitmap, filter, wrap);
             for (int i = 0; i < 2000; ++i) {
                 const Vec2 uv(uniform(generator), uniform(generator));
                 const Vec2d texels(uv.x() * 5.0, uv.y() * 3.0);
@@ -124,13 +128,10 @@ TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
 
 TEST_F(Bitmaps, HaveAValueForEveryUv) {
     const FloatTrapsPaused paused;  // intermediate values are not finite where uv is not
-    const Picture p = picture(5, 3, 3);
-    BitmapTexture bitmap = texture_of(p);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
+    const BitmapTexture bitmap = texture_of(picture(5, 3, 3));
+    for (const auto filter : every_filter)
         for (const Wrap wrap : every_wrap) {
-            bitmap.filter = filter;
-            bitmap.wrap = wrap;
-            const Texture texture(bitmap);
+            const Texture texture = with(bitmap, filter, wrap);
             const float ulp = std::nextafter(1.f, 0.f);
             for (const float u : {0.f, -0.f, 1.f, 2.f, ulp, -1e-30f, -1.f, 1e9f, -1e30f, infinity, -infinity, nan})
                 for (const float v : {0.f, 1.f, -1e-30f, -infinity, nan, 1e38f}) {
@@ -143,10 +144,9 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
 
 TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
     const FloatTrapsPaused paused;
-    BitmapTexture bitmap = texture_of(picture(5, 3, 3));
+    const BitmapTexture bitmap = texture_of(picture(5, 3, 3));
     for (const Wrap wrap : every_wrap) {
-        bitmap.wrap = wrap;
-        const Texture texture(bitmap);
+        const Texture texture = with(bitmap, TextureFilter::bilinear, wrap);
         EXPECT_TRUE((texture.color(Vec2{infinity, infinity}) == texture.color(Vec2{0.f, 0.f})).all());
     }
 }

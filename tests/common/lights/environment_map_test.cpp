@@ -118,7 +118,7 @@ TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
         for (std::uint32_t i = 0; i < samples; ++i) {
             const auto s = map.sample(Sampler(PointSet::independent, 5, i, 0).get_2d(0));
             const auto octant = static_cast<std::size_t>((s.w.x() > 0) + 2 * (s.w.y() > 0) + 4 * (s.w.z() > 0));
-            means[octant].add(1 / static_cast<double>(s.pdf_w));
+            means[octant].add(1 / double{s.pdf_w});
             means[8].add(static_cast<double>(s.radiance[1] / s.pdf_w));
         }
         for (std::size_t octant = 0; octant < 8; ++octant)

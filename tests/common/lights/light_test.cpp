@@ -29,7 +29,7 @@ Mean irradiance(const gib::Scene& scene, const Vec3& p, const Vec3& n, int chann
         const auto light = scene.sample_light(p, sampler.get_1d(0), sampler.get_2d(1));
         if (!light) return 0.0;
         EXPECT_NEAR(light->wi.norm(), 1.f, 1e-6f);
-        return static_cast<double>(light->Le[channel] * std::max(light->wi.dot(n), 0.f) / light->pdf_w);
+        return double{light->Le[channel] * std::max(light->wi.dot(n), 0.f) / light->pdf_w};
     });
 }
 
@@ -304,7 +304,7 @@ TEST(EveryLight, EmittedRaysCarryTheIrradianceOfSampledLight) {
             const Vec3 n = square_to_sphere(sampler.get_2d(3));
             const auto light = s.sample_light(sphere.center + n, sampler.get_1d(0), sampler.get_2d(1));
             if (!light) return 0.0;
-            return 4 * pi_d * static_cast<double>(light->Le[1] * std::max(light->wi.dot(n), 0.f) / light->pdf_w);
+            return 4 * pi_d * double{light->Le[1] * std::max(light->wi.dot(n), 0.f) / light->pdf_w};
         });
         EXPECT_GT(received.value, 0) << name;
         EXPECT_NEAR(followed.value, received.value, 4 * std::hypot(followed.error, received.error)) << name;

@@ -39,7 +39,7 @@ Albedo sampled_albedo(const Bsdf& bsdf, const Vec3& wo, Transport transport = Tr
     for (std::uint32_t i = 0; i < n; ++i) {
         const Sampler u(PointSet::independent, 3, 5, i);
         const auto s = bsdf.sample_local(wo, u.get_2d(0), u.get_2d(1), transport);
-        weights.add(s ? static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w) : 0.0);
+        weights.add(s ? double{s->f[0] * std::abs(s->wi.z()) / s->pdf_w} : 0.0);
     }
     return {weights.mean(), weights.standard_error()};
 }
@@ -164,7 +164,7 @@ TEST(Material, ShadowingOfATiltedNormalIsThatOfTheLight) {
         const auto s = mirror.sample_local(glancing, {0.5f, 0.5f}, {0.5f, 0.5f}, Transport::radiance);
         const Vec3 reflected = 2.f * n.dot(glancing) * n - glancing;
         ASSERT_TRUE(s) << n.transpose();
-        const double tan2 = 1 / sqr(static_cast<double>(reflected.z())) - 1;
+        const double tan2 = 1 / sqr(double{reflected.z()}) - 1;
         EXPECT_NEAR(s->f[0] * std::abs(s->wi.z()) / s->pdf_w, 2 / (1 + std::sqrt(1 + row.alpha2 * tan2)), 1e-4);
     }
 }

@@ -153,7 +153,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
             for (int node : {1, 5, 30, 63}) {
                 const float c = static_cast<float>(node) / 63;
                 const Vec3 wo(std::sqrt(1 - c * c), 0, c);
-                EXPECT_NEAR(static_cast<double>(coat.transmittance(c)), sampled_share(transmitting, wo).weight, 1.6e-3)
+                EXPECT_NEAR(double{coat.transmittance(c)}, sampled_share(transmitting, wo).weight, 1.6e-3)
                     << alpha << ' ' << node;
             }
             const float between = 10.25f / 63;
@@ -165,7 +165,7 @@ TEST(RoughPlastic, ItsCoatTransmitsWhatARoughDielectricDoes) {
                 mean += 2 * static_cast<double>(c) *
                         sampled_share(reflecting, Vec3(std::sqrt(1 - c * c), 0, -c)).weight / 64;
             }
-            EXPECT_NEAR(static_cast<double>(coat.internal_reflectance), mean, 3e-4) << alpha;
+            EXPECT_NEAR(double{coat.internal_reflectance}, mean, 3e-4) << alpha;
         }
 }
 

@@ -43,12 +43,12 @@ TEST(Principled, RetroReflectionFollowsBurley) {
         for (float roughness : {0.2f, 0.9f}) {
             Principled m{.base_color = amber, .roughness = roughness, .eta = 1.f};
             const Vec3 w = direction_at(degrees, 0.4);
-            const double weight = schlick_weight(static_cast<double>(w.z())), r = 2 * static_cast<double>(roughness);
+            const double weight = schlick_weight(double{w.z()}), r = 2 * double{roughness};
             const double share = sqr(1 - weight / 2) + r * (2 * weight + sqr(weight) * (r - 1));
             expect_color(f_of(m, w, w), amber * static_cast<float>(share / std::numbers::pi), 1e-4f, "retro");
             m.flatness = 1.f;
             const double s = sqr(1 + weight * (r / 2 - 1));
-            const double flat = 1.25 * (s * (0.5 / static_cast<double>(w.z()) - 0.5) + 0.5);
+            const double flat = 1.25 * (s * (0.5 / double{w.z()} - 0.5) + 0.5);
             expect_color(f_of(m, w, w), amber * static_cast<float>(flat / std::numbers::pi), 1e-4f, "flat");
         }
 }
@@ -61,7 +61,7 @@ TEST(Principled, MetalIsARoughConductorWithSchlicksReflectance) {
     for (double a : {0.0, 40.0, 80.0})
         for (double b : {10.0, 60.0, 88.0}) {
             const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 1.9);
-            const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+            const double weight = schlick_weight(double{wo.dot((wo + wi).normalized())});
             const Color reflectance = amber + static_cast<float>(weight) * (1.f - amber);
             expect_color(f_of(m, wo, wi), reflectance * f_of(mirror, wo, wi), 1e-4f, "metal");
         }
@@ -94,7 +94,7 @@ TEST(Principled, WhiteGlassIsARoughDielectric) {
 
 TEST(Principled, SheenAndTintsFollowSchlicksWeight) {
     const Vec3 wo = direction_at(70, 0.3), wi = direction_at(75, 3.0);
-    const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+    const double weight = schlick_weight(double{wo.dot((wo + wi).normalized())});
     const Color tint = amber / luminance(amber);
     const Principled plain{.base_color = amber, .metallic = 0.5f};
     Principled m = plain;
@@ -119,12 +119,11 @@ TEST(Principled, ClearCoatIsAddedWithItsOwnDistribution) {
         m.clearcoat_gloss = gloss;
         const Vec3 wo = direction_at(40, 0.3), wi = direction_at(44, 3.4);
         const Vec3d h = (wo.cast<double>() + wi.cast<double>()).normalized();
-        const double alpha2 = sqr(0.1 + static_cast<double>(gloss) * (0.001 - 0.1));
+        const double alpha2 = sqr(0.1 + double{gloss} * (0.001 - 0.1));
         const double density = (alpha2 - 1) / (std::numbers::pi * std::log(alpha2) * (1 + (alpha2 - 1) * sqr(h.z())));
         const auto g1 = [](double c) { return 2 / (1 + std::sqrt(1 + 0.0625 * (1 - c * c) / (c * c))); };
         const double fresnel = 0.04 + 0.96 * schlick_weight(wo.cast<double>().dot(h));
-        const double expected =
-            0.15 * fresnel * density * g1(static_cast<double>(wo.z())) * g1(static_cast<double>(wi.z()));
+        const double expected = 0.15 * fresnel * density * g1(double{wo.z()}) * g1(double{wi.z()});
         const LobeValues found = m.f_local(wo, wi, Transport::radiance);
         EXPECT_NEAR(found.specular[0], expected, 1e-3 * expected) << gloss;
         expect_color(found.diffuse, f_of(plain, wo, wi), 1e-6f, "the rest");
@@ -160,10 +159,10 @@ TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
         double sum = 0, sines = 0;
         for (int i = 0; i < n; ++i) {
             // t = sin^2 in logarithmic steps from alpha^2 / 1e6 to 1.
-            const double a = static_cast<double>(alpha), low = 1e-6 * a * a, step = -std::log(low) / n;
+            const double a = double{alpha}, low = 1e-6 * a * a, step = -std::log(low) / n;
             const double t = low * std::exp((i + 0.5) * step);
             const Vec3 m = Vec3d(std::sqrt(t), 0, std::sqrt(1 - t)).cast<float>();
-            const double share = std::numbers::pi * static_cast<double>(facets.density(m)) * t * step;
+            const double share = std::numbers::pi * double{facets.density(m)} * t * step;
             sum += share;
             sines += t * share;
         }
@@ -173,7 +172,7 @@ TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
         for (std::uint32_t i = 0; i < samples; ++i) {
             const Vec3 m = facets.sample(Sampler(PointSet::sobol, 1, 1, i).get_2d(0));
             EXPECT_NEAR(m.norm(), 1.f, 1e-5f);
-            mean += static_cast<double>(sqr(m.x()) + sqr(m.y())) / samples;
+            mean += double{sqr(m.x()) + sqr(m.y())} / samples;
         }
         EXPECT_NEAR(mean / sines, 1, 5e-3) << alpha;
     }

@@ -29,15 +29,14 @@ std::string name_of(const MicrofacetDistribution& d, double degrees = 0) {
 template <typename G>
 auto normal_integral(const MicrofacetDistribution& d, G&& g) {
     constexpr int rings = 1000, sectors = 128;
-    const double area = static_cast<double>(d.alpha_u) * static_cast<double>(d.alpha_v);
+    const double area = double{d.alpha_u} * double{d.alpha_v};
     decltype(g(Vec3d())) sum = 0 * g(Vec3d(0, 0, 1));
     for (int i = 0; i < rings; ++i) {
         const double t = (i + 0.5) / rings, r = t / (1 - t);
         for (int j = 0; j < sectors; ++j) {
             const double phi = 2 * std::numbers::pi * (j + 0.5) / sectors;
-            const Vec3d m = Vec3d(-static_cast<double>(d.alpha_u) * r * std::cos(phi),
-                                  -static_cast<double>(d.alpha_v) * r * std::sin(phi), 1)
-                                .normalized();
+            const Vec3d m =
+                Vec3d(-double{d.alpha_u} * r * std::cos(phi), -double{d.alpha_v} * r * std::sin(phi), 1).normalized();
             // dm = cos^3 d(slopes); d(slopes) = alpha_u alpha_v r dr dphi.
             const double density = d.density(m.cast<float>());
             sum += g(m) * (density * m.z() * m.z() * m.z() * area * r / sqr(1 - t));
@@ -100,8 +99,7 @@ TEST(Microfacet, SampledNormalsAreThoseThatAreVisible) {
             const Vec3 wo = direction_at(degrees, 0.6);
             // Slopes in units of alpha, squeezed into (-1, 1).
             const auto squeezed = [&](const Vec3d& m) {
-                const Vec2d s(m.x() / (m.z() * static_cast<double>(d.alpha_u)),
-                              m.y() / (m.z() * static_cast<double>(d.alpha_v)));
+                const Vec2d s(m.x() / (m.z() * double{d.alpha_u}), m.y() / (m.z() * double{d.alpha_v}));
                 return Vec2d(s / std::sqrt(1 + s.squaredNorm()));
             };
             using Moments = Eigen::Array<double, 5, 1>;

@@ -86,7 +86,7 @@ SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transpo
         };
         const Vec2 u(within(i % 32, 32, j.x()), within(i / 32 % 32, 32, j.y()));
         if (const auto s = model.sample_local(wo, within(i / 1024, 64, jitter.get_1d(0)), u, transport, which)) {
-            share.weight += static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w);
+            share.weight += double{s->f[0] * std::abs(s->wi.z()) / s->pdf_w};
             share.valid += 1;
         }
     }

@@ -110,8 +110,8 @@ TEST(Polygon, RandomStarsAreCovered) {
         for (int star = 0; star < 50; ++star) {
             Corners corners;
             for (int i = 0; i < n; ++i) {
-                const double angle = 2 * std::numbers::pi * (i + 0.8 * static_cast<double>(random.next())) / n;
-                const double radius = 0.2 + static_cast<double>(random.next());
+                const double angle = 2 * std::numbers::pi * (i + 0.8 * double{random.next()}) / n;
+                const double radius = 0.2 + double{random.next()};
                 corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
             }
             expect_covered(corners, "star");

@@ -68,7 +68,7 @@ TEST(Cylinder, RaysMeetItWhereTheFormulaSays) {
         }
         if (!found) continue;
         ++hits;
-        EXPECT_NEAR(static_cast<double>(*found), static_cast<double>(*expected), 1e-6 * static_cast<double>(*expected));
+        EXPECT_NEAR(double{*found}, double{*expected}, 1e-6 * double{*expected});
     }
     EXPECT_GT(hits, 20'000);
 }
@@ -94,8 +94,7 @@ TEST(Cylinder, RaysThatLeaveItDoNotMeetTheSamePointAgain) {
         const SurfaceGeometry s = surface_at(c, 0, 0, 0, q.p + 0.1f * c.radius * random.direction());
         for (const SurfacePoint& from : {q, static_cast<const SurfacePoint&>(s)}) {
             EXPECT_NEAR(from.ng.norm(), 1, 1e-6);
-            EXPECT_LE(std::abs(distance_from_axis(c, from.p) - static_cast<double>(c.radius)),
-                      0.5 * static_cast<double>(from.offset));
+            EXPECT_LE(std::abs(distance_from_axis(c, from.p) - double{c.radius}), 0.5 * double{from.offset});
             const Vec3 outward = c.flip_normals ? Vec3(-from.ng) : from.ng;
             const Vec3 w = random.direction();
             const float cosine = w.dot(outward);

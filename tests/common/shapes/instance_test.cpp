@@ -152,10 +152,10 @@ std::string matrix(const Mat4d& m) {
 Mat4d any_affine(Random& random, double reach) {
     Mat4d m = Mat4d::Identity();
     const auto turn = [&] {
-        return Eigen::AngleAxisd(6 * static_cast<double>(random.next()), random.direction().cast<double>().normalized())
+        return Eigen::AngleAxisd(6 * double{random.next()}, random.direction().cast<double>().normalized())
             .toRotationMatrix();
     };
-    const auto stretch = [&] { return std::pow(10, 2 * static_cast<double>(random.next()) - 1); };
+    const auto stretch = [&] { return std::pow(10, 2 * double{random.next()} - 1); };
     m.topLeftCorner<3, 3>() = turn() * Vec3d(stretch(), stretch(), stretch()).asDiagonal() * turn();
     if (random.next() < 0.5f) m.topLeftCorner<3, 3>() *= -1;
     m.topRightCorner<3, 1>() = reach * random.direction().cast<double>();
@@ -242,9 +242,9 @@ TEST(Instance, IsTheMovedSphereDiskAndCylinder) {
     for (const std::string type : {"sphere", "disk", "cylinder"})
         for (int scene = 0; scene < 10; ++scene) {
             Mat4d m = Mat4d::Identity();
-            m.topLeftCorner<3, 3>() = 3 * Eigen::AngleAxisd(static_cast<double>(random.next()),
-                                                            random.direction().cast<double>().normalized())
-                                              .toRotationMatrix();
+            m.topLeftCorner<3, 3>() =
+                3 * Eigen::AngleAxisd(double{random.next()}, random.direction().cast<double>().normalized())
+                        .toRotationMatrix();
             m.topRightCorner<3, 1>() = 20 * random.direction().cast<double>();
             const auto moved = load(shape(type, matrix(m)) + corners(90));
             const auto instanced = load(instance_of(shape(type), matrix(m)) + corners(90));
@@ -315,7 +315,7 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
     Random random(3);
     long leaving = 0, entering = 0, again = 0, lost = 0, near = 0;
     for (int scene = 0; scene < 80; ++scene) {
-        const double reach = std::pow(10, 4 * static_cast<double>(random.next()) - 1);
+        const double reach = std::pow(10, 4 * double{random.next()} - 1);
         const std::string body = scene % 2 ? shape("sphere") : file_shape(file, flag("face_normals"));
         const auto loaded = load(instance_of(body, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
         const Bounds bounds = transformed(loaded.scene->instances()[0], bounds_of(loaded.scene->shapes()[2]));
@@ -356,8 +356,7 @@ TEST(Instance, OffsetsTakeRaysToTheirSide) {
     Random random(4);
     double nearest = 1;
     for (int i = 0; i < 100'000; ++i) {
-        const auto instance =
-            make_instance(0, any_affine(random, std::pow(10, 6 * static_cast<double>(random.next()) - 2)));
+        const auto instance = make_instance(0, any_affine(random, std::pow(10, 6 * double{random.next()} - 2)));
         ASSERT_TRUE(instance);
         const auto triangle = static_cast<std::uint32_t>(random.next() * static_cast<float>(mesh.triangles.size()));
         const Vec2 b = square_to_triangle(random.next_2d());
@@ -372,7 +371,7 @@ TEST(Instance, OffsetsTakeRaysToTheirSide) {
             // The distance is in units of the offset, of which rounding errors may use up to a half.
             const double map = (instance->inverse.transpose() * n.normalized()).norm();
             const double distance = static_cast<double>(side) * (o - v[0]).dot(n.normalized()) / map;
-            nearest = std::min(nearest, distance / static_cast<double>(s.offset));
+            nearest = std::min(nearest, distance / double{s.offset});
         }
     }
     EXPECT_GT(nearest, 0.4);

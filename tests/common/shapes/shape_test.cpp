@@ -58,7 +58,7 @@ double worst_difference(const Shape& s, std::uint64_t seed) {
         middle.ng = (n.a.ng + n.b.ng).normalized();
         const SurfaceDerivatives d = derivatives_at(s, n.primitive, middle);
         const Vec3 dp = n.b.p - n.a.p;
-        const double length = static_cast<double>(dp.norm());
+        const double length = double{dp.norm()};
         if (length < 2e-4 * static_cast<double>(bounds_of(s).diagonal())) continue;  // too short for float's digits
         worst = std::max(worst, static_cast<double>((dp - duv.x() * d.dp_du - duv.y() * d.dp_dv).norm()) / length);
     }
