@@ -40,7 +40,7 @@ void run_input(std::string_view input) {
     static const ScratchFolder folder;
     static const bool written = [] {
         for (const char* name : {"a.xml", "b.xml", "c.xml"})
-            folder.write(name, "<scene version=\"3.0.0\"/>");
+            folder.write(name, "<scene version='3.0.0'/>");
         return true;
     }();
     require(written, "there are scenes");

@@ -1,29 +1,17 @@
 // Findings of fuzzing and of reading the code for such inputs: short files that ask for too much memory, time or
 // depth, and values that would pass the readers' checks. Each is refused with its place or has a defined result.
 
-#include "common/core/error.h"
 #include "common/images/image_file.h"
 #include "common/images/linear_file.h"
 #include "common/mesh_files/mesh_ms3d.h"
 #include "common/scene/scene.h"
 #include "experiments/plan/experiment_file.h"
-#include "tests/support/input_error.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace gib::fuzz_findings_test {
+namespace gib::test::fuzz_findings_test {
 namespace {
-
-using test::scene_with;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
-std::string scene_error(const std::string& body, const std::string& path = "t.xml") {
-    return test::input_error_of([&] { parse_scene(scene_with(body), path); });
-}
 
 std::string ply(const std::string& vertex_properties, const std::string& body) {
     return "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n" +
@@ -36,21 +24,20 @@ TEST(FuzzFindings, PlyElementsStandOnce) {
     const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
     const std::string text =
         ply(normals + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", "");
-    EXPECT_THAT(test::input_error_of([&] { parse_ply(text, "m.ply"); }),
+    EXPECT_THAT(input_error_of([&] { parse_ply(text, "m.ply"); }),
                 StartsWith("m.ply:10:16: the element 'vertex' is given twice"));
 }
 
 TEST(FuzzFindings, PlyIndicesBeyondEveryInteger) {
     for (const std::string index : {"9223372036854775807", "-9223372036854775808", "4294967295", "3"})
-        EXPECT_THAT(
-            test::input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
-            HasSubstr("is out of range: there are 3 vertices"))
+        EXPECT_THAT(input_error_of([&] { parse_ply(ply("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 " + index + "\n"), "m.ply"); }),
+                    HasSubstr("is out of range: there are 3 vertices"))
             << index;
 }
 
 /// The error of an OBJ file with one triangle and `statement`.
 std::string obj_error(const std::string& statement) {
-    return test::input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
+    return input_error_of([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + statement + "\nf 1 2 3\n", "m.obj"); });
 }
 
 TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
@@ -62,24 +49,22 @@ TEST(FuzzFindings, ObjNormalsAndUvFitFloat) {
 
 TEST(FuzzFindings, PlyNormalsAndUvFitFloat) {
     const std::string more =
-        "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty "
-        "double v\n";
+        "property double nx\nproperty double ny\nproperty double nz\nproperty double u\nproperty double v\n";
     const auto error = [&](const std::string& values) {
-        return test::input_error_of([&] {
+        return input_error_of([&] {
             parse_ply(ply(more, "0 0 0 " + values + "\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n3 0 1 2\n"), "m.ply");
         });
     };
-    EXPECT_THAT(error("0 0 1e39 0 0"),
-                StartsWith("m.ply:15:11: vertex 0: a normal or texture coordinate is too large"));
-    EXPECT_THAT(error("0 0 1 0 1e39"),
-                StartsWith("m.ply:15:15: vertex 0: a normal or texture coordinate is too large"));
-    EXPECT_THAT(error("0 0 nan 0 0"), StartsWith("m.ply:15:11: vertex 0 is not finite"));
+    expect_errors({{"0 0 1e39 0 0", "15:11", "vertex 0: a normal or texture coordinate is too large"},
+                   {"0 0 1 0 1e39", "15:15", "vertex 0: a normal or texture coordinate is too large"},
+                   {"0 0 nan 0 0", "15:11", "vertex 0 is not finite"}},
+                  error, "m.ply");
     EXPECT_EQ(error("0 0 1e38 0 1e38"), "no error");
 }
 
 TEST(FuzzFindings, Ms3dNormalsFitFloat) {
     const auto error = [](const std::string& normal) {
-        return test::input_error_of([&] {
+        return input_error_of([&] {
             parse_ms3d("Meshes: 1\n\"m\" 0 -1\n3\n0 0 0 0 0 0 -1\n0 1 0 0 1 0 -1\n0 0 1 0 0 1 -1\n1\n" + normal +
                            "\n1\n0 0 1 2 0 0 0 1\n",
                        "m.txt");
@@ -114,7 +99,7 @@ std::string serialized(double normal, double uv) {
 
 TEST(FuzzFindings, SerializedNormalsAndUvFitFloat) {
     const auto error = [](double normal, double uv) {
-        return test::input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
+        return input_error_of([&] { parse_serialized(serialized(normal, uv), "m.serialized", 0); });
     };
     EXPECT_THAT(error(1e39, 0), HasSubstr("the normal of vertex 0 is too large"));
     EXPECT_THAT(error(1, -1e39), HasSubstr("the texture coordinate of vertex 0 is too large"));
@@ -159,11 +144,8 @@ TEST(FuzzFindings, NormalsOfFacesOfNearlyNoArea) {
 TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
     // A disk has no extent along its axis, so any scale there leaves it as it is.
     for (const char* z : {"1", "1e-320", "1e300"}) {
-        const LoadedScene loaded =
-            test::load(std::string("<shape type=\"disk\"><transform name=\"to_world\"><scale z=\"") + z +
-                       "\"/></transform></shape>");
-        const auto& disk = std::get<Disk>(loaded.scene->shapes()[0]);
-        EXPECT_LT((disk.normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
+        const LoadedScene loaded = load(shape("disk", to_world("<scale z='", z, "'/>")));
+        EXPECT_LT((std::get<Disk>(loaded.scene->shapes()[0]).normal - Vec3::UnitZ()).norm(), 1e-6f) << z;
     }
 }
 
@@ -171,10 +153,8 @@ TEST(FuzzFindings, DisksKeepTheirNormalInFlatTransforms) {
 std::string chain(int count) {
     std::string text;
     for (int i = 0; i < count; ++i)
-        text += "<bsdf id=\"m" + std::to_string(i) + "\" type=\"mask\"><ref id=\"m" + std::to_string(i + 1) +
-                "\"/></bsdf>\n";
-    return text + "<bsdf id=\"m" + std::to_string(count) +
-           "\" type=\"diffuse\"/>\n<shape type=\"sphere\"><ref id=\"m0\"/></shape>";
+        text += with_id("bsdf", "mask", "m" + std::to_string(i), reference("m" + std::to_string(i + 1))) + "\n";
+    return text + with_id("bsdf", "diffuse", "m" + std::to_string(count)) + "\n" + shape("sphere", reference("m0"));
 }
 
 TEST(FuzzFindings, MaterialsAreNotTooDeep) {
@@ -184,49 +164,42 @@ TEST(FuzzFindings, MaterialsAreNotTooDeep) {
 
 TEST(FuzzFindings, TexturesAreNotExponential) {
     std::string text;
-    for (int i = 0; i < 50; ++i)
-        text += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\">" + "<ref name=\"color0\" id=\"t" +
-                std::to_string(i + 1) + "\"/><ref name=\"color1\" id=\"t" + std::to_string(i + 1) + "\"/></texture>\n";
+    for (int i = 0; i < 50; ++i) {
+        const std::string next = "t" + std::to_string(i + 1);
+        text += with_id("texture", "checkerboard", "t" + std::to_string(i), reference("color0", next),
+                        reference("color1", next));
+    }
     text +=
-        "<texture type=\"checkerboard\" id=\"t50\"/><shape type=\"sphere\"><bsdf type=\"diffuse\"><ref "
-        "name=\"reflectance\" id=\"t0\"/></bsdf></shape>";
+        with_id("texture", "checkerboard", "t50") + shape("sphere", bsdf("diffuse", reference("reflectance", "t0")));
     EXPECT_THAT(scene_error(text), HasSubstr("a material or texture of too many parts"));
 }
 
 TEST(FuzzFindings, ManySmallMaterialsAreFine) {
-    std::string text = "<shape type=\"sphere\"/>";
+    std::string text = shape("sphere");
     for (int i = 0; i < 2000; ++i)
-        text += "<bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\n";
+        text += bsdf("mask", bsdf("diffuse")) + "\n";
     EXPECT_EQ(scene_error(text), "no error");
 }
 
 TEST(FuzzFindings, FilmsReachNoFurtherThanFloat) {
     const auto error = [](const std::string& sensor, const std::string& film) {
-        return test::input_error_of([&] {
-            parse_scene("<scene version=\"3.0.0\"><sensor type=\"perspective\">" + sensor +
-                            "\n<film type=\"hdrfilm\">" + film + "</film></sensor><shape type=\"sphere\"/></scene>",
-                        "t.xml");
-        });
+        const std::string view = element("sensor", "perspective", sensor, "\n", element("film", "hdrfilm", film));
+        return input_error_of([&] { parse_scene(scene_xml(view + shape("sphere")), "t.xml"); });
     };
     const std::string message = "t.xml:2:1: the film reaches too far from the view's axis";
-    EXPECT_THAT(error("<float name=\"principal_point_offset_x\" value=\"1e38\"/>", ""), StartsWith(message));
-    EXPECT_THAT(error("", "<rfilter type=\"box\"><float name=\"radius\" value=\"1e38\"/></rfilter>"),
-                StartsWith(message));
-    EXPECT_EQ(error("<float name=\"fov\" value=\"179.999\"/>", ""), "no error");
+    EXPECT_THAT(error(number("principal_point_offset_x", 1e38), ""), StartsWith(message));
+    EXPECT_THAT(error("", element("rfilter", "box", radius(1e38))), StartsWith(message));
+    EXPECT_EQ(error(number("fov", 179.999), ""), "no error");
 }
 
 TEST(FuzzFindings, AreaEmittersHaveAnAreaInFloat) {
-    const auto ball = [](const char* radius) {
-        return std::string("<shape type=\"sphere\"><float name=\"radius\" value=\"") + radius +
-               "\"/>\n<emitter type=\"area\"/></shape>";
-    };
-    EXPECT_THAT(scene_error(ball("1e-25")), StartsWith("t.xml:3:1: an area emitter on a shape of area 1.25664e-49"));
-    EXPECT_EQ(scene_error(ball("1e-18")), "no error");
-    EXPECT_EQ(scene_error(ball("1e17")), "no error");
-    // The six sides have an area of 4e36 each.
-    EXPECT_THAT(scene_error("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e18\"/></transform>\n"
-                            "<emitter type=\"area\"/></shape>"),
-                StartsWith("t.xml:3:1: an area emitter on a shape of area 2.4e+37"));
+    const auto ball = [](double r) { return shape("sphere", radius(r), "\n", emitter("area")); };
+    // The six sides of the cube have an area of 4e36 each.
+    expect_errors({{ball(1e-25), "3:1", "an area emitter on a shape of area 1.25664e-49"},
+                   {shape("cube", to_world(scale(1e18)), "\n", emitter("area")), "3:1",
+                    "an area emitter on a shape of area 2.4e+37"}});
+    EXPECT_EQ(scene_error(ball(1e-18)), "no error");
+    EXPECT_EQ(scene_error(ball(1e17)), "no error");
 }
 
 TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
@@ -235,12 +208,10 @@ TEST(FuzzFindings, CoordinatesThatOverflowInTheTransform) {
     const TemporaryFolder folder;
     folder.write("far.obj", "v 8 8 0\nv 8 8 1\nv 8 8 2\nf 1 2 3\n");
     folder.write("near.obj", "v 8e297 0 0\nv 8e297 1 0\nv 8e297 0 1\nf 1 2 3\n");
-    const std::string error = scene_error(
-        "<shape type=\"obj\"><string name=\"filename\" value=\"far.obj\"/><transform name=\"to_world\"><matrix "
-        "value=\"1e297 0 0 1.5e308 -1.5e308 0 0 0 1\"/></transform></shape>\n"
-        "<shape type=\"obj\"><string name=\"filename\" value=\"near.obj\"/></shape>",
-        folder / "t.xml");
-    EXPECT_THAT(error, HasSubstr("t.xml:1:1: the scene is too large"));
+    const std::string far = to_world("<matrix value='1e297 0 0 1.5e308 -1.5e308 0 0 0 1'/>");
+    EXPECT_THAT(scene_error(shape("obj", filename("far.obj"), far) + "\n" + shape("obj", filename("near.obj")),
+                            folder / "t.xml"),
+                HasSubstr("t.xml:1:1: the scene is too large"));
 }
 
 TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
@@ -248,12 +219,8 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
     folder.write("sky.pfm", "PF\n100000 100000\n-1.0\n");
     folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n");
     for (const std::string file : {"sky.pfm", "sky.hdr"}) {
-        const std::string name = "<string name=\"filename\" value=\"" + file + "\"/>";
-        const std::string ball = "<shape type=\"sphere\"/>";
-        for (const auto& body :
-             {ball + "<emitter type=\"envmap\">" + name + "</emitter>",
-              "<shape type=\"sphere\"><bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\">" + name +
-                  "</texture></bsdf></shape>"})
+        const std::string painted = bsdf("diffuse", named("texture", "reflectance", "bitmap", filename(file)));
+        for (const auto& body : {shape("sphere") + emitter("envmap", filename(file)), shape("sphere", painted)})
             EXPECT_THAT(scene_error(body, folder / "t.xml"), StartsWith(folder / file + ":1:1: ")) << file;
     }
 }
@@ -261,8 +228,7 @@ TEST(FuzzFindings, ImagesThatClaimMoreThanTheirFileHolds) {
 class ExperimentFindings : public ::testing::Test {
 protected:
     std::string error(const std::string& rest, const std::string& scene = "a.xml") const {
-        return test::input_error_of(
-            [&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
+        return input_error_of([&] { parse_experiment("scenes = [\"" + scene + "\"]\n" + rest, folder_ / "e.toml"); });
     }
     const TemporaryFolder folder_;
     const std::string scene_ = folder_.write("a.xml", "");
@@ -282,4 +248,4 @@ TEST_F(ExperimentFindings, NamesThatNoFileCanHave) {
 }
 
 }  // namespace
-}  // namespace gib::fuzz_findings_test
+}  // namespace gib::test::fuzz_findings_test

@@ -155,4 +155,27 @@ private:
     std::string body_;
 };
 
+/// A <float> with these digits.
+inline std::string number(std::string_view name, std::string_view value) { return value_element("float", name, value); }
+inline std::string filename(std::string_view path) { return text("filename", path); }
+/// An element that is a parameter of the one around it: <tag name='...' type='...'>content</tag>.
+template <class... Content>
+std::string named(std::string_view tag, std::string_view name, std::string_view type, const Content&... content) {
+    return fmt::format("<{} name='{}' type='{}'>", tag, name, type) + (std::string() + ... + content) +
+           fmt::format("</{}>", tag);
+}
+inline std::string reference(std::string_view name, std::string_view id) {
+    return fmt::format("<ref name='{}' id='{}'/>", name, id);
+}
+/// An element that others refer to: <tag type='...' id='...'>content</tag>.
+template <class... Content>
+std::string with_id(std::string_view tag, std::string_view type, std::string_view id, const Content&... content) {
+    return fmt::format("<{} type='{}' id='{}'>", tag, type, id) + (std::string() + ... + content) +
+           fmt::format("</{}>", tag);
+}
+template <class... Steps>
+std::string to_uv(const Steps&... steps) {
+    return "<transform name='to_uv'>" + (std::string() + ... + steps) + "</transform>";
+}
+
 }  // namespace gib::test

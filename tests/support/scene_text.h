@@ -51,4 +51,9 @@ inline LoadedScene load(const std::string& body, const SceneLoadOptions& options
     return parse_scene(scene_with(body), "test.xml", options);
 }
 
+/// The scene of `body`, whose files are in `folder`.
+inline LoadedScene load_in(const TemporaryFolder& folder, const std::string& body) {
+    return parse_scene(scene_with(body), folder / "s.xml");
+}
+
 }  // namespace gib::test

@@ -1,30 +1,42 @@
-// Tests of dispersion: the strata of wavelengths and their weights, the prism's angle of minimum deviation, and the
-// means that dispersion must not change.
+// Tests of indices of refraction: conductors' by the name of the material, and dispersion: the strata of wavelengths and
+// their weights, the prism's angle of minimum deviation, and the means that dispersion must not change.
 
 #include "common/color/dispersion.h"
-#include "common/core/error.h"
+#include "common/color/cie.h"
+#include "common/color/conductor_index.h"
 #include "common/scene/effects.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 #include "tests/support/seed_means.h"
 
-#include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <numbers>
 
-namespace gib::dispersion_test {
+namespace gib::test::dispersion_test {
 namespace {
 
-using test::box_film;
-using test::mean_of;
-using test::means_over_seeds;
-using test::Moments;
-using test::render;
-using test::scene_of;
-using test::scene_with;
-using test::scene_xml;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+// Palik's measurements of copper (Handbook of Optical Constants of Solids, 1985) give the same index as the preset
+// that was made from them.
+TEST(ConductorIndex, IsTheMeanOfItsSpectrum) {
+    const SampledSpectrum palik{
+        {344.389008, 364.647003, 387.437988, 413.266998, 442.785980, 476.846008, 516.583008, 539.044006, 563.545044,
+         590.381042, 619.900024, 652.526001, 670.162048, 688.778015, 708.456970, 729.294006, 826.533020},
+        {1.31, 1.27, 1.18, 1.18, 1.17, 1.15, 1.12, 1.04, 0.826, 0.468, 0.272, 0.214, 0.215, 0.213, 0.214, 0.223, 0.26}};
+    const Colord eta = rgb_of_spectrum(palik, Illuminant::none);
+    EXPECT_LT((conductor_index("Cu_palik")->eta - eta.cast<float>()).abs().maxCoeff(), 1e-6f);
+}
+
+TEST(ConductorIndex, EveryNameHasOne) {
+    const auto names = conductor_names();
+    EXPECT_EQ(names.size(), 71u);
+    for (const auto name : names) {
+        const auto index = conductor_index(name);
+        ASSERT_TRUE(index) << name;
+        EXPECT_TRUE((index->eta >= 0.f).all() && (index->k >= 0.f).all()) << name;
+    }
+    for (const char* name : {"", "au", "none", "Unobtainium"})
+        EXPECT_FALSE(conductor_index(name)) << name;
+    EXPECT_TRUE((conductor_index("Hg")->k == conductor_index("Hg_palik")->k).all());
+    load(shape("sphere", bsdf("conductor", text("material", "Au"))));
+}
 
 /// Means over seeds are tested at this many standard errors. Student's t with 15 degrees of freedom
 /// exceeds them with a probability of 6e-5, so that some 20 tests in this file give a false alarm for at
@@ -69,14 +81,15 @@ TEST(Dispersion, AbbesNumberGivesTheIndexAtTheLines) {
     EXPECT_GT(cauchy_index(1.5168, b, 400), cauchy_index(1.5168, b, 700));
 }
 
+const std::string flint = number("int_ior", 1.6) + number("ext_ior", 1) + number("abbe", 30);
+
 /// A prism along z with an apex angle of 60 degrees, whose apex is above; the middle of its box is the origin.
-std::string prism(const TemporaryFolder& folder, const std::string& bsdf) {
+std::string prism(const TemporaryFolder& folder, const std::string& material) {
     const std::string mesh =
         folder.write("prism.obj",
                      "v -1 -0.8660254 -9\nv 1 -0.8660254 -9\nv 0 0.8660254 -9\nv -1 -0.8660254 9\nv 1 -0.8660254 9\n"
                      "v 0 0.8660254 9\nf 1 3 2\nf 4 5 6\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 3 1 4\nf 3 4 6\n");
-    return "<shape type='obj'><string name='filename' value='" + mesh +
-           "'/><boolean name='face_normals' value='true'/>" + bsdf + "</shape>";
+    return shape("obj", filename(mesh), flag("face_normals"), material);
 }
 
 /// A direction in the plane of the prism's cross-section.
@@ -94,7 +107,7 @@ struct Passage {
 };
 
 /// The passage of light of a stratum through the prism; both interfaces transmit it.
-Passage passage(const Scene& scene, int stratum, double incidence) {
+Passage passage(const gib::Scene& scene, int stratum, double incidence) {
     const Vec3 w = direction_at(angle_of(incidence));
     // Loading moves the scene's origin, so the start is relative to the prism's box.
     const Vec3 start = bounds_of(scene.shapes()[0]).center() + on_left_face - 3.f * w;
@@ -108,14 +121,14 @@ Passage passage(const Scene& scene, int stratum, double incidence) {
         const auto next = hit->bsdf->sample_local(wo, Vec2(0.9999f, 0.5f), Vec2(0.5f, 0.5f), Transport::radiance);
         EXPECT_TRUE(next && next->wi.z() * wo.z() < 0) << "not transmitted";
         if (!next) return result;
-        result.transmittance *= static_cast<double>(next->pdf_w);  // a delta lobe's pdf_w is its share of light
+        result.transmittance *= double{next->pdf_w};  // a delta lobe's pdf_w is its share of light
         result.ray = hit->spawn_ray(hit->shading.to_world(next->wi));
     }
     return result;
 }
 
 /// The angle by which the prism turns light, in radians.
-double deviation(const Scene& scene, int stratum, double incidence) {
+double deviation(const gib::Scene& scene, int stratum, double incidence) {
     const Vec3 w = direction_at(angle_of(incidence));
     const double cosine = static_cast<double>(passage(scene, stratum, incidence).ray.d.dot(w));
     return std::acos(std::clamp(cosine, -1.0, 1.0));
@@ -125,14 +138,10 @@ double deviation(const Scene& scene, int stratum, double incidence) {
 // incidence (A + delta) / 2 (Born and Wolf, section 4.7.2). Here A is 60 degrees.
 TEST(Dispersion, APrismTurnsEveryWavelengthByItsAngleOfMinimumDeviation) {
     const TemporaryFolder folder;
-    const std::string glass =
-        "<float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float name='abbe' value='30'/>";
-    const std::string same_everywhere = "<bsdf type='dielectric'>" + glass + "</bsdf>";
-    const std::string textured = "<bsdf type='dielectric'>" + glass +
-                                 "<texture name='specular_transmittance' type='checkerboard'><rgb name='color0' "
-                                 "value='0.9'/><rgb name='color1' value='0.8'/></texture></bsdf>";
-    for (const std::string& bsdf : {same_everywhere, textured}) {
-        const auto scene = test::load(prism(folder, bsdf));
+    const std::string textured =
+        named("texture", "specular_transmittance", "checkerboard", rgb("color0", 0.9), rgb("color1", 0.8));
+    for (const std::string& transmittance : {std::string(), textured}) {
+        const auto scene = load(prism(folder, bsdf("dielectric", flint, transmittance)));
         ASSERT_TRUE(scene.scene->has_dispersion());
         double before = std::numbers::pi;
         for (int k = 0; k < wavelength_strata; ++k) {
@@ -156,14 +165,9 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
                lamp = 100.f * direction_at(angle_of(incidence) - 49 * degree);
     const auto xyz = [](const Vec3& v) { return fmt::format("{}, {}, {}", v.x(), v.y(), v.z()); };
     const auto scene = scene_of(scene_xml(
-        "<sensor type='perspective'><float name='fov' value='0.0001'/><transform name='to_world'><lookat origin='" +
-        xyz(eye) + "' target='" + xyz(on_left_face) + "' up='0, 0, 1'/></transform>" + box_film(2) + "</sensor>" +
-        prism(folder,
-              "<bsdf type='dielectric'><float name='int_ior' value='1.6'/><float name='ext_ior' value='1'/><float "
-              "name='abbe' value='30'/></bsdf>") +
-        "<shape type='rectangle'><transform name='to_world'><scale x='3.5' y='20'/><lookat origin='" + xyz(lamp) +
-        "' target='0, 0, 0' up='0, 0, 1'/></transform><emitter type='area'><rgb name='radiance' "
-        "value='1'/></emitter></shape>"));
+        camera(0.0001, to_world(look_at(xyz(eye), xyz(on_left_face), "0, 0, 1")), box_film(2)) +
+        prism(folder, bsdf("dielectric", flint)) +
+        shape("rectangle", to_world(scale(3.5, 20, 1), look_at(xyz(lamp), "0, 0, 0", "0, 0, 1")), area_light(1))));
     Colord expected = Colord::Zero();
     int seen = 0;
     for (int k = 0; k < wavelength_strata; ++k) {
@@ -176,12 +180,7 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
     EXPECT_GT(seen, 5);
     EXPECT_LT(seen, wavelength_strata - 5);
     EXPECT_GT(expected[2], 2 * expected[0]) << "the lamp is bluish";
-    std::array<Moments, 3> found;
-    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-        const Colord mean = mean_of(render(scene, "path", 4096, seed).total());
-        for (std::size_t c = 0; c < 3; ++c)
-            found[c].add(mean[static_cast<int>(c)]);
-    }
+    const std::array<Moments, 3> found = means_over_seeds(scene, 4096, seeds);
     for (std::size_t c = 0; c < 3; ++c) {
         const double value = expected[static_cast<int>(c)];
         // Light that is reflected once at each of the three faces inside leaves in the same direction; it is below
@@ -192,29 +191,21 @@ TEST(Dispersion, ThePathTracerSeesTheWavesThatThePrismSendsToALamp) {
 }
 
 /// A ball of glass of index 1.5; `parameters` are the further ones of its bsdf.
-std::string glass_ball(const std::string& bsdf_type, const std::string& parameters) {
-    return "<shape type='sphere'><bsdf type='" + bsdf_type + "'><float name='int_ior' value='1.5'/>" + parameters +
-           "</bsdf></shape>";
+std::string glass_ball(const std::string& type, const std::string& parameters) {
+    return shape("sphere", bsdf(type, number("int_ior", 1.5), parameters));
 }
-const std::string camera =
-    "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><translate "
-    "z='-4'/></transform>" +
-    box_film(16) + "</sensor>";
+const std::string view = camera(40, to_world(translate(0, 0, -4)), box_film(16));
 const std::string floor_and_lamp =
-    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' angle='-90'/><translate "
-    "y='-1'/></transform><bsdf type='diffuse'/></shape><shape type='sphere'><point name='center' x='1' y='3' "
-    "z='0'/><float "
-    "name='radius' value='1.2'/><emitter type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape>";
+    shape("rectangle", to_world(scale(4), rotate('x', -90), translate(0, -1, 0)), bsdf("diffuse")) +
+    shape("sphere", center(1, 3, 0), radius(1.2), area_light("20, 10, 5"));
 
 // Lossless glass under a white sky is invisible in every channel, however strongly it splits light.
 TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
-    const std::string sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
-    for (const char* type : {"dielectric", "roughdielectric"}) {
-        const bool rough = std::string(type) == "roughdielectric";
-        const std::string split =
-            std::string("<float name='cauchy_b' value='0.05'/>") + (rough ? "<float name='alpha' value='0.01'/>" : "");
-        const auto moments = means_over_seeds(scene_of(scene_xml(camera + sky + glass_ball(type, split))), 64, seeds);
-        for (const Moments& m : moments) {
+    for (const bool rough : {false, true}) {
+        const std::string type = rough ? "roughdielectric" : "dielectric",
+                          split = number("cauchy_b", 0.05) + (rough ? number("alpha", 0.01) : "");
+        const LoadedScene scene = Scene(view, constant_light(1), glass_ball(type, split)).load();
+        for (const Moments& m : means_over_seeds(scene, 64, seeds)) {
             // A rough interface loses the light that its facets would scatter a second time, which
             // is below 1e-3 at this roughness.
             EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + (rough ? 1e-3 : 1e-6)) << type;
@@ -227,10 +218,9 @@ TEST(Dispersion, WhiteLightStaysWhiteInTheMean) {
 // gives the same image in the mean.
 TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
     const auto scene = [](const std::string& more) {
-        return scene_of(scene_xml(camera + floor_and_lamp + glass_ball("dielectric", more)));
+        return Scene(view, floor_and_lamp, glass_ball("dielectric", more)).load();
     };
-    const auto plain = scene(""), zero = scene("<float name='cauchy_b' value='0'/>"),
-               tiny = scene("<float name='cauchy_b' value='1e-9'/>");
+    const auto plain = scene(""), zero = scene(number("cauchy_b", 0)), tiny = scene(number("cauchy_b", 1e-9));
     EXPECT_FALSE(effects_of(*zero.scene).has(Effect::dispersion));
     EXPECT_TRUE(effects_of(*tiny.scene).has(Effect::dispersion));
     const Image a = render(plain, "path", 4).total(), b = render(zero, "path", 4).total();
@@ -245,36 +235,19 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
 }
 
 TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
-    const std::vector<std::array<std::string, 3>> rows = {
-        {"<float name='cauchy_b' value='-0.1'/>", "3:24", "'cauchy_b' must not be negative: -0.1"},
-        {"<float name='cauchy_b' value='nan'/>", "3:24", "bad number 'nan'"},
-        {"<rgb name='cauchy_b' value='0.1'/>", "3:1", "'cauchy_b' cannot be a <rgb>"},
-        {"<float name='abbe' value='0'/>", "3:20", "'abbe' must be above 0"},
-        {"<float name='abbe' value='x'/>", "3:20", "bad number 'x'"},
-        {"<float name='abbe' value='50'/><float name='cauchy_b' value='0'/>", "3:20",
-         "give either 'cauchy_b' or 'abbe'"},
-        {"<float name='cauchy_b' value='100'/>", "3:24", "an index ratio of"},
-        {"<float name='abbe' value='50'/><float name='int_ior' value='0.9'/>", "3:20",
-         "'abbe' needs an 'int_ior' above 1"},
-    };
-    for (const char* type : {"dielectric", "roughdielectric"})
-        for (const auto& [parameters, place, message] : rows) {
-            std::string error = "no error";
-            try {
-                parse_scene(scene_with("<shape type='sphere'><bsdf type='" + std::string(type) + "'>\n" + parameters +
-                                       "</bsdf></shape>"),
-                            "t.xml", {});
-            } catch (const InputError& e) {
-                error = e.what();
-            }
-            EXPECT_THAT(error, StartsWith("t.xml:" + place + ": ")) << parameters;
-            EXPECT_THAT(error, HasSubstr(message));
-        }
-    EXPECT_THROW(parse_scene(scene_with("<shape type='sphere'><bsdf type='thindielectric'><float name='abbe' "
-                                        "value='50'/></bsdf></shape>"),
-                             "t.xml", {}),
-                 InputError);
+    for (const std::string type : {"dielectric", "roughdielectric"})
+        expect_errors(
+            {{number("cauchy_b", -0.1), "3:24", "'cauchy_b' must not be negative: -0.1"},
+             {number("cauchy_b", "nan"), "3:24", "bad number 'nan'"},
+             {rgb("cauchy_b", 0.1), "3:1", "'cauchy_b' cannot be a <rgb>"},
+             {number("abbe", 0), "3:20", "'abbe' must be above 0"},
+             {number("abbe", "x"), "3:20", "bad number 'x'"},
+             {number("abbe", 50) + number("cauchy_b", 0), "3:20", "give either 'cauchy_b' or 'abbe'"},
+             {number("cauchy_b", 100), "3:24", "an index ratio of"},
+             {number("abbe", 50) + number("int_ior", 0.9), "3:20", "'abbe' needs an 'int_ior' above 1"}},
+            [&](const std::string& content) { return scene_error(shape("sphere", bsdf(type, "\n", content))); });
+    EXPECT_NE(scene_error(shape("sphere", bsdf("thindielectric", number("abbe", 50)))), "no error");
 }
 
 }  // namespace
-}  // namespace gib::dispersion_test
+}  // namespace gib::test::dispersion_test

@@ -1,13 +1,11 @@
 // Written files, and the hash of content against hashes that Python's hashlib has computed.
-#include "common/core/files.h"
+
+#include "common/core/error.h"
+#include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
-namespace gib::files_test {
+namespace gib::test::files_test {
 namespace {
 
 std::string hash_of(const std::vector<std::string>& pieces) {
@@ -24,19 +22,32 @@ TEST(ContentHash, IsTheSha1OfThePiecesSha1) {
     EXPECT_EQ(hash_of({std::string(1000000, 'a')}), "0f82722174ca585cf84223e9da6af2c16b0db6ac");
 }
 
+TEST(ContentHash, PiecesDoNotRunIntoEachOther) { EXPECT_NE(hash_of({"ab", "c"}), hash_of({"a", "bc"})); }
+
+std::ptrdiff_t entries_of(const TemporaryFolder& folder) {
+    return std::distance(std::filesystem::directory_iterator(folder / ""), {});
+}
+
 TEST(WrittenFile, ReplacesTheOldOneAndLeavesNoOther) {
-    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "written-file";
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directory(folder);
-    const std::string path = folder / "a";
+    const TemporaryFolder folder;
     for (const Flush flush : {Flush::now, Flush::later})
-        for (const std::string content : {"longer than the next", "short", ""}) {
-            write_file(path, content, flush);
-            EXPECT_EQ(read_file(path), content);
-            EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+        for (const std::string& content :
+             {std::string("longer than the next"), std::string("t\0o", 3), std::string()}) {
+            write_file(folder / "a", content, flush);
+            EXPECT_EQ(read_file(folder / "a"), content);
+            EXPECT_EQ(entries_of(folder), 1);
         }
-    std::filesystem::remove_all(folder);
+}
+
+TEST(Files, AreWrittenWholeOrNotAtAll) {
+    const TemporaryFolder folder;
+    EXPECT_THROW(write_file(folder / "missing/a", "x"), RunError);
+    std::filesystem::create_directories(folder / "taken/full");
+    EXPECT_THROW(write_file(folder / "taken", "x"), RunError);
+    EXPECT_THROW(read_file(folder / "taken"), InputError);
+    EXPECT_THROW(read_file(folder / "b"), InputError);
+    EXPECT_EQ(entries_of(folder), 1) << "a temporary file was left behind";
 }
 
 }  // namespace
-}  // namespace gib::files_test
+}  // namespace gib::test::files_test

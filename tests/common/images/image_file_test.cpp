@@ -1,25 +1,17 @@
-// Tests of image files: EXR, PFM and PNG.
+// Tests of image files (EXR, PFM and PNG), and of films that light paths add to.
 
 #include "common/images/image_file.h"
-
-#include "common/core/error.h"
-#include "common/core/files.h"
-
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include "common/core/parallel.h"
+#include "common/images/splat_film.h"
+#include "tests/support/scene_errors.h"
 
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
-namespace gib::image_file_test {
+namespace gib::test::image_file_test {
 namespace {
-
-std::string temporary(const std::string& name) {
-    return ::testing::TempDir() + "gib_image_file_" + std::to_string(::getpid()) + "_" + name;
-}
 
 /// An image whose values all differ, so that any exchange of rows, columns or channels shows.
 Image gradient(int width, int height, float scale = 1) {
@@ -40,16 +32,6 @@ std::string bytes_of(const Image& image, const std::vector<int>& rows, const std
     return bytes;
 }
 
-void expect_input_error(const std::string& path, const std::string& part) {
-    try {
-        read_image(path);
-        ADD_FAILURE() << path << " was read";
-    } catch (const InputError& e) {
-        EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
-        EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-    }
-}
-
 TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
     LayeredImage written;
     written.layers.emplace_back("", gradient(7, 5));
@@ -59,7 +41,8 @@ TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
     written.layers[0].second.rgb[4] = std::numeric_limits<float>::quiet_NaN();
     written.layers[0].second.rgb[5] = std::numeric_limits<float>::infinity();
     written.metadata = {{"gibench:method", "path spp=64"}, {"scene_hash", "00ff"}, {"unresolved", "caustic;volume"}};
-    const std::string path = temporary("roundtrip.exr");
+    const TemporaryFolder folder;
+    const std::string path = folder / "roundtrip.exr";
     for (const Flush flush : {Flush::now, Flush::later}) {
         write_exr(path, written, flush);
         const LayeredImage read = read_image(path);
@@ -76,43 +59,40 @@ TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
             EXPECT_EQ(read.metadata.at(key), value);
         }
     }
-    std::filesystem::remove(path);
 }
 
 TEST(ImageFile, TheAttributesOfAnExrFileAreReadWithoutItsPixels) {
     LayeredImage written;
     written.layers = {{"", gradient(5, 3)}};
     written.metadata = {{"scene", "cornell-box"}, {"reference_key", "00ff"}};
-    const std::string whole = temporary("attributes.exr"), other = temporary("other.exr");
-    write_exr(whole, written);
-    EXPECT_EQ(exr_attributes(whole), written.metadata);
-    std::filesystem::remove(whole);
-    EXPECT_EQ(exr_attributes(whole), std::nullopt);
-    write_file(other, "no image");
-    EXPECT_EQ(exr_attributes(other), std::nullopt);
-    std::filesystem::remove(other);
+    const TemporaryFolder folder;
+    write_exr(folder / "whole.exr", written);
+    EXPECT_EQ(exr_attributes(folder / "whole.exr"), written.metadata);
+    EXPECT_EQ(exr_attributes(folder / "missing.exr"), std::nullopt);
+    EXPECT_EQ(exr_attributes(folder.write("other.exr", "no image")), std::nullopt);
 }
 
 TEST(ImageFile, ExrReplacesAFileAndLeavesNothingElseBehind) {
-    const std::string folder = temporary("folder");
-    std::filesystem::create_directory(folder);
-    const std::string path = folder + "/image.exr";
+    const TemporaryFolder folder;
+    const std::string path = folder / "image.exr";
+    const auto expect_alone = [&] {
+        EXPECT_EQ(read_image(path).layers[0].second.width, 4);
+        EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 1);
+    };
     write_exr(path, {{{"", gradient(3, 3)}}, {}});
     write_exr(path, {{{"", gradient(4, 2)}}, {}});
-    EXPECT_EQ(read_image(path).layers[0].second.width, 4);
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+    expect_alone();
     // A folder stands where the file should go.
-    EXPECT_THROW(write_exr(folder, {{{"", gradient(3, 3)}}, {}}), RunError);
-    EXPECT_THROW(write_exr(folder + "/none/image.exr", {{{"", gradient(3, 3)}}, {}}), RunError);
+    EXPECT_THROW(write_exr(folder / "", {{{"", gradient(3, 3)}}, {}}), RunError);
+    EXPECT_THROW(write_exr(folder / "none/image.exr", {{{"", gradient(3, 3)}}, {}}), RunError);
     EXPECT_THROW(write_exr(path, {{{"", gradient(3, 3)}, {"a", gradient(2, 3)}}, {}}), RunError);
-    EXPECT_EQ(read_image(path).layers[0].second.width, 4);
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
-    std::filesystem::remove_all(folder);
+    expect_alone();
 }
 
 TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
     const Image image = gradient(4, 3);
-    const std::string path = temporary("colour.pfm");
+    const TemporaryFolder folder;
+    const std::string path = folder / "colour.pfm";
     write_file(path, "PF\n4 3\n-1.0\n" + bytes_of(image, {2, 1, 0}, {0, 1, 2}));
     EXPECT_EQ(read_image(path).find("")->rgb, image.rgb);
     // A single grey channel is read as all three channels.
@@ -121,27 +101,20 @@ TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
     for (std::size_t p = 0; p < image.pixels(); ++p)
         for (std::size_t k = 0; k < 3; ++k)
             EXPECT_EQ(grey.find("")->rgb[3 * p + k], image.rgb[3 * p + 1]);
-    std::filesystem::remove(path);
 }
 
 TEST(ImageFile, WrongFilesAreErrorsWithTheirName) {
-    expect_input_error(temporary("missing.exr"), "no such file");
-    expect_input_error(::testing::TempDir(), "folder");
-    const std::string text = temporary("text.exr");
-    write_file(text, "this is not an image");
-    expect_input_error(text, "");
-    const std::string none = temporary("unknown.xyz");
-    write_file(none, "this is not an image");
-    expect_input_error(none, "");
-    const std::string cut = temporary("cut.exr");
-    write_exr(cut, {{{"", gradient(200, 200)}}, {}});
-    std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
-    expect_input_error(cut, "");
-    const std::string cut_pfm = temporary("cut.pfm");
-    write_file(cut_pfm, "PF\n40 30\n-1.0\n" + std::string(40 * 30 * 6, 'x'));
-    expect_input_error(cut_pfm, "");
-    for (const auto& path : {text, none, cut, cut_pfm})
-        std::filesystem::remove(path);
+    const TemporaryFolder folder;
+    folder.write("text.exr", "this is not an image");
+    folder.write("unknown.xyz", "this is not an image");
+    write_exr(folder / "cut.exr", {{{"", gradient(200, 200)}}, {}});
+    std::filesystem::resize_file(folder / "cut.exr", std::filesystem::file_size(folder / "cut.exr") / 2);
+    folder.write("cut.pfm", "PF\n40 30\n-1.0\n" + std::string(40 * 30 * 6, 'x'));
+    for (const auto& [name, message] :
+         {std::pair("missing.exr", "no such file"), std::pair("", "folder"), std::pair("text.exr", ""),
+          std::pair("unknown.xyz", ""), std::pair("cut.exr", ""), std::pair("cut.pfm", "")})
+        EXPECT_THAT(input_error_of([&] { read_image(folder / name); }),
+                    AllOf(HasSubstr(folder / name), HasSubstr(message)));
 }
 
 TEST(ImageFile, ComponentsSurviveAsLayers) {
@@ -150,7 +123,8 @@ TEST(ImageFile, ComponentsSurviveAsLayers) {
     image.height = 4;
     image[Component::direct] = gradient(5, 4);
     image[Component::caustic] = gradient(5, 4, 2);
-    const std::string path = temporary("components.exr");
+    const TemporaryFolder folder;
+    const std::string path = folder / "components.exr";
     write_exr(path, layers_of(image));
     const LayeredImage file = read_image(path);
     const ComponentImages read = components_in(file);
@@ -163,7 +137,6 @@ TEST(ImageFile, ComponentsSurviveAsLayers) {
         }
     }
     EXPECT_EQ(file.find("")->rgb, image.total().rgb);
-    std::filesystem::remove(path);
 }
 
 TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {
@@ -172,16 +145,68 @@ TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {
     image.set(1, {10.f, std::numeric_limits<float>::quiet_NaN(), -1.f});
     image.set(3, {0.5f, 0.5f, 0.5f});
     const auto png = encode_png(image, 2);
-    const std::string path = temporary("picture.png");
-    write_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+    const TemporaryFolder folder;
+    const std::string path = folder.write("picture.png", {reinterpret_cast<const char*>(png.data()), png.size()});
     // Reading an 8-bit file undoes the curve; the error is at most half a step of 1/255.
     const Image back = *read_image(path).find("");
     ASSERT_EQ(back.width, 2);
     const std::vector<float> expected = {0.5f, 0.2f, 0, 1, 0, 0, 0, 0, 0, 1, 1, 1};
     for (std::size_t i = 0; i < expected.size(); ++i)
         EXPECT_NEAR(back.rgb[i], expected[i], 0.0045f) << i;
-    std::filesystem::remove(path);
+}
+
+// Sums of values over 40 orders of magnitude, of both signs, are exact, however the additions are ordered.
+TEST(FixedPointImage, SumsDoNotDependOnTheOrder) {
+    FixedPointImage up(2, 1, 0.5), down(2, 1, 0.5);
+    constexpr int n = 40;
+    std::vector<Color> values;
+    for (int i = 0; i < n; ++i)
+        values.push_back(Color(1.f, -3.f, 0.7f) * std::ldexp(1.f, i - 20));
+    for (int i = 0; i < n; ++i) {
+        up.add(1, values[static_cast<std::size_t>(i)]);
+        down.add(1, values[static_cast<std::size_t>(n - 1 - i)]);
+    }
+    EXPECT_EQ(up.mean(1).rgb, down.mean(1).rgb);
+    const double sum = std::ldexp(1.0, n - 20) - std::ldexp(1.0, -20);  // sum of the powers of 2
+    const Color mean = up.mean(4).at(1);
+    EXPECT_EQ(mean.x(), static_cast<float>(sum / 4));
+    EXPECT_EQ(mean.y(), static_cast<float>(-3 * sum / 4));
+    EXPECT_NEAR(mean.z(), 0.7 * sum / 4, 1e-7 * sum);
+    EXPECT_TRUE(is_black(up.mean(4).at(0)));
+}
+
+TEST(FixedPointImage, SumsOverThreadsLoseNothing) {
+    FixedPointImage image(1, 1, 1);
+    constexpr std::size_t count = 1 << 16;
+    // The sum of the fractions passes 1 many times: every carry must arrive.
+    with_threads(4, [&] {
+        parallel_blocks(count, 64, [&](std::size_t begin, std::size_t end, std::size_t) {
+            for (std::size_t i = begin; i < end; ++i)
+                image.add(0, Color::Constant(i % 2 == 0 ? 0.75f : -0.25f));
+        });
+    });
+    EXPECT_EQ(image.mean(1).at(0).x(), 0.25f * count);
+}
+
+TEST(SplatFilm, CountsAndDropsLightThatIsNotFiniteOrTooLarge) {
+    SplatFilm film(2, 2, {Component::direct}, 1);
+    PixelSample sample;
+    for (const float value : {std::numeric_limits<float>::quiet_NaN(), infinity, 1e30f}) {
+        sample[Component::direct] = Color::Constant(value);
+        film.add(3, 7, sample);
+    }
+    sample[Component::direct] = Color::Ones();
+    film.add(3, 8, sample);
+    ComponentImages images;
+    images[Component::direct] = Image(2, 2);
+    film.add_mean(1, images);
+    EXPECT_EQ(images[Component::direct]->at(3).x(), 1.f);
+    EXPECT_EQ(film.non_finite().count, 3u);
+    EXPECT_EQ(film.non_finite().first_pass, 7u);
+    EXPECT_EQ(film.non_finite().first_pixel, 3u);
+    sample[Component::caustic] = Color::Ones();
+    EXPECT_THROW(film.add(0, 0, sample), std::logic_error);
 }
 
 }  // namespace
-}  // namespace gib::image_file_test
+}  // namespace gib::test::image_file_test

@@ -11,15 +11,11 @@
 #include <gmock/gmock.h>
 #include <cmath>
 
-namespace gib::texture_test {
+namespace gib::test::texture_test {
 namespace {
 
-using test::byte;
-using test::random_values;
-using test::TemporaryFolder;
-using test::write_image;
-
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+const FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
 
 /// The linear value of an sRGB value v (IEC 61966-2-1), in double.
 double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
@@ -48,7 +44,7 @@ protected:
         return std::make_shared<const Bitmap>(cache_, path, raw, channel);
     }
     /// The texture of `p`, written to a float EXR file and read from it.
-    BitmapTexture texture_of(const Picture& p, const test::FileFormat& format = {}) const {
+    BitmapTexture texture_of(const Picture& p, const FileFormat& format = {}) const {
         return {load(write_image(folder_ / "p.exr", p.width, p.height, p.channels, p.values, format))};
     }
 
@@ -56,6 +52,13 @@ protected:
     std::shared_ptr<TextureCache> cache_ = std::make_shared<TextureCache>();
 };
 
+Texture with(BitmapTexture bitmap, TextureFilter filter, Wrap wrap) {
+    bitmap.filter = filter;
+    bitmap.wrap = wrap;
+    return Texture(std::move(bitmap));
+}
+
+constexpr TextureFilter every_filter[] = {TextureFilter::bilinear, TextureFilter::nearest};
 constexpr Wrap every_wrap[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::zero, Wrap::one};
 
 /// The texel in [0, size) that stands for any index i, by the common definition of the modes, which is Mitsuba's.
@@ -84,10 +87,9 @@ Colord filtered(const Picture& p, const Vec2d& uv, TextureFilter filter, Wrap wr
 
 TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
     const Picture p = picture(3, 2, 3);
-    BitmapTexture bitmap = texture_of(p);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest}) {
-        bitmap.filter = filter;
-        const Texture texture(bitmap);
+    const BitmapTexture bitmap = texture_of(p);
+    for (const auto filter : every_filter) {
+        const Texture texture = with(bitmap, filter, Wrap::repeat);
         EXPECT_FALSE(texture.constant());
         for (int y = 0; y < 2; ++y)
             for (int x = 0; x < 3; ++x) {
@@ -96,21 +98,19 @@ TEST_F(Bitmaps, ShowATexelAtItsCentreAndRowZeroAtVZero) {
             }
     }
     // The first row in the file is closest to v = 0.
-    bitmap.wrap = Wrap::clamp;
-    EXPECT_TRUE(Texture(bitmap).color(Vec2{0, 0}).isApprox(p.color(0, 0)));
-    EXPECT_TRUE(Texture(bitmap).color(Vec2{1, 1}).isApprox(p.color(2, 1)));
+    const Texture clamped = with(bitmap, TextureFilter::nearest, Wrap::clamp);
+    EXPECT_TRUE(clamped.color(Vec2{0, 0}).isApprox(p.color(0, 0)));
+    EXPECT_TRUE(clamped.color(Vec2{1, 1}).isApprox(p.color(2, 1)));
 }
 
 TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
     const Picture p = picture(5, 3, 3);
-    BitmapTexture bitmap = texture_of(p);
+    const BitmapTexture bitmap = texture_of(p);
     std::mt19937 generator(7);
     std::uniform_real_distribution<float> uniform(-4, 5);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
+    for (const auto filter : every_filter)
         for (const Wrap wrap : every_wrap) {
-            bitmap.filter = filter;
-            bitmap.wrap = wrap;
-            const Texture texture(bitmap);
+            const Texture texture = with(bitmap, filter, wrap);
             for (int i = 0; i < 2000; ++i) {
                 const Vec2 uv(uniform(generator), uniform(generator));
                 const Vec2d texels(uv.x() * 5.0, uv.y() * 3.0);
@@ -128,13 +128,10 @@ TEST_F(Bitmaps, FilterAndWrapAsDefinedFarOutsideOfTheImage) {
 
 TEST_F(Bitmaps, HaveAValueForEveryUv) {
     const FloatTrapsPaused paused;  // intermediate values are not finite where uv is not
-    const Picture p = picture(5, 3, 3);
-    BitmapTexture bitmap = texture_of(p);
-    for (const auto filter : {TextureFilter::bilinear, TextureFilter::nearest})
+    const BitmapTexture bitmap = texture_of(picture(5, 3, 3));
+    for (const auto filter : every_filter)
         for (const Wrap wrap : every_wrap) {
-            bitmap.filter = filter;
-            bitmap.wrap = wrap;
-            const Texture texture(bitmap);
+            const Texture texture = with(bitmap, filter, wrap);
             const float ulp = std::nextafter(1.f, 0.f);
             for (const float u : {0.f, -0.f, 1.f, 2.f, ulp, -1e-30f, -1.f, 1e9f, -1e30f, infinity, -infinity, nan})
                 for (const float v : {0.f, 1.f, -1e-30f, -infinity, nan, 1e38f}) {
@@ -147,10 +144,9 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
 
 TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
     const FloatTrapsPaused paused;
-    BitmapTexture bitmap = texture_of(picture(5, 3, 3));
+    const BitmapTexture bitmap = texture_of(picture(5, 3, 3));
     for (const Wrap wrap : every_wrap) {
-        bitmap.wrap = wrap;
-        const Texture texture(bitmap);
+        const Texture texture = with(bitmap, TextureFilter::bilinear, wrap);
         EXPECT_TRUE((texture.color(Vec2{infinity, infinity}) == texture.color(Vec2{0.f, 0.f})).all());
     }
 }
@@ -173,7 +169,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
     for (int i = 0; i < 256; ++i)
         for (const int c : {i, 255 - i, i / 2})
             values.push_back(byte(c));
-    const std::string path = write_image(folder_ / "s.png", 256, 1, 3, values, {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string path = write_image(folder_ / "s.png", 256, 1, 3, values, bytes);
     const Texture texture(BitmapTexture{load(path)});
     const Texture raw(BitmapTexture{load(path, true)});
     for (int i = 0; i < 256; ++i) {
@@ -187,7 +183,7 @@ TEST_F(Bitmaps, AreDecodedFromSrgbBeforeTheyAreFiltered) {
         EXPECT_NEAR(texture.color(between)[0], (decoded(i / 255.0) + decoded((i + 1) / 255.0)) / 2, 2e-6);
     }
     // Between black and white, the mean is 0.5, not the 0.21 that decoding after the filter would give.
-    const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string edge = write_image(folder_ / "e.png", 2, 1, 1, {0, 1}, bytes);
     EXPECT_NEAR(Texture(BitmapTexture{load(edge)}).value(Vec2{0.5f, 0.5f}), 0.5, 1e-6);
 }
 
@@ -210,22 +206,20 @@ TEST_F(Bitmaps, IgnoreAlphaAndDoNotMultiplyByIt) {
     const std::vector<float> rgba{byte(255), byte(102), byte(51), 0,         byte(204), byte(10), byte(0), byte(30),
                                   byte(1),   byte(2),   byte(3),  byte(255), byte(9),   byte(8),  byte(7), byte(128)};
     for (const char* name : {"a.png", "a.tga"}) {
-        const auto image = load(write_image(folder_ / name, 2, 2, 4, rgba, {OIIO::TypeDesc::UINT8, 0, {}, {}}), true);
+        const auto image = load(write_image(folder_ / name, 2, 2, 4, rgba, bytes), true);
         for (int i = 0; i < 4; ++i)
             for (int k = 0; k < 3; ++k)
                 EXPECT_NEAR(image->texel(i % 2, i / 2)[k], rgba[static_cast<std::size_t>(4 * i + k)], 1e-6)
                     << name << i;
     }
-    const auto grey = load(write_image(folder_ / "g.png", 1, 2, 2, {byte(50), 0, byte(80), byte(128)},
-                                       {OIIO::TypeDesc::UINT8, 0, {}, {}}));
+    const auto grey = load(write_image(folder_ / "g.png", 1, 2, 2, {byte(50), 0, byte(80), byte(128)}, bytes));
     EXPECT_TRUE(grey->grey());
     EXPECT_NEAR(grey->texel(0, 0)[0], decoded(50 / 255.0), 1e-6);
     EXPECT_NEAR(grey->texel(0, 1)[2], decoded(80 / 255.0), 1e-6);
 }
 
 TEST_F(Bitmaps, OfOneChannelAreGreyAndAlphaIsNotDecoded) {
-    const std::string file = write_image(folder_ / "a.png", 1, 1, 4, {byte(200), byte(100), byte(50), byte(25)},
-                                         {OIIO::TypeDesc::UINT8, 0, {}, {}});
+    const std::string file = write_image(folder_ / "a.png", 1, 1, 4, {byte(200), byte(100), byte(50), byte(25)}, bytes);
     const auto value = [&](const std::string& channel, bool raw) {
         const auto bitmap = load(file, raw, channel);
         EXPECT_TRUE(bitmap->grey());
@@ -266,7 +260,7 @@ TEST_F(Bitmaps, MeasureTheirTexels) {
 TEST_F(Bitmaps, OfATiledFileAreTheSame) {
     const Picture p = picture(300, 270, 3);
     const auto rows = texture_of(p).bitmap;
-    const test::FileFormat tiled{OIIO::TypeDesc::FLOAT, 48, {}, {}};
+    const FileFormat tiled{OIIO::TypeDesc::FLOAT, 48, {}, {}};
     const auto tiles = load(write_image(folder_ / "t.exr", 300, 270, 3, p.values, tiled));
     for (int y = 0; y < 270; ++y)
         for (int x = 0; x < 300; ++x)
@@ -432,4 +426,4 @@ TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {
 }
 
 }  // namespace
-}  // namespace gib::texture_test
+}  // namespace gib::test::texture_test

@@ -8,54 +8,35 @@
 #include "tests/support/light_fixtures.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib::light_tree_test {
+namespace gib::test::light_tree_test {
 namespace {
-
-using test::load;
-using test::mean_over_samples;
 
 constexpr double pi_d = std::numbers::pi;
 
-const std::string floor_xml =
-    "<shape type='rectangle'><transform name='to_world'><scale value='20'/></transform></shape>";
-
-std::string point_xml(const Vec3& at, double intensity) {
-    return "<emitter type='point'><point name='position' x='" + std::to_string(at.x()) + "' y='" +
-           std::to_string(at.y()) + "' z='" + std::to_string(at.z()) + "'/><rgb name='intensity' value='" +
-           std::to_string(intensity) + "'/></emitter>";
-}
+const std::string floor_xml = shape("rectangle", to_world(scale(20)));
 
 /// A disk of this radius that faces down.
-std::string lamp_xml(const Vec3& at, double radius, double radiance) {
-    return "<shape type='disk'><transform name='to_world'><scale value='" + std::to_string(radius) +
-           "'/><rotate x='1' angle='180'/><translate x='" + std::to_string(at.x()) + "' y='" + std::to_string(at.y()) +
-           "' z='" + std::to_string(at.z()) + "'/></transform><emitter type='area'><rgb name='radiance' value='" +
-           std::to_string(radiance) + "'/></emitter></shape>";
+std::string lamp_xml(double x, double y, double z, double size, double radiance) {
+    return shape("disk", to_world(scale(size), rotate('x', 180), translate(x, y, z)), area_light(radiance));
 }
 
-std::string spot_xml(double cutoff, double intensity) {
-    return "<emitter type='spot'><float name='cutoff_angle' value='" + std::to_string(cutoff) +
-           "'/><float name='beam_width' value='" + std::to_string(0.75 * cutoff) + "'/><rgb name='intensity' value='" +
-           std::to_string(intensity) +
-           "'/><transform name='to_world'><lookat origin='1,0,4' target='1,0,0' up='0,1,0'/></transform></emitter>";
+std::string spot_xml(double cutoff, double intensity, const std::string& place) {
+    return emitter("spot", number("cutoff_angle", cutoff), number("beam_width", 0.75 * cutoff),
+                   rgb("intensity", intensity), to_world(place));
 }
+const std::string aside = look_at("1,0,4", "1,0,0");
 
-const std::string sky_xml = "<emitter type='constant'><rgb name='radiance' value='0.1'/></emitter>";
-const std::string sun_xml =
-    "<emitter type='directional'><vector name='direction' x='0.3' y='0' z='-1'/>"
-    "<rgb name='irradiance' value='0.5'/></emitter>";
+const std::string sky_xml = constant_light(0.1);
+const std::string sun_xml = emitter("directional", vector("direction", 0.3, 0, -1), rgb("irradiance", 0.5));
 
 /// Lights of every kind over a floor, some of which face away from parts of it.
 std::string mixed_lights() {
-    std::string xml = floor_xml + spot_xml(40, 8) + sky_xml + sun_xml;
+    std::string xml = floor_xml + spot_xml(40, 8, aside) + sky_xml + sun_xml;
     for (int i = 0; i < 9; ++i) {
-        const auto x = static_cast<float>(i - 4), h = 0.5f + 0.3f * static_cast<float>(i);
-        xml += lamp_xml(Vec3(2 * x, x * x - 3, h), 0.05 * (i + 1), 1 + i);
-        xml += point_xml(Vec3(x * x - 3, 3 * x, h), 0.1 * (i + 1));
+        const double x = i - 4, h = 0.5 + 0.3 * i;
+        xml += lamp_xml(2 * x, x * x - 3, h, 0.05 * (i + 1), 1 + i) + point_light(x * x - 3, 3 * x, h, 0.1 * (i + 1));
     }
-    return xml +
-           "<shape type='sphere'><point name='center' x='-3' y='3' z='1'/><float name='radius' value='0.4'/>"
-           "<emitter type='area'><rgb name='radiance' value='2'/></emitter></shape>";
+    return xml + shape("sphere", center(-3, 3, 1), radius(0.4), area_light(2));
 }
 
 Vec3 random_point(const Sampler& u) { return {8 * u.get_1d(0) - 4, 8 * u.get_1d(1) - 4, 3 * u.get_1d(2)}; }
@@ -122,16 +103,13 @@ TEST(LightBounds, ImportanceFarAwayIsTheIrradiance) {
     };
     const double r = 0.1;
     for (const auto& [xml, irradiance] :
-         {Case{point_xml(Vec3(0, 0, 10), 3), 0.03}, Case{lamp_xml(Vec3(0, 0, 10), r, 5), 5 * pi_d * r * r / 100},
-          Case{"<emitter type='spot'><float name='cutoff_angle' value='30'/><float name='beam_width' value='30'/>"
-               "<rgb name='intensity' value='2'/><transform name='to_world'><lookat origin='0,0,10' target='0,0,0' "
-               "up='0,1,0'/></transform></emitter>",
+         {Case{point_light(0, 0, 10, 3), 0.03}, Case{lamp_xml(0, 0, 10, r, 5), 5 * pi_d * r * r / 100},
+          Case{emitter("spot", number("cutoff_angle", 30), number("beam_width", 30), rgb("intensity", 2),
+                       to_world(look_at("0,0,10", "0,0,0"))),
                0.02},
-          Case{"<shape type='sphere'><point name='center' x='0' y='0' z='10'/><float name='radius' value='0.1'/>"
-               "<emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>",
-               5 * pi_d * r * r / 100}}) {
+          Case{shape("sphere", center(0, 0, 10), radius(0.1), area_light(5)), 5 * pi_d * r * r / 100}}) {
         const auto loaded = load(floor_xml + xml);
-        const Scene& scene = *loaded.scene;
+        const auto& scene = *loaded.scene;
         const Vec3 below = bounds_of(scene.lights()[0], scene.shapes()).center.cast<float>() - Vec3(0, 0, 10);
         EXPECT_NEAR(bounds_of(scene.lights()[0], scene.shapes()).importance(below) / irradiance, 1, 0.01) << xml;
     }
@@ -147,7 +125,7 @@ TEST(LightBounds, ALampBehindTheSurfaceHasNoImportance) {
 
 TEST(LightBounds, NoLightShinesWhereItsImportanceIsZero) {
     const auto loaded = load(mixed_lights());
-    const Scene& scene = *loaded.scene;
+    const auto& scene = *loaded.scene;
     int dark = 0, lit = 0;
     for (std::uint64_t i = 0; i < 5000; ++i) {
         const Sampler u(PointSet::independent, 5, i, 0);
@@ -168,10 +146,10 @@ TEST(LightBounds, NoLightShinesWhereItsImportanceIsZero) {
 // The numbers u that lead to a light are a share of [0, 1) that equals the probability by which samples are divided.
 TEST(LightTree, LightsAreChosenWithTheirProbability) {
     for (const std::string& xml :
-         {mixed_lights(), floor_xml + sky_xml, floor_xml + sky_xml + sun_xml, floor_xml + lamp_xml(Vec3(0, 0, 2), 1, 1),
-          floor_xml + lamp_xml(Vec3(0, 0, 2), 1, 1) + lamp_xml(Vec3(3, 0, 2), 1, 1)}) {
+         {mixed_lights(), floor_xml + sky_xml, floor_xml + sky_xml + sun_xml, floor_xml + lamp_xml(0, 0, 2, 1, 1),
+          floor_xml + lamp_xml(0, 0, 2, 1, 1) + lamp_xml(3, 0, 2, 1, 1)}) {
         const auto loaded = load(xml);
-        const Scene& scene = *loaded.scene;
+        const auto& scene = *loaded.scene;
         const LightTree& tree = scene.light_tree();
         for (std::uint64_t i = 0; i < 20; ++i) {
             const Sampler u(PointSet::independent, 7, i, 0);
@@ -199,7 +177,7 @@ TEST(LightTree, LightsAreChosenWithTheirProbability) {
 
 // A lamp of power 0 is no light, and one that is alone is always chosen.
 TEST(LightTree, ALightThatIsAloneIsAlwaysChosen) {
-    const auto loaded = load(floor_xml + lamp_xml(Vec3(0, 0, 2), 1, 1));
+    const auto loaded = load(floor_xml + lamp_xml(0, 0, 2, 1, 1));
     const auto choice = loaded.scene->light_tree().choose(Vec3(0, 0, 9), 0.999f);  // behind it
     ASSERT_TRUE(choice);
     EXPECT_EQ(choice->probability, 1.f);
@@ -210,7 +188,7 @@ TEST(LightTree, ALightThatIsAloneIsAlwaysChosen) {
 struct Moments {
     double tree = 0, even = 0, squared_mean = 0;
 };
-Moments moments_at(const Scene& scene, const Vec3& p, const Vec3& n, int samples) {
+Moments moments_at(const gib::Scene& scene, const Vec3& p, const Vec3& n, int samples) {
     Moments moments;
     double mean = 0;
     const auto count = static_cast<double>(scene.lights().size());
@@ -234,11 +212,8 @@ Moments moments_at(const Scene& scene, const Vec3& p, const Vec3& n, int samples
 }
 
 TEST(LightTree, ASpotUnderADimSkyIsSampledBetterThanByAnEvenChoice) {
-    const auto loaded = load(
-        "<shape type='rectangle'><transform name='to_world'><scale value='100'/></transform>"
-        "</shape>" +
-        sky_xml + spot_xml(20, 80));
-    const Scene& scene = *loaded.scene;
+    const auto loaded = load(shape("rectangle", to_world(scale(100))) + sky_xml + spot_xml(20, 80, aside));
+    const auto& scene = *loaded.scene;
     // The spot ends 1.46 from x = 1. Where it is dim, the sky must not be chosen too rarely.
     for (float x = -3.f; x <= 5.f; x += 0.0625f) {
         const Moments m = moments_at(scene, Vec3(x, 0.1f, 1e-3f), Vec3::UnitZ(), 512);
@@ -250,8 +225,8 @@ TEST(LightTree, ASpotUnderADimSkyIsSampledBetterThanByAnEvenChoice) {
 }
 
 TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
-    const auto loaded = test::shipped_scene("many-lights.xml");
-    const Scene& scene = *loaded.scene;
+    const auto loaded = shipped_scene("many-lights.xml");
+    const auto& scene = *loaded.scene;
     for (std::uint64_t i = 0; i < 40; ++i) {
         const Sampler u(PointSet::sobol, 11, i, 0);
         const Ray down{Vec3(10 * u.get_1d(0) - 5, 0.f, 10 * u.get_1d(1) - 5), Vec3(0, -1, 0)};
@@ -263,4 +238,4 @@ TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
 }
 
 }  // namespace
-}  // namespace gib::light_tree_test
+}  // namespace gib::test::light_tree_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::material_test {
+namespace gib::test::material_test {
 namespace {
 
 Vec3 direction(float degrees, float phi) {
@@ -35,11 +35,11 @@ struct Albedo {
 };
 Albedo sampled_albedo(const Bsdf& bsdf, const Vec3& wo, Transport transport = Transport::power) {
     constexpr std::uint32_t n = 1 << 16;
-    test::Moments weights;
+    Moments weights;
     for (std::uint32_t i = 0; i < n; ++i) {
         const Sampler u(PointSet::independent, 3, 5, i);
         const auto s = bsdf.sample_local(wo, u.get_2d(0), u.get_2d(1), transport);
-        weights.add(s ? static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w) : 0.0);
+        weights.add(s ? double{s->f[0] * std::abs(s->wi.z()) / s->pdf_w} : 0.0);
     }
     return {weights.mean(), weights.standard_error()};
 }
@@ -164,7 +164,7 @@ TEST(Material, ShadowingOfATiltedNormalIsThatOfTheLight) {
         const auto s = mirror.sample_local(glancing, {0.5f, 0.5f}, {0.5f, 0.5f}, Transport::radiance);
         const Vec3 reflected = 2.f * n.dot(glancing) * n - glancing;
         ASSERT_TRUE(s) << n.transpose();
-        const double tan2 = 1 / sqr(static_cast<double>(reflected.z())) - 1;
+        const double tan2 = 1 / sqr(double{reflected.z()}) - 1;
         EXPECT_NEAR(s->f[0] * std::abs(s->wi.z()) / s->pdf_w, 2 / (1 + std::sqrt(1 + row.alpha2 * tan2)), 1e-4);
     }
 }
@@ -199,7 +199,7 @@ TEST(Material, SamplesOfTurnedAndShadowedNormalsAgreeWithTheirDensity) {
             for (Transport transport : {Transport::radiance, Transport::power}) {
                 const Bsdf bsdf = tilted(normal.normalized(), nested(diffuse(1.f)), {true, true}).at(flat_point());
                 const Vec3 wo = direction(degrees, 0.4f);
-                test::Moments uniform;
+                Moments uniform;
                 for (std::uint32_t i = 0; i < n; ++i) {
                     const Vec2 u = Sampler(PointSet::independent, 4, 6, i).get_2d(0);
                     const float z = u.x(), r = safe_sqrt(1.f - z * z), phi = 2.f * pi * u.y();
@@ -262,4 +262,4 @@ TEST(Material, TooManyModelsAreRefused) {
 }
 
 }  // namespace
-}  // namespace gib::material_test
+}  // namespace gib::test::material_test

@@ -1,28 +1,20 @@
-// Tests of the principled model against closed forms of its lobes and against the models that it contains.
+// Tests of the principled models against closed forms of their lobes and against the models that they contain.
 
 #include "common/materials/principled.h"
-
+#include "common/materials/fresnel.h"
 #include "common/materials/gtr1.h"
+#include "common/materials/principled_thin.h"
 #include "common/materials/rough_scattering.h"
 #include "tests/common/materials/scattering_fixtures.h"
 
 #include <gtest/gtest.h>
 
-namespace gib::principled_test {
+namespace gib::test::principled_test {
 namespace {
 
 const Color amber(0.8f, 0.5f, 0.1f);
 
 double schlick_weight(double cosine) { return std::pow(1 - cosine, 5); }
-
-Color f_of(const Principled& m, const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) {
-    return m.f_local(wo, wi, transport).sum();
-}
-
-void expect_color(const Color& found, const Color& expected, float tolerance, const std::string& name) {
-    for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(found[c], expected[c], tolerance * std::max(expected.maxCoeff(), 1e-3f)) << name << ' ' << c;
-}
 
 TEST(Principled, SpecularIsTheReflectanceAtNormalIncidence) {
     for (double specular : {0.0, 0.1, 0.5, 1.0}) {
@@ -51,12 +43,12 @@ TEST(Principled, RetroReflectionFollowsBurley) {
         for (float roughness : {0.2f, 0.9f}) {
             Principled m{.base_color = amber, .roughness = roughness, .eta = 1.f};
             const Vec3 w = direction_at(degrees, 0.4);
-            const double weight = schlick_weight(static_cast<double>(w.z())), r = 2 * static_cast<double>(roughness);
+            const double weight = schlick_weight(double{w.z()}), r = 2 * double{roughness};
             const double share = sqr(1 - weight / 2) + r * (2 * weight + sqr(weight) * (r - 1));
             expect_color(f_of(m, w, w), amber * static_cast<float>(share / std::numbers::pi), 1e-4f, "retro");
             m.flatness = 1.f;
             const double s = sqr(1 + weight * (r / 2 - 1));
-            const double flat = 1.25 * (s * (0.5 / static_cast<double>(w.z()) - 0.5) + 0.5);
+            const double flat = 1.25 * (s * (0.5 / double{w.z()} - 0.5) + 0.5);
             expect_color(f_of(m, w, w), amber * static_cast<float>(flat / std::numbers::pi), 1e-4f, "flat");
         }
 }
@@ -69,10 +61,9 @@ TEST(Principled, MetalIsARoughConductorWithSchlicksReflectance) {
     for (double a : {0.0, 40.0, 80.0})
         for (double b : {10.0, 60.0, 88.0}) {
             const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 1.9);
-            const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+            const double weight = schlick_weight(double{wo.dot((wo + wi).normalized())});
             const Color reflectance = amber + static_cast<float>(weight) * (1.f - amber);
-            expect_color(f_of(m, wo, wi), reflectance * mirror.f_local(wo, wi, Transport::radiance).sum(), 1e-4f,
-                         "metal");
+            expect_color(f_of(m, wo, wi), reflectance * f_of(mirror, wo, wi), 1e-4f, "metal");
         }
     const Principled dark{.base_color = amber, .roughness = 0.7f, .anisotropic = 0.8f, .metallic = 1.f, .eta = 1.f};
     const Vec3 w = direction_at(30, 0.1);
@@ -87,7 +78,7 @@ TEST(Principled, WhiteGlassIsARoughDielectric) {
         for (double b : {10.0, 70.0, 95.0, 140.0, 175.0})
             for (Transport transport : {Transport::radiance, Transport::power}) {
                 const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 3.3);
-                const Color expected = glass.f_local(wo, wi, transport).sum();
+                const Color expected = f_of(glass, wo, wi, transport);
                 expect_color(f_of(m, wo, wi, transport), expected, 1e-4f, std::to_string(a) + ' ' + std::to_string(b));
                 if (expected[0] > 1e-3f) ++bright;
             }
@@ -103,7 +94,7 @@ TEST(Principled, WhiteGlassIsARoughDielectric) {
 
 TEST(Principled, SheenAndTintsFollowSchlicksWeight) {
     const Vec3 wo = direction_at(70, 0.3), wi = direction_at(75, 3.0);
-    const double weight = schlick_weight(static_cast<double>(wo.dot((wo + wi).normalized())));
+    const double weight = schlick_weight(double{wo.dot((wo + wi).normalized())});
     const Color tint = amber / luminance(amber);
     const Principled plain{.base_color = amber, .metallic = 0.5f};
     Principled m = plain;
@@ -128,12 +119,11 @@ TEST(Principled, ClearCoatIsAddedWithItsOwnDistribution) {
         m.clearcoat_gloss = gloss;
         const Vec3 wo = direction_at(40, 0.3), wi = direction_at(44, 3.4);
         const Vec3d h = (wo.cast<double>() + wi.cast<double>()).normalized();
-        const double alpha2 = sqr(0.1 + static_cast<double>(gloss) * (0.001 - 0.1));
+        const double alpha2 = sqr(0.1 + double{gloss} * (0.001 - 0.1));
         const double density = (alpha2 - 1) / (std::numbers::pi * std::log(alpha2) * (1 + (alpha2 - 1) * sqr(h.z())));
         const auto g1 = [](double c) { return 2 / (1 + std::sqrt(1 + 0.0625 * (1 - c * c) / (c * c))); };
         const double fresnel = 0.04 + 0.96 * schlick_weight(wo.cast<double>().dot(h));
-        const double expected =
-            0.15 * fresnel * density * g1(static_cast<double>(wo.z())) * g1(static_cast<double>(wi.z()));
+        const double expected = 0.15 * fresnel * density * g1(double{wo.z()}) * g1(double{wi.z()});
         const LobeValues found = m.f_local(wo, wi, Transport::radiance);
         EXPECT_NEAR(found.specular[0], expected, 1e-3 * expected) << gloss;
         expect_color(found.diffuse, f_of(plain, wo, wi), 1e-6f, "the rest");
@@ -169,10 +159,10 @@ TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
         double sum = 0, sines = 0;
         for (int i = 0; i < n; ++i) {
             // t = sin^2 in logarithmic steps from alpha^2 / 1e6 to 1.
-            const double a = static_cast<double>(alpha), low = 1e-6 * a * a, step = -std::log(low) / n;
+            const double a = double{alpha}, low = 1e-6 * a * a, step = -std::log(low) / n;
             const double t = low * std::exp((i + 0.5) * step);
             const Vec3 m = Vec3d(std::sqrt(t), 0, std::sqrt(1 - t)).cast<float>();
-            const double share = std::numbers::pi * static_cast<double>(facets.density(m)) * t * step;
+            const double share = std::numbers::pi * double{facets.density(m)} * t * step;
             sum += share;
             sines += t * share;
         }
@@ -182,7 +172,7 @@ TEST(Gtr1, SamplesFollowTheDensityWhoseProjectionIsOne) {
         for (std::uint32_t i = 0; i < samples; ++i) {
             const Vec3 m = facets.sample(Sampler(PointSet::sobol, 1, 1, i).get_2d(0));
             EXPECT_NEAR(m.norm(), 1.f, 1e-5f);
-            mean += static_cast<double>(sqr(m.x()) + sqr(m.y())) / samples;
+            mean += double{sqr(m.x()) + sqr(m.y())} / samples;
         }
         EXPECT_NEAR(mean / sines, 1, 5e-3) << alpha;
     }
@@ -240,5 +230,114 @@ TEST(Principled, LobesCountByTheirRoughness) {
     EXPECT_FALSE((Principled{.base_color = Color::Zero(), .eta = 1.f}.traits().scatters()));
 }
 
+std::vector<PrincipledThin> thin_models() {
+    return {
+        {.base_color = amber},
+        {.base_color = amber, .diff_trans = 2.f},
+        {.base_color = Color::Zero(), .diff_trans = 0.7f, .sheen = 1.f, .sheen_tint = 1.f},
+        {.base_color = amber, .roughness = 0.2f, .spec_trans = 1.f, .spec_tint = 1.f, .eta = 1.33f},
+        {.base_color = amber, .roughness = 0.f, .spec_trans = 0.4f, .diff_trans = 1.f, .eta = 1.f},
+        {.base_color = Color(1.f, 0.f, 0.f), .roughness = 1.f, .anisotropic = 1.f, .spec_trans = 1.f},
+        {.base_color = amber,
+         .roughness = 0.8f,
+         .anisotropic = 1.f,
+         .spec_trans = 0.6f,
+         .diff_trans = 0.5f,
+         .spec_tint = 0.3f,
+         .sheen = 0.4f,
+         .flatness = 0.5f,
+         .eta = 0.7f},
+    };
+}
+
+// Without a specular share the sheet is Principled's diffuse light, of which the share t = diff_trans / 2 is Lambertian
+// light on the other side instead.
+TEST(PrincipledThin, DiffuseLightIsReflectedOrTransmitted) {
+    const Principled opaque{
+        .base_color = amber, .roughness = 0.7f, .sheen = 0.6f, .sheen_tint = 0.3f, .flatness = 0.4f, .eta = 1.f};
+    PrincipledThin m{
+        .base_color = amber, .roughness = 0.7f, .sheen = 0.6f, .sheen_tint = 0.3f, .flatness = 0.4f, .eta = 1.4f};
+    for (float diff_trans : {0.f, 0.8f, 2.f}) {
+        m.diff_trans = diff_trans;
+        for (double a : {5.0, 50.0, 85.0}) {
+            const Vec3 wo = direction_at(a, 0.3), wi = direction_at(60, 2.2);
+            expect_color(f_of(m, wo, wi), (1.f - 0.5f * diff_trans) * f_of(opaque, wo, wi), 1e-5f, "front");
+            expect_color(f_of(m, wo, behind(wi)), 0.5f * diff_trans * amber * inv_pi, 1e-5f, "through");
+        }
+    }
+    const PrincipledThin paper{.base_color = Color::Ones(), .diff_trans = 2.f};
+    EXPECT_NEAR(sampled_share(paper, direction_at(70, 1)).weight, 1, 1e-4);
+}
+
+// The specular share is a rough dielectric's reflection, and a rough mirror of another roughness seen in the sheet,
+// times the base colour and 1 - F.
+TEST(PrincipledThin, SpecularLightIsReflectedOrGoesOnUnbent) {
+    const PrincipledThin m{.base_color = amber,
+                           .roughness = 0.6f,
+                           .anisotropic = 0.5f,
+                           .spec_trans = 0.75f,
+                           .diff_trans = 0.f,
+                           .eta = 1.4f};
+    const PrincipledThin matte{.base_color = amber, .roughness = 0.6f};
+    const float aspect = std::sqrt(0.55f), alpha = sqr(0.6f), bent = sqr((0.65f * 1.4f - 0.35f) * 0.6f);
+    const RoughDielectric interface {
+        1.4f, 0.f, { MicrofacetType::ggx, alpha / aspect, alpha* aspect }
+    };
+    const RoughConductor mirror{{}, {MicrofacetType::ggx, bent / aspect, bent * aspect}};
+    for (double a : {5.0, 50.0, 80.0})
+        for (double b : {10.0, 48.0, 75.0}) {
+            const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 3.3);
+            expect_color(f_of(m, wo, wi), 0.25f * f_of(matte, wo, wi) + 0.75f * f_of(interface, wo, wi), 1e-4f,
+                         "front");
+            const float cos_d = wo.dot((wo + wi).normalized());
+            expect_color(f_of(m, wo, behind(wi)),
+                         0.75f * (1.f - fresnel_dielectric(cos_d, 1.4f).reflectance) * amber * f_of(mirror, wo, wi),
+                         1e-4f, "through");
+        }
+    EXPECT_FALSE(m.traits().refraction);
+}
+
+TEST(PrincipledThin, TintColoursTheReflectionAtNormalIncidence) {
+    PrincipledThin m{.base_color = amber, .roughness = 0.6f, .spec_trans = 1.f, .eta = 1.5f};
+    const Vec3 n = Vec3::UnitZ();
+    const float per_reflectance = 1.f / (4.f * pi * sqr(0.36f));
+    expect_color(f_of(m, n, n), Color::Constant(0.04f * per_reflectance), 1e-4f, "plain");
+    m.spec_tint = 0.5f;
+    expect_color(f_of(m, n, n), 0.04f * per_reflectance * 0.5f * (1.f + amber / luminance(amber)), 1e-4f, "tinted");
+}
+
+TEST(PrincipledThin, IsAlikeOnBothSidesAndReciprocal) {
+    for (const PrincipledThin& m : thin_models())
+        for (double a : {10.0, 70.0})
+            for (double b : {30.0, 80.0, 100.0, 160.0}) {
+                const Vec3 wo = direction_at(a, 0.3), wi = direction_at(b, 2.9);
+                expect_color(f_of(m, behind(wo), behind(wi)), f_of(m, wo, wi), 1e-5f, "behind");
+                expect_color(f_of(m, wi, wo), f_of(m, wo, wi), 1e-4f, "exchanged");
+            }
+}
+
+TEST(PrincipledThin, NothingIsEverNaN) {
+    for (std::size_t i = 0; i < thin_models().size(); ++i)
+        expect_finite(thin_models()[i], "thin " + std::to_string(i));
+}
+
+TEST(PrincipledThin, SamplesCarryTheirOwnValueAndDensity) {
+    for (const PrincipledThin& m : thin_models())
+        for (double degrees : {0.0, 45.0, 80.0, 100.0, 170.0})
+            expect_samples_agree(m, direction_at(degrees, 0.3), 1e-5f, "thin", 12.f);
+}
+
+// The reflecting lobe has alpha 0.12, the transmitting one alpha 0.12 (0.65 1.5 - 0.35)^2 = 0.047, which counts as
+// specular.
+TEST(PrincipledThin, LobesCountByTheirOwnRoughness) {
+    const PrincipledThin m{.base_color = amber, .roughness = std::sqrt(0.12f), .spec_trans = 1.f};
+    const Vec3 n = Vec3::UnitZ();
+    const LobeValues front = m.f_local(n, n, Transport::radiance), back = m.f_local(n, -n, Transport::radiance);
+    EXPECT_TRUE(is_black(front.specular) && front.diffuse[0] > 0.f);
+    EXPECT_TRUE(is_black(back.diffuse) && back.specular[0] > 0.f);
+    EXPECT_TRUE(m.traits().diffuse && m.traits().glossy && m.traits().transmission && !m.traits().anisotropic);
+    EXPECT_FALSE((PrincipledThin{.base_color = Color::Zero()}.traits().scatters()));
+}
+
 }  // namespace
-}  // namespace gib::principled_test
+}  // namespace gib::test::principled_test

@@ -5,6 +5,7 @@
 #include "common/sampling/sampler.h"
 
 #include <gtest/gtest.h>
+#include <array>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -38,6 +39,32 @@ double sphere_integral(const Vec3& axis, F&& f, int rings = 600, int sectors = 2
     return sum / rings * 2 * std::numbers::pi / sectors;
 }
 
+/// All lobes together.
+template <typename Model>
+Color f_of(const Model& m, const Vec3& wo, const Vec3& wi, Transport transport = Transport::radiance) {
+    return m.f_local(wo, wi, transport).sum();
+}
+
+/// The direction on the other side of the surface.
+inline Vec3 behind(const Vec3& w) { return {w.x(), w.y(), -w.z()}; }
+
+template <typename Model>
+double density_integral(const Model& m, const Vec3& wo) {
+    return sphere_integral(mirrored_direction(wo), [&](const Vec3& wi) { return m.pdf_w_local(wo, wi, Lobes::all); });
+}
+
+template <typename Model>
+double reflected_integral(const Model& m, const Vec3& wo, int channel = 0) {
+    return sphere_integral(mirrored_direction(wo),
+                           [&](const Vec3& wi) { return wi.z() > 0 ? f_of(m, wo, wi)[channel] * wi.z() : 0.f; });
+}
+
+inline void expect_color(const Color& found, const Color& expected, float tolerance, const std::string& name) {
+    EXPECT_TRUE(((found - expected).abs() <= tolerance * std::max(expected.maxCoeff(), 1e-3f)).all()) << name;
+}
+
+constexpr std::array<MicrofacetType, 2> microfacet_types = {MicrofacetType::beckmann, MicrofacetType::ggx};
+
 struct SampledShare {
     double weight = 0;  ///< mean of f |cos| / pdf_w, first channel
     double valid = 0;   ///< the share of the samples that are not empty
@@ -59,7 +86,7 @@ SampledShare sampled_share(const Model& model, const Vec3& wo, Transport transpo
         };
         const Vec2 u(within(i % 32, 32, j.x()), within(i / 32 % 32, 32, j.y()));
         if (const auto s = model.sample_local(wo, within(i / 1024, 64, jitter.get_1d(0)), u, transport, which)) {
-            share.weight += static_cast<double>(s->f[0] * std::abs(s->wi.z()) / s->pdf_w);
+            share.weight += double{s->f[0] * std::abs(s->wi.z()) / s->pdf_w};
             share.valid += 1;
         }
     }
@@ -76,8 +103,7 @@ void expect_samples_agree(const Model& model, const Vec3& wo, float tolerance, c
     for (std::uint32_t i = 0; i < 2000; ++i) {
         const Sampler u(PointSet::sobol, 9, 2, i);
         const auto s = model.sample_local(wo, u.get_1d(0), u.get_2d(1), Transport::power, Lobes::all);
-        if (!s) continue;
-        if (s->delta) continue;
+        if (!s || s->delta) continue;
         const float pdf = model.pdf_w_local(wo, s->wi, Lobes::all);
         ASSERT_GT(pdf, 0.f) << name;
         EXPECT_NEAR(s->wi.norm(), 1.f, 1e-6f);

@@ -11,23 +11,28 @@
 #include <atomic>
 #include <numbers>
 
-namespace gib::medium_test {
+namespace gib::test::medium_test {
 namespace {
-
-using test::Moments;
 
 constexpr double pi_d = std::numbers::pi;
 /// Means are tested at this many standard errors: with some 100 comparisons in this file, a
 /// false alarm for 1 in 10,000 seeds.
 constexpr double sigmas = 5;
 
+/// Moments of f over 100,000 samplers of this seed.
+template <typename F>
+Moments moments_over(std::uint64_t seed, const F& f) {
+    Moments moments;
+    for (std::uint32_t i = 0; i < 100000; ++i)
+        moments.add(double{f(Sampler(PointSet::independent, seed, i, 0))});
+    return moments;
+}
+
 TEST(PhaseFunction, HasItsMeanCosine) {
     const Vec3 wo = Vec3(1, -2, 0.5f).normalized();
     for (float g : {-0.95f, -0.4f, 0.f, 0.3f, 0.99f}) {
-        Moments cosine;
-        for (std::uint32_t i = 0; i < 100000; ++i)
-            cosine.add(-static_cast<double>(
-                wo.dot(PhaseFunction{g}.sample(wo, Sampler(PointSet::independent, 1, i, 0).get_2d(0)))));
+        const Moments cosine =
+            moments_over(1, [&](const Sampler& u) { return -wo.dot(PhaseFunction{g}.sample(wo, u.get_2d(0))); });
         EXPECT_NEAR(cosine.mean(), static_cast<double>(g), sigmas * cosine.standard_error()) << g;
     }
 }
@@ -44,10 +49,8 @@ TEST(PhaseFunction, OfSmallParticlesIsRayleighs) {
     EXPECT_NEAR(rayleigh.value(wo, wo), 6 / (16 * pi_d), 1e-7);
     EXPECT_NEAR(rayleigh.value(wo, -wo), 6 / (16 * pi_d), 1e-7);
     // The integral of 3 (1 + c^2) c^2 / 8 over the cosine c is 2/5.
-    Moments squared;
-    for (std::uint32_t i = 0; i < 100000; ++i)
-        squared.add(
-            static_cast<double>(sqr(wo.dot(rayleigh.sample(wo, Sampler(PointSet::independent, 1, i, 0).get_2d(0))))));
+    const Moments squared =
+        moments_over(1, [&](const Sampler& u) { return sqr(wo.dot(rayleigh.sample(wo, u.get_2d(0)))); });
     EXPECT_NEAR(squared.mean(), 0.4, sigmas * squared.standard_error());
 }
 
@@ -114,32 +117,28 @@ std::vector<Stretch> stretches() {
         const double y = std::clamp(x - 0.5, 0.0, 1.0);
         return static_cast<float>(0.2 * x + y * y + 2 * std::max(x - 1.5, 0.0));
     };
-    const Color tint(1.f, 0.5f, 0.1f);
     std::vector<Stretch> all;
-    all.push_back({"coloured", Medium(GridVolume(sigma), 1.f, GridVolume(albedo), {}), times_x(sigma), constant(sigma),
-                   constant(albedo)});
-    all.push_back({"scaled", Medium(GridVolume(sigma), 0.5f, GridVolume(grey), {}), times_x(0.5f * sigma),
-                   constant(0.5f * sigma), constant(grey)});
-    all.push_back({"one channel passes", Medium(GridVolume(Color(0, 1, 2)), 1.f, GridVolume(grey), {}),
-                   times_x(Color(0, 1, 2)), constant(Color(0, 1, 2)), constant(grey)});
-    all.push_back({"absorbing", Medium(GridVolume(sigma), 1.f, GridVolume(Color::Zero()), {}), times_x(sigma),
-                   constant(sigma), constant(Color::Zero())});
-    all.push_back({"ramp", Medium(layers({0.2f, 2.2f}, 1, 0, 2), 1.f, GridVolume(albedo), {}),
-                   [=](double x) { return Color::Constant(ramp_depth(x)); },
-                   [=](double x) { return Color::Constant(ramp(x)); }, constant(albedo)});
-    all.push_back({"coloured ramp",
-                   Medium(layers({0.2f, 0.1f, 0.02f, 2.2f, 1.1f, 0.22f}, 3, 0, 2), 1.f, GridVolume(albedo), {}),
-                   [=](double x) { return Color(tint * ramp_depth(x)); },
-                   [=](double x) { return Color(tint * ramp(x)); }, constant(albedo)});
-    all.push_back({"absorbing ramp", Medium(layers({0.2f, 2.2f}, 1, 0, 2), 1.f, GridVolume(Color::Zero()), {}),
-                   [=](double x) { return Color::Constant(ramp_depth(x)); },
-                   [=](double x) { return Color::Constant(ramp(x)); }, constant(Color::Zero())});
+    const auto add = [&](const std::string& name, const GridVolume& extinction, float scale, const Color& a) {
+        const Color c = scale * extinction.highest();
+        all.push_back({name, Medium(extinction, scale, GridVolume(a), {}), times_x(c), constant(c), constant(a)});
+    };
+    const auto add_ramp = [&](const std::string& name, const std::vector<float>& ends, const Color& tint, double base,
+                              const Color& a) {
+        const int channels = static_cast<int>(ends.size()) / 2;
+        all.push_back({name, Medium(layers(ends, channels, 0, 2), 1.f, GridVolume(a), {}),
+                       [=](double x) { return Color(static_cast<float>(base * x) + tint * ramp_depth(x)); },
+                       [=](double x) { return Color(static_cast<float>(base) + tint * ramp(x)); }, constant(a)});
+    };
+    add("coloured", GridVolume(sigma), 1.f, albedo);
+    add("scaled", GridVolume(sigma), 0.5f, grey);
+    add("one channel passes", GridVolume(Color(0, 1, 2)), 1.f, grey);
+    add("absorbing", GridVolume(sigma), 1.f, Color::Zero());
+    add_ramp("ramp", {0.2f, 2.2f}, Color::Ones(), 0, albedo);
+    add_ramp("coloured ramp", {0.2f, 0.1f, 0.02f, 2.2f, 1.1f, 0.22f}, Color(1.f, 0.5f, 0.1f), 0, albedo);
+    add_ramp("absorbing ramp", {0.2f, 2.2f}, Color::Ones(), 0, Color::Zero());
     // From 8 to 16 in the same way. Much of the light that passes the first 0.3 survives roulette.
-    all.push_back({"dense ramp", Medium(layers({8.f, 16.f}, 1, 0, 2), 1.f, GridVolume(albedo), {}),
-                   [=](double x) { return Color::Constant(static_cast<float>(7.2 * x) + 4.f * ramp_depth(x)); },
-                   [=](double x) { return Color::Constant(7.2f + 4.f * ramp(x)); }, constant(albedo)});
-    all.push_back({"grid of one value", Medium(layers({1.5f, 1.5f, 1.5f}, 1, 0, 2), 2.f, GridVolume(grey), {}),
-                   times_x(Color::Constant(3)), constant(Color::Constant(3)), constant(grey)});
+    add_ramp("dense ramp", {8.f, 16.f}, Color::Constant(4), 7.2, albedo);
+    add("grid of one value", layers({1.5f, 1.5f, 1.5f}, 1, 0, 2), 2.f, grey);
     return all;
 }
 
@@ -160,7 +159,7 @@ TEST(Medium, FlightsHaveTheMeansOfTheIntegrals) {
                 const auto weight = static_cast<double>((throughput / before)[static_cast<int>(c)]);
                 passed[c].add(t ? 0 : weight);
                 scattered[c].add(t ? weight : 0);
-                place[c].add(t ? weight * static_cast<double>(*t) : 0);
+                place[c].add(t ? weight * double{*t} : 0);
             }
         }
         for (int c = 0; c < 3; ++c) {
@@ -234,12 +233,10 @@ TEST(Medium, OnAGridEndsWithTheGrid) {
     EXPECT_TRUE(passes(Vec3(0, 0, 0), -Vec3::UnitX()));
     EXPECT_TRUE(passes(Vec3(0, 2, 0), Vec3::UnitX()));
     EXPECT_TRUE(passes(Vec3(0, 0, 0), Vec3::UnitY()));
-    Moments through;
-    for (std::uint32_t i = 0; i < 100000; ++i) {
-        const Sampler own(PointSet::independent, 4, i, 0);
+    const Moments through = moments_over(4, [&](const Sampler& own) {
         NumberStream u(own);
-        through.add(static_cast<double>(medium.transmittance(Vec3(9, 0, 0), -Vec3::UnitX(), infinity, u)[0]));
-    }
+        return medium.transmittance(Vec3(9, 0, 0), -Vec3::UnitX(), infinity, u)[0];
+    });
     EXPECT_NEAR(through.mean(), std::exp(-2.0), sigmas * through.standard_error());
 }
 
@@ -262,4 +259,4 @@ TEST(Medium, OfAFarGridIsThatOfANearOne) {
 }
 
 }  // namespace
-}  // namespace gib::medium_test
+}  // namespace gib::test::medium_test

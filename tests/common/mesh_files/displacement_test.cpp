@@ -3,22 +3,13 @@
 #include "common/mesh_files/displacement.h"
 
 #include "common/scene/scene.h"
-#include "tests/support/input_error.h"
 #include "tests/support/mesh_area.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
 #include <map>
 
-namespace gib::displacement_test {
+namespace gib::test::displacement_test {
 namespace {
-
-using test::area_of;
-using test::input_error_of;
-using test::load;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 /// The square [0, 1]^2 in z = 0 with its front towards +z; uv are x and y.
 MeshData square() {
@@ -179,16 +170,8 @@ MeshData mesh_of(const LoadedScene& loaded) {
     return data;
 }
 
-std::string shape(const std::string& type, const std::string& body) {
-    return "<shape type='" + type + "'>" + body + "</shape>";
-}
-std::string number(const std::string& name, const std::string& value) {
-    return "<float name='" + name + "' value='" + value + "'/>";
-}
-
 TEST(DisplacedShape, ACubeStaysClosedAndItsEdgesSharp) {
-    const MeshData mesh =
-        mesh_of(load(shape("cube", number("displacement", "0.1") + number("displacement_edge", "0.5"))));
+    const MeshData mesh = mesh_of(load(shape("cube", number("displacement", 0.1) + number("displacement_edge", 0.5))));
     EXPECT_EQ(open_edges(mesh), 0);
     EXPECT_LE(longest_edge(mesh), 0.5 * 1.5);
     int corners = 0;
@@ -214,71 +197,58 @@ const std::string ramp_picture =
 TEST(DisplacedShape, ATextureTiltsARectangle) {
     const TemporaryFolder folder;
     folder.write("ramp.hdr", ramp_picture);
-    const std::string ramp =
-        "<texture name='displacement' type='bitmap'><string name='filename' value='ramp.hdr'/><boolean name='raw' "
-        "value='true'/><string name='wrap_mode' value='clamp'/><transform name='to_uv'><scale x='0.5'/><translate "
-        "x='0.25'/></transform></texture>";
+    const std::string ramp = named("texture", "displacement", "bitmap", filename("ramp.hdr"), flag("raw"),
+                                   text("wrap_mode", "clamp"), to_uv(scale(0.5, 1, 1), translate(0.25, 0, 0)));
     const auto displaced = [&](const std::string& more) {
-        return mesh_of(load_scene(folder.write("s.xml", test::scene_with(shape("rectangle", ramp + more)))));
+        return mesh_of(load_in(folder, shape("rectangle", ramp, more)));
     };
     // The rectangle is 2 wide, so that a height of 1.5 u has the slope 0.75. The scene is centred.
-    const MeshData mesh = displaced(number("displacement_scale", "1.5"));
+    const MeshData mesh = displaced(number("displacement_scale", 1.5));
     EXPECT_GT(mesh.triangles.size(), 10000u);
     EXPECT_NEAR(area_of(mesh), 4 * 1.25, 1e-4);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         EXPECT_NEAR(mesh.positions[i].z(), 0.75 * mesh.positions[i].x(), 1e-5);
         EXPECT_LT((mesh.normals[i] - Vec3(-0.6f, 0, 0.8f)).norm(), 1e-3f);
     }
-    const MeshData turned =
-        displaced(number("displacement_scale", "1.5") + "<boolean name='flip_normals' value='true'/>");
+    const MeshData turned = displaced(number("displacement_scale", 1.5) + flag("flip_normals"));
     for (const Vec3d& p : turned.positions)
         EXPECT_NEAR(p.z(), -0.75 * p.x(), 1e-5);
 }
 
 TEST(DisplacedShape, TheMidlevelStaysInPlace) {
-    const std::string ball = "<shape type='sphere'><point name='center' x='0' y='0' z='9'/></shape>";
-    const auto height = [&](const std::string& body) {
-        const auto loaded = load(shape("rectangle", body) + ball);
+    const auto height = [](const std::string& body) {
+        const auto loaded = load(shape("rectangle", body) + shape("sphere", center(0, 0, 9)));
         return mesh_of(loaded).positions[0].z() - double{std::get<Sphere>(loaded.scene->shapes()[1]).center.z()} + 9;
     };
-    EXPECT_NEAR(height(number("displacement", "0.75") + number("displacement_midlevel", "0.5") +
-                       number("displacement_scale", "2")),
-                0.5, 1e-6);
-    EXPECT_NEAR(height(number("displacement", "0.25") + number("displacement_scale", "-2")), -0.5, 1e-6);
+    EXPECT_NEAR(
+        height(number("displacement", 0.75) + number("displacement_midlevel", 0.5) + number("displacement_scale", 2)),
+        0.5, 1e-6);
+    EXPECT_NEAR(height(number("displacement", 0.25) + number("displacement_scale", -2)), -0.5, 1e-6);
 }
 
 TEST(DisplacedShape, FaceNormalsStayFacets) {
     const TemporaryFolder folder;
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const auto mesh = [&](const std::string& value) {
-        return mesh_of(load_scene(
-            folder.write("s.xml", test::scene_with(shape("obj",
-                                                         "<string name='filename' value='m.obj'/><boolean "
-                                                         "name='face_normals' value='" +
-                                                             value + "'/>" + number("displacement", "1"))))));
-    };
-    EXPECT_TRUE(mesh("true").normals.empty());
-    EXPECT_FALSE(mesh("false").normals.empty());
+    for (const bool facets : {true, false}) {
+        const std::string mesh =
+            shape("obj", filename("m.obj"), flag("face_normals", facets), number("displacement", 1));
+        EXPECT_EQ(mesh_of(load_in(folder, mesh)).normals.empty(), facets);
+    }
 }
 
 TEST(DisplacedShape, ErrorsNameThePlace) {
-    EXPECT_THAT(input_error_of([] { load(shape("sphere", "\n" + number("displacement", "1"))); }),
-                StartsWith("test.xml:3:1: only meshes can be displaced"));
-    EXPECT_THAT(input_error_of([] {
-                    load(shape("cube", "\n" + number("displacement", "1") + number("displacement_edge", "1e-4")));
-                }),
-                StartsWith("test.xml:3:1: displaced, the mesh would have more than 10000000 triangles"));
-    EXPECT_THAT(input_error_of([] { load(shape("cube", "\n" + number("displacement_edge", "1"))); }),
-                StartsWith("test.xml:3:1: shape 'cube' does not take a parameter 'displacement_edge'"));
+    const std::string displaced = "\n" + number("displacement", 1);
+    expect_errors({{shape("sphere", displaced), "3:1", "only meshes can be displaced"},
+                   {shape("cube", displaced, number("displacement_edge", 1e-4)), "3:1",
+                    "displaced, the mesh would have more than 10000000 triangles"},
+                   {shape("cube", "\n", number("displacement_edge", 1)), "3:1",
+                    "shape 'cube' does not take a parameter 'displacement_edge'"}});
     const TemporaryFolder folder;
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const std::string path =
-        folder.write("s.xml", test::scene_with(shape("obj",
-                                                     "<string name='filename' value='m.obj'/>\n<texture "
-                                                     "name='displacement' type='checkerboard'/>")));
-    EXPECT_THAT(input_error_of([&] { load_scene(path); }),
+    const std::string board = named("texture", "displacement", "checkerboard");
+    EXPECT_THAT(scene_error(shape("obj", filename("m.obj"), "\n", board), folder / "s.xml"),
                 HasSubstr("s.xml:3:1: the displacement is a texture, but the mesh has no texture coordinates"));
 }
 
 }  // namespace
-}  // namespace gib::displacement_test
+}  // namespace gib::test::displacement_test

@@ -1,20 +1,14 @@
-// Tests of attributes: how PLY files name them, and the texture `mesh_attribute`, which takes them from the mesh of
-// the shape that it stands in. The texture `rawconstant` is tested here, too.
+// Tests of what mesh files say of their surface: attributes, which the texture `mesh_attribute` takes from the mesh of the
+// shape that it stands in, and the materials of OBJ files, for each of which a shape may have a bsdf, as in Mitsuba 0.6.
+// The texture `rawconstant` and merged shapes are tested here, too.
 
 #include "common/mesh_files/mesh_data.h"
 #include "common/mesh_files/ply_attributes.h"
 #include "common/scene/scene.h"
-#include "tests/support/input_error.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
-
-namespace gib::mesh_attribute_test {
+namespace gib::test::mesh_attribute_test {
 namespace {
-
-using test::input_error_of;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
 
 using Names = std::vector<std::string>;
 
@@ -77,11 +71,10 @@ TEST(PlyAttributes, MustBeFinite) {
 }
 
 std::string attribute(const std::string& parameter, const std::string& name, const std::string& more = "") {
-    return "<texture type='mesh_attribute' name='" + parameter + "'><string name='name' value='" + name + "'/>" + more +
-           "</texture>";
+    return named("texture", parameter, "mesh_attribute", text("name", name), more);
 }
-std::string diffuse(const std::string& reflectance, const std::string& id = "") {
-    return "<bsdf type='diffuse'" + (id.empty() ? "" : " id='" + id + "'") + ">" + reflectance + "</bsdf>";
+std::string painted(const std::string& name, const std::string& more = "") {
+    return bsdf("diffuse", attribute("reflectance", name, more));
 }
 
 class MeshAttributeTextures : public ::testing::Test {
@@ -97,15 +90,10 @@ protected:
     }
 
     static std::string square(const std::string& body, const std::string& file = "square.ply") {
-        return "<shape type='ply'><string name='filename' value='" + file +
-               "'/><boolean name='face_normals' value='true'/>" + body + "</shape>";
+        return shape("ply", filename(file), flag("face_normals"), body);
     }
-    LoadedScene load(const std::string& body) const {
-        return load_scene(folder_.write("s.xml", test::scene_with(body)));
-    }
-    std::string error_of(const std::string& body) const {
-        return input_error_of([&] { load(body); });
-    }
+    LoadedScene load(const std::string& body) const { return load_in(folder_, body); }
+    std::string error_of(const std::string& body) const { return scene_error(body, folder_ / "s.xml"); }
     /// The hit of a ray along -z at (x, y) of the file.
     static SurfaceHit hit_at(const LoadedScene& loaded, float x, float y, const Vec3& center = Vec3(0.5f, 0.5f, 0)) {
         auto hit = loaded.scene->intersect({Vec3(x, y, 5) - center, Vec3(0, 0, -1)});
@@ -124,10 +112,9 @@ void expect_color(const Color& actual, const Color& expected, const char* what) 
 }
 
 TEST_F(MeshAttributeTextures, VertexColorsAreInterpolated) {
-    const auto loaded = load(square(diffuse(attribute("reflectance", "vertex_color"))));
-    const auto scaled =
-        load(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='0.5'/>"))));
-    const auto heat = load(square(diffuse(attribute("reflectance", "vertex_heat"))));
+    const auto loaded = load(square(painted("vertex_color")));
+    const auto scaled = load(square(painted("vertex_color", number("scale", 0.5))));
+    const auto heat = load(square(painted("vertex_heat")));
     // On this square red is x and green is y, on both triangles.
     for (const auto& [x, y] : {std::pair(0.1f, 0.3f), std::pair(0.8f, 0.3f), std::pair(0.95f, 0.9f)}) {
         expect_color(reflectance_at(loaded, x, y), Color(x, y, 0.5f), "color");
@@ -137,15 +124,15 @@ TEST_F(MeshAttributeTextures, VertexColorsAreInterpolated) {
 }
 
 TEST_F(MeshAttributeTextures, FaceColorsAreConstantOnAFace) {
-    const auto loaded = load(square(diffuse(attribute("reflectance", "face_color"))));
+    const auto loaded = load(square(painted("face_color")));
     for (const auto& [x, y] : {std::pair(0.9f, 0.1f), std::pair(0.1f, 0.9f)})
         expect_color(reflectance_at(loaded, x, y), Color(1, 0.215861f, 0), "face");
 }
 
 TEST_F(MeshAttributeTextures, ASharedBsdfTakesTheAttributeOfEachMesh) {
-    const std::string away = "<transform name='to_world'><translate x='2'/></transform>";
-    const auto loaded = load(diffuse(attribute("reflectance", "vertex_color"), "paint") + square("<ref id='paint'/>") +
-                             square("<ref id='paint'/>" + away, "other.ply"));
+    const std::string away = to_world(translate(2, 0, 0));
+    const auto loaded = load(with_id("bsdf", "diffuse", "paint", attribute("reflectance", "vertex_color")) +
+                             square(reference("paint")) + square(reference("paint") + away, "other.ply"));
     const Vec3 center(1.5f, 0.5f, 0);
     expect_color(reflectance_at(loaded, 0.25f, 0.75f, center), Color(0.25f, 0.75f, 0.5f), "first");
     expect_color(reflectance_at(loaded, 2.25f, 0.75f, center), Color(0.75f, 0.25f, 0.5f), "second");
@@ -153,17 +140,13 @@ TEST_F(MeshAttributeTextures, ASharedBsdfTakesTheAttributeOfEachMesh) {
 }
 
 TEST_F(MeshAttributeTextures, InstancesShowTheAttributesOfTheirGroup) {
-    const auto loaded =
-        load("<shape type='shapegroup' id='g'>" + square(diffuse(attribute("reflectance", "vertex_color"))) +
-             "</shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale "
-             "value='2'/></transform></shape>");
+    const auto loaded = load(with_id("shape", "shapegroup", "g", square(painted("vertex_color"))) +
+                             shape("instance", reference("g"), to_world(scale(2))));
     expect_color(reflectance_at(loaded, 0.5f, 1.5f, Vec3(1, 1, 0)), Color(0.25f, 0.75f, 0.5f), "instance");
 }
 
 TEST_F(MeshAttributeTextures, LampsEmitTheAttribute) {
-    const auto loaded =
-        load(square("<emitter type='area'>" + attribute("radiance", "vertex_color", "<float name='scale' value='8'/>") +
-                    "</emitter>"));
+    const auto loaded = load(square(emitter("area", attribute("radiance", "vertex_color", number("scale", 8)))));
     expect_color(hit_at(loaded, 0.25f, 0.75f).Le(Vec3::UnitZ()) / 8, Color(0.25f, 0.75f, 0.5f), "hit");
     // The mean radiance is (4, 4, 4) over an area of 1; the power is pi times that.
     const Colord power = loaded.scene->emitted_power();
@@ -183,37 +166,115 @@ TEST_F(MeshAttributeTextures, LampsEmitTheAttribute) {
 }
 
 TEST_F(MeshAttributeTextures, ErrorsNameThePlace) {
-    EXPECT_THAT(error_of(square("\n" + diffuse(attribute("reflectance", "vertex_paint")))),
-                HasSubstr("s.xml:3:92: the mesh has no attribute 'vertex_paint'; it has: vertex_color, vertex_heat, "
-                          "face_color"));
-    EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "paint")))),
-                HasSubstr("the name of an attribute begins with 'vertex_' or 'face_', not 'paint'"));
-    EXPECT_THAT(error_of("<shape type='sphere'>" + diffuse(attribute("reflectance", "vertex_color")) + "</shape>"),
-                HasSubstr("there is no attribute 'vertex_color' here"));
-    EXPECT_THAT(error_of(square(diffuse(attribute("reflectance", "vertex_color", "<float name='scale' value='2'/>")))),
-                HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
+    const auto error = [&](const std::string& body) { return error_of(body); };
+    expect_errors(
+        {{square("\n" + painted("vertex_paint")), "3:92",
+          "the mesh has no attribute 'vertex_paint'; it has: vertex_color, vertex_heat, face_color"},
+         {square(painted("paint")), "", "the name of an attribute begins with 'vertex_' or 'face_', not 'paint'"},
+         {shape("sphere", painted("vertex_color")), "", "there is no attribute 'vertex_color' here"},
+         {square(painted("vertex_color", number("scale", 2))), "",
+          "'reflectance' must be between 0 and 1, but its texture has 2"}},
+        error, folder_ / "s.xml");
     std::string bright = painted_square;
     bright.replace(bright.find("0 0 0 0 0 0.5 0.25"), 18, "0 0 0 0 0 1e30 0.25");
     folder_.write("square.ply", bright);
-    EXPECT_THAT(
-        error_of(square("<emitter type='area'>" +
-                        attribute("radiance", "vertex_color", "<float name='scale' value='1e30'/>") + "</emitter>")),
-        HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
-    EXPECT_EQ(error_of(diffuse(attribute("reflectance", "vertex_any"), "unused") + square("")), "no error");
+    EXPECT_THAT(error_of(square(emitter("area", attribute("radiance", "vertex_color", number("scale", 1e30))))),
+                HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
+    EXPECT_EQ(error_of(with_id("bsdf", "diffuse", "unused", attribute("reflectance", "vertex_any")) + square("")),
+              "no error");
 }
 
 TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
     const auto raw = [](const std::string& value) {
-        return diffuse("<texture type='rawconstant' name='reflectance'>" + value + "</texture>");
+        return bsdf("diffuse", named("texture", "reflectance", "rawconstant", value));
     };
-    expect_color(reflectance_at(load(square(raw("<float name='value' value='0.25'/>"))), 0.5f, 0.4f),
-                 Color::Constant(0.25f), "float");
-    expect_color(reflectance_at(load(square(raw("<vector name='value' value='0.25, 0.5, 1'/>"))), 0.5f, 0.4f),
-                 Color(0.25f, 0.5f, 1), "vector");
+    const auto colour = [&](const std::string& value) { return reflectance_at(load(square(raw(value))), 0.5f, 0.4f); };
+    expect_color(colour(number("value", 0.25)), Color::Constant(0.25f), "float");
+    expect_color(colour(vector("value", 0.25, 0.5, 1)), Color(0.25f, 0.5f, 1), "vector");
     EXPECT_THAT(error_of(square(raw(""))), HasSubstr("value"));
-    EXPECT_THAT(error_of(square(raw("<vector name='value' value='0.25, 0.5, 2'/>"))),
+    EXPECT_THAT(error_of(square(raw(vector("value", 0.25, 0.5, 2)))),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
 }
 
+/// A bsdf for the material of this name; without a name, for those that have none of their own.
+std::string grey(const std::string& name, double reflectance) {
+    const std::string value = number("reflectance", reflectance);
+    return name.empty() ? bsdf("diffuse", value) : named("bsdf", name, "diffuse", value);
+}
+
+using ::testing::ElementsAre;
+
+class ObjMaterials : public ::testing::Test {
+protected:
+    ObjMaterials() {
+        // Three unit squares beside each other in the plane z = 0: Wood_A, glass and Wood_A.
+        folder_.write("m.obj",
+                      "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 3 1 0\n"
+                      "usemtl Wood_A\nf 1 2 6 5\nusemtl glass\nf 2 3 7 6\nusemtl Wood_A\nf 3 4 8 7\n");
+    }
+    LoadedScene load(const std::string& bsdfs, const std::string& version = "3.0.0",
+                     const std::string& more = "") const {
+        return parse_scene("<scene version='" + version + "'>\n" + sensor_xml + more +
+                               shape("obj", filename("m.obj"), bsdfs) + "</scene>",
+                           folder_ / "s.xml");
+    }
+    /// The reflectance of the square whose middle is at x.
+    static float at(const LoadedScene& loaded, float x) {
+        const auto hit = loaded.scene->intersect(Ray{Vec3(x - 1.5f, 0, 1), -Vec3::UnitZ()});  // the scene is recentred
+        return hit ? hit->bsdf->coefficients_local(Vec3(0, 0, 1)).diffuse[0] : -1.f;
+    }
+    static std::vector<float> squares(const LoadedScene& loaded) {
+        return {at(loaded, 0.5f), at(loaded, 1.5f), at(loaded, 2.5f)};
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(ObjMaterials, HaveTheBsdfOfTheirName) {
+    const LoadedScene scene = load(grey("glass", 0.1) + grey("Wood_A", 0.2));
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(squares(scene), (std::vector{0.2f, 0.1f, 0.2f}));
+}
+
+TEST_F(ObjMaterials, OfOlderScenesMayHaveCapitals) {
+    EXPECT_EQ(squares(load(grey("", 0.4) + grey("Wood_A", 0.2), "0.6.0")), (std::vector{0.2f, 0.4f, 0.2f}));
+    EXPECT_EQ(squares(load(grey("glass", 0.1) + grey("Wood_A", 0.2), "0.6.0")), (std::vector{0.2f, 0.1f, 0.2f}));
+}
+
+TEST_F(ObjMaterials, TakeReferences) {
+    const std::string shared = with_id("bsdf", "diffuse", "a", number("reflectance", 0.3));
+    EXPECT_EQ(squares(load(reference("Wood_A", "a") + grey("glass", 0.1), "0.6.0", shared)),
+              (std::vector{0.3f, 0.1f, 0.3f}));
+}
+
+TEST_F(ObjMaterials, WithoutABsdfOfTheirNameHaveTheOneWithoutAName) {
+    EXPECT_EQ(squares(load(grey("", 0.4) + grey("glass", 0.1))), (std::vector{0.4f, 0.1f, 0.4f}));
+}
+
+TEST_F(ObjMaterials, WithoutAnyBsdfAreGreyWithAWarning) {
+    const LoadedScene scene = load(grey("glass", 0.1));
+    EXPECT_EQ(squares(scene), (std::vector{0.5f, 0.1f, 0.5f}));
+    EXPECT_THAT(scene.warnings,
+                ElementsAre(HasSubstr("s.xml:3:1: the material 'Wood_A' of the OBJ file has no bsdf here")));
+}
+
+TEST_F(ObjMaterials, OfABsdfThatNoFaceHasAreWarnedOf) {
+    const LoadedScene scene = load(grey("", 0.4) + grey("iron", 0.1));
+    EXPECT_EQ(squares(scene), (std::vector{0.4f, 0.4f, 0.4f}));
+    EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("no face of the OBJ file has the material 'iron'")));
+}
+
+TEST_F(ObjMaterials, DoNotMatterToOneBsdfWithAnotherName) {
+    const LoadedScene scene = load(grey("bsdf", 0.6));
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.scene->shapes().size(), 1u);
+    EXPECT_EQ(squares(scene), (std::vector{0.6f, 0.6f, 0.6f}));
+}
+
+TEST(MergedShapes, AreThoseInTheMerge) {
+    const auto loaded = test::load(shape("merge", shape("cube"), shape("rectangle", bsdf("null"))));
+    EXPECT_EQ(loaded.scene->shapes().size(), 2u);
+    expect_errors({{shape("merge", "\n", shape("merge")), "3:1", "a merge cannot hold a shape 'merge'"}});
+}
+
 }  // namespace
-}  // namespace gib::mesh_attribute_test
+}  // namespace gib::test::mesh_attribute_test

@@ -3,33 +3,29 @@
 #include "common/core/error.h"
 #include "common/mesh_files/mesh_data.h"
 #include "common/mesh_files/mesh_materials.h"
-#include "tests/support/input_error.h"
 #include "tests/support/mesh_area.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
 #include <bit>
 
-namespace gib::mesh_file_test {
+namespace gib::test::mesh_file_test {
 namespace {
 
-using test::area_of;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using Triangle = std::array<std::uint32_t, 3>;
 
 std::string obj_error(const std::string& text) {
-    return test::input_error_of([&] { parse_obj(text, "m.obj"); });
+    return input_error_of([&] { parse_obj(text, "m.obj"); });
 }
 std::string ply_error(const std::string& text) {
-    return test::input_error_of([&] { parse_ply(text, "m.ply"); });
+    return input_error_of([&] { parse_ply(text, "m.ply"); });
 }
 
 TEST(ObjFile, FansPolygonsAndSharesVertices) {
     const MeshData mesh = parse_obj("# a square\no square\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n", "m.obj");
     ASSERT_EQ(mesh.triangles.size(), 2u);
     EXPECT_EQ(mesh.positions.size(), 4u);
-    EXPECT_EQ(mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
-    EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+    EXPECT_EQ(mesh.triangles[0], (Triangle{0, 1, 2}));
+    EXPECT_EQ(mesh.triangles[1], (Triangle{0, 2, 3}));
     EXPECT_DOUBLE_EQ(area_of(mesh), 4);
     EXPECT_TRUE(mesh.normals.empty());
     EXPECT_TRUE(mesh.uvs.empty());
@@ -96,9 +92,8 @@ TEST(ObjFile, SkipsAByteOrderMark) {
 
 TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
     const MeshData mesh = parse_obj(
-        "mtllib a.mtl\no a\ng a b\ns 1\nusemtl red\nl 1 2\nv 0 0 0\n  V 1 0 0\nV 1 0 1\nv 1 0 0\nv 0 1 "
-        "0\n\xEF\xBB\xBFv 1 1 "
-        "1\nf 1 2 3\n",
+        "mtllib a.mtl\no a\ng a b\ns 1\nusemtl red\nl 1 2\nv 0 0 0\n  V 1 0 0\nV 1 0 1\nv 1 0 0\nv 0 1 0\n"
+        "\xEF\xBB\xBFv 1 1 1\nf 1 2 3\n",
         "m.obj");
     ASSERT_EQ(mesh.warnings.size(), 2u);
     EXPECT_EQ(mesh.warnings[0], "m.obj:8:3: unknown word 'V': lines that start with it are passed over");
@@ -106,10 +101,10 @@ TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
 }
 
 TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string obj = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nW 1\nf 1 2 3\n");
-    const std::string shape = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
-    EXPECT_EQ(load_scene(folder.write("s.xml", test::scene_with(shape + shape))).warnings,
+    const std::string mesh = shape("obj", filename("m.obj"));
+    EXPECT_EQ(load_in(folder, mesh + mesh).warnings,
               std::vector{obj + ":4:1: unknown word 'W': lines that start with it are passed over"});
 }
 
@@ -122,11 +117,11 @@ TEST(ObjFile, TakesACornerWhoseTextureCoordinateIsMissingAfterItsSlash) {
 
 TEST(ObjFile, JoinsLinesAfterABackslash) {
     for (const std::string end : {"\n", "\r\n"}) {
-        const auto line = [&](const std::string& text) { return text + end; };
-        const MeshData mesh = parse_obj(line("# a comment ends with its line \\") + line("v 0 0 0") + line("v 2 \\") +
-                                            line("0 0") + line("v 2 2 0") + line("l 1 2 \\") + line("3") +
-                                            line("v 0 2 0") + line("f 1 2\\") + line("3 \\") + line(" 4"),
-                                        "m.obj");
+        std::string text;
+        for (const char* line : {"# a comment ends with its line \\", "v 0 0 0", "v 2 \\", "0 0", "v 2 2 0", "l 1 2 \\",
+                                 "3", "v 0 2 0", "f 1 2\\", "3 \\", " 4"})
+            text += line + end;
+        const MeshData mesh = parse_obj(text, "m.obj");
         EXPECT_TRUE(mesh.warnings.empty());
         EXPECT_EQ(mesh.positions.size(), 4u);
         EXPECT_DOUBLE_EQ(area_of(mesh), 4);
@@ -149,25 +144,26 @@ TEST(ObjFile, IsPartedByItsMaterials) {
     EXPECT_EQ(parts[1].mesh.positions.size(), 7u);  // three with a normal and four without
     EXPECT_EQ(parts[1].mesh.uvs[0], Vec2(0.5f, 1));
     EXPECT_EQ(parts[1].mesh.normals[2], Vec3(0, 0, 1));
-    EXPECT_EQ(parts[2].mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+    EXPECT_EQ(parts[2].mesh.triangles[0], (Triangle{0, 1, 2}));
     EXPECT_EQ(parts[2].mesh.positions[2], Vec3d(0, 1, 0));
 }
 
 TEST(ObjFile, ErrorsNameThePlace) {
-    EXPECT_THAT(obj_error("v 0 0\nf 1 1 1\n"), StartsWith("m.obj:1:6: a number is missing"));
-    EXPECT_THAT(obj_error("v 0 0 0\nv 0 x 0\n"), StartsWith("m.obj:2:5: bad number 'x'"));
-    EXPECT_THAT(obj_error("v 0 0 1.5y\n"), StartsWith("m.obj:1:7: bad number '1.5y'"));
-    EXPECT_THAT(obj_error("v 0 nan 0\n"), StartsWith("m.obj:1:5: a vertex is not finite"));
-    EXPECT_THAT(obj_error("v 0 0 inf\n"), StartsWith("m.obj:1:7: a vertex is not finite"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1 2\n"), StartsWith("m.obj:2:7: vertex index 2 is out of range"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 0 1 1\n"), StartsWith("m.obj:2:3: vertex index 0 is out of range"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 1/1 1 1\n"), StartsWith("m.obj:2:5: texture coordinate index 1 is out of range"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1\n"), StartsWith("m.obj:2:6: a face has only 2 vertices"));
-    EXPECT_THAT(obj_error("v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n"), StartsWith("m.obj:3:6: a normal index is missing"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 1 \\\n 1 x\n"), StartsWith("m.obj:3:4: bad number 'x'"));
-    EXPECT_THAT(obj_error("v 0 0 0\nf 1 1 1//\r\n"), StartsWith("m.obj:2:10: a normal index is missing"));
-    EXPECT_THAT(obj_error("v 0 0 0\n"), HasSubstr("the mesh is empty"));
-    EXPECT_THAT(obj_error(""), StartsWith("m.obj:1:1: the mesh is empty"));
+    expect_errors({{"v 0 0\nf 1 1 1\n", "1:6", "a number is missing"},
+                   {"v 0 0 0\nv 0 x 0\n", "2:5", "bad number 'x'"},
+                   {"v 0 0 1.5y\n", "1:7", "bad number '1.5y'"},
+                   {"v 0 nan 0\n", "1:5", "a vertex is not finite"},
+                   {"v 0 0 inf\n", "1:7", "a vertex is not finite"},
+                   {"v 0 0 0\nf 1 1 2\n", "2:7", "vertex index 2 is out of range"},
+                   {"v 0 0 0\nf 0 1 1\n", "2:3", "vertex index 0 is out of range"},
+                   {"v 0 0 0\nf 1/1 1 1\n", "2:5", "texture coordinate index 1 is out of range"},
+                   {"v 0 0 0\nf 1 1\n", "2:6", "a face has only 2 vertices"},
+                   {"v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n", "3:6", "a normal index is missing"},
+                   {"v 0 0 0\nf 1 \\\n 1 x\n", "3:4", "bad number 'x'"},
+                   {"v 0 0 0\nf 1 1 1//\r\n", "2:10", "a normal index is missing"},
+                   {"v 0 0 0\n", "", "the mesh is empty"},
+                   {"", "1:1", "the mesh is empty"}},
+                  obj_error, "m.obj");
 }
 
 const std::string square_header =
@@ -210,7 +206,7 @@ TEST(PlyFile, AllFormatsMeanTheSame) {
         ASSERT_EQ(mesh.positions.size(), 4u);
         ASSERT_EQ(mesh.triangles.size(), 2u);
         EXPECT_EQ(mesh.positions[2], Vec3d(3, 3, 1));
-        EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+        EXPECT_EQ(mesh.triangles[1], (Triangle{0, 2, 3}));
         EXPECT_DOUBLE_EQ(area_of(mesh), 9);
     }
 }
@@ -246,22 +242,19 @@ TEST(PlyFile, ErrorsNameThePlace) {
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
                              "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    EXPECT_THAT(ply_error("play\n"), StartsWith("m.ply:1:1: not a PLY file"));
-    EXPECT_THAT(ply_error("ply\nformat text 1.0\n"), StartsWith("m.ply:2:8: unknown PLY format 'text'"));
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex x\n"), StartsWith("m.ply:3:16: bad number 'x'"));
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n"),
-                HasSubstr("unknown PLY type 'half'"));
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nvertices 3\n"), StartsWith("m.ply:3:1: unknown word 'vertices'"));
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 3\n"), HasSubstr("there is no 'end_header'"));
-    EXPECT_THAT(ply_error("ply\nelement vertex 0\n" + xyz + "end_header\n"),
-                StartsWith("m.ply:6:1: the PLY header has no"));
-    EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n"),
-                HasSubstr("the mesh is empty"));
-    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
-                StartsWith("m.ply:13:7: vertex index 3 is out of range"));
-    EXPECT_THAT(ply_error(head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), StartsWith("m.ply:11:3: vertex 1 is not finite"));
-    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n"), StartsWith("m.ply:13:1: face 0 has only 2 vertices"));
-    EXPECT_THAT(ply_error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n"), StartsWith("m.ply:14:1: truncated"));
+    expect_errors({{"play\n", "1:1", "not a PLY file"},
+                   {"ply\nformat text 1.0\n", "2:8", "unknown PLY format 'text'"},
+                   {"ply\nformat ascii 1.0\nelement vertex x\n", "3:16", "bad number 'x'"},
+                   {"ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n", "", "unknown PLY type 'half'"},
+                   {"ply\nformat ascii 1.0\nvertices 3\n", "3:1", "unknown word 'vertices'"},
+                   {"ply\nformat ascii 1.0\nelement vertex 3\n", "", "there is no 'end_header'"},
+                   {"ply\nelement vertex 0\n" + xyz + "end_header\n", "6:1", "the PLY header has no"},
+                   {"ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n", "", "the mesh is empty"},
+                   {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "13:7", "vertex index 3 is out of range"},
+                   {head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "11:3", "vertex 1 is not finite"},
+                   {head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "13:1", "face 0 has only 2 vertices"},
+                   {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "14:1", "truncated"}},
+                  ply_error, "m.ply");
 }
 
 TEST(MeshNormals, AreWeightedWithTheAngleAtTheVertex) {
@@ -281,4 +274,4 @@ TEST(MeshNormals, OnlyThoseThatAreMissingAreComputed) {
 }
 
 }  // namespace
-}  // namespace gib::mesh_file_test
+}  // namespace gib::test::mesh_file_test

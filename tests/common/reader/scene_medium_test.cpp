@@ -1,104 +1,83 @@
-// Tests of the reader of media: what it accepts has Mitsuba's meaning, and what is wrong is an error at its place.
+// Tests of the reader of media: what it accepts has Mitsuba's meaning, what is wrong is an error at its place, and
+// boundaries that contradict each other along a ray, or are open, are warned of.
 
-#include "common/core/error.h"
 #include "common/media/grid_volume.h"
 #include "common/scene/effects.h"
 #include "common/scene/scene.h"
-#include "tests/support/input_error.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 #include "tests/support/volume_file.h"
 
-#include <gmock/gmock.h>
-
-namespace gib::scene_medium_test {
+namespace gib::test::scene_medium_test {
 namespace {
 
-using test::load;
-using test::scene_with;
-using test::TemporaryFolder;
-using test::volume_bytes;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
-std::string error_of(const std::string& body) {
-    return test::input_error_of([&] { parse_scene(scene_with(body), "t.xml", {}); });
+/// The error of a shape with a medium inside, whose parameters are on line 3.
+std::string error_in(const std::string& type, const std::string& parameters) {
+    return scene_error(shape("sphere", named("medium", "interior", type, "\n", parameters)));
 }
-
-/// A shape with a medium inside, whose parameters are on line 3.
-std::string in_ball(const std::string& type, const std::string& parameters) {
-    return "<shape type='sphere'><medium name='interior' type='" + type + "'>\n" + parameters + "</medium></shape>";
-}
-
-struct Row {
-    std::string type, parameters, place, message;
-};
-
-void expect_errors(const std::vector<Row>& rows) {
-    for (const Row& row : rows) {
-        const std::string error = error_of(in_ball(row.type, row.parameters));
-        EXPECT_THAT(error, StartsWith("t.xml:" + row.place + ": ")) << row.parameters;
-        EXPECT_THAT(error, HasSubstr(row.message)) << row.parameters;
-    }
+const std::string fog = with_id("medium", "homogeneous", "fog") + "\n";
+std::string grid(const std::string& name, const std::string& file, const std::string& more = "") {
+    return named("volume", name, "gridvolume", filename(file), more);
 }
 
 TEST(MediumErrors, Parameters) {
-    expect_errors({
-        {"fog", "", "2:46", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"},
-        {"homogeneous", "<float name='sigma' value='1'/>", "3:1",
-         "medium 'homogeneous' does not take a parameter 'sigma'"},
-        {"homogeneous", "<bsdf type='diffuse'/>", "3:1", "does not take a <bsdf>"},
-        {"homogeneous", "<float name='sigma_t' value='-1'/>", "3:23", "-1"},
-        {"homogeneous", "<float name='sigma_t' value='nan'/>", "3:23", "bad number 'nan'"},
-        {"homogeneous", "<rgb name='albedo' value='0.5, 1.5, 0'/>", "3:20", "1.5"},
-        {"homogeneous", "<float name='scale' value='-2'/>", "3:21", "'scale' must not be negative"},
-        {"homogeneous", "<float name='scale' value='1e10'/>", "3:21", "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_t' value='1e10'/>", "3:23", "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_a' value='6e8'/><float name='sigma_s' value='6e8'/>", "3:23",
-         "an extinction above 1e+09"},
-        {"homogeneous", "<float name='sigma_t' value='1'/><float name='sigma_a' value='1'/>", "3:56",
-         "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
-        {"homogeneous", "<volume name='sigma_t' type='constvolume'/>", "3:1", "'sigma_t' cannot be a <volume>"},
-        {"homogeneous", "<phase type='kkay'/>", "3:8",
-         "the phase 'kkay' is not supported; supported are: isotropic, hg, rayleigh"},
-        {"homogeneous", "<phase type='rayleigh'><float name='g' value='0.5'/></phase>", "3:24",
-         "phase 'rayleigh' does not take a parameter 'g'"},
-        {"homogeneous", "<phase type='hg'><float name='g' value='1'/></phase>", "3:34",
-         "'g' must be between -0.999 and 0.999, not 1"},
-        {"homogeneous", "<phase type='isotropic'><float name='g' value='0.5'/></phase>", "3:25",
-         "phase 'isotropic' does not take a parameter 'g'"},
-        {"homogeneous", "<phase type='hg'/><phase type='hg'/>", "3:19", "only one <phase>"},
-        {"heterogeneous", "<float name='sigma_s' value='1'/>", "3:1", "does not take a parameter 'sigma_s'"},
-        {"heterogeneous", "<volume name='sigma_t' type='vdb'/>", "3:24",
-         "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
-        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'/>", "3:1", "'gridvolume' needs 'filename'"},
-        {"heterogeneous", "<volume name='sigma_t' type='gridvolume'><string name='filename' value='no.vol'/></volume>",
-         "3:42", "no.vol"},
-        {"heterogeneous", "<volume name='albedo' type='constvolume'><float name='value' value='2'/></volume>", "3:62",
-         "2"},
-    });
+    const auto in = [](const std::string& type) {
+        return [=](const std::string& parameters) { return error_in(type, parameters); };
+    };
+    expect_errors({{"", "2:46", "the medium 'fog' is not supported; supported are: homogeneous, heterogeneous"}},
+                  in("fog"));
+    expect_errors(
+        {
+            {number("sigma", 1), "3:1", "medium 'homogeneous' does not take a parameter 'sigma'"},
+            {bsdf("diffuse"), "3:1", "does not take a <bsdf>"},
+            {number("sigma_t", -1), "3:23", "-1"},
+            {number("sigma_t", "nan"), "3:23", "bad number 'nan'"},
+            {rgb("albedo", "0.5, 1.5, 0"), "3:20", "1.5"},
+            {number("scale", -2), "3:21", "'scale' must not be negative"},
+            {number("scale", 1e10), "3:21", "an extinction above 1e+09"},
+            {number("sigma_t", 1e10), "3:23", "an extinction above 1e+09"},
+            {number("sigma_a", 6e8) + number("sigma_s", 6e8), "3:23", "an extinction above 1e+09"},
+            {number("sigma_t", 1) + number("sigma_a", 1), "3:56",
+             "give either 'sigma_t' and 'albedo' or 'sigma_s' and 'sigma_a'"},
+            {named("volume", "sigma_t", "constvolume"), "3:1", "'sigma_t' cannot be a <volume>"},
+            {element("phase", "kkay"), "3:8",
+             "the phase 'kkay' is not supported; supported are: isotropic, hg, rayleigh"},
+            {element("phase", "rayleigh", number("g", 0.5)), "3:24", "phase 'rayleigh' does not take a parameter 'g'"},
+            {element("phase", "hg", number("g", 1)), "3:34", "'g' must be between -0.999 and 0.999, not 1"},
+            {element("phase", "isotropic", number("g", 0.5)), "3:25",
+             "phase 'isotropic' does not take a parameter 'g'"},
+            {element("phase", "hg") + element("phase", "hg"), "3:19", "only one <phase>"},
+        },
+        in("homogeneous"));
+    expect_errors(
+        {
+            {number("sigma_s", 1), "3:1", "does not take a parameter 'sigma_s'"},
+            {named("volume", "sigma_t", "vdb"), "3:24",
+             "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
+            {named("volume", "sigma_t", "gridvolume"), "3:1", "'gridvolume' needs 'filename'"},
+            {grid("sigma_t", "no.vol"), "3:42", "no.vol"},
+            {named("volume", "albedo", "constvolume", number("value", 2)), "3:62", "2"},
+        },
+        in("heterogeneous"));
 }
 
 TEST(MediumErrors, Grids) {
     const TemporaryFolder folder;
     const std::string good = folder.write("good.vol", volume_bytes({2, 1, 1}, 1, {0.5f, 3.f}));
     const std::string negative = folder.write("negative.vol", volume_bytes({1, 1, 1}, 1, {-0.5f}));
-    const auto grid = [](const std::string& name, const std::string& file, const std::string& more = "") {
-        return "<volume name='" + name + "' type='gridvolume'><string name='filename' value='" + file + "'/>" + more +
-               "</volume>";
-    };
-    const auto error = [&](const std::string& parameters) { return error_of(in_ball("heterogeneous", parameters)); };
+    const auto error = [](const std::string& parameters) { return error_in("heterogeneous", parameters); };
     EXPECT_EQ(error(grid("sigma_t", good)), "no error");
-    EXPECT_THAT(error(grid("albedo", good)),
-                HasSubstr("t.xml:3:1: 'albedo' must be between 0 and 1, but its volume has 3"));
-    EXPECT_THAT(error(grid("sigma_t", negative)),
-                HasSubstr("t.xml:3:1: 'sigma_t' must not be negative, but its volume has -0.5"));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='filter_type' value='cubic'/>")),
-                HasSubstr("t.xml:4:28: "));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<string name='wrap_type' value='zero'/>")), HasSubstr("t.xml:4:26: "));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<transform name='to_world'><scale x='0'/></transform>")),
-                HasSubstr("t.xml:4:"));
-    EXPECT_THAT(error(grid("sigma_t", good, "\n<float name='value' value='1'/>")),
-                HasSubstr("t.xml:4:1: volume 'gridvolume' does not take a parameter 'value'"));
+    expect_errors({{grid("albedo", good), "3:1", "'albedo' must be between 0 and 1, but its volume has 3"},
+                   {grid("sigma_t", negative), "3:1", "'sigma_t' must not be negative, but its volume has -0.5"},
+                   {grid("sigma_t", good, "\n" + text("filter_type", "cubic")), "4:28", ""},
+                   {grid("sigma_t", good, "\n" + text("wrap_type", "zero")), "4:26", ""},
+                   {grid("sigma_t", good, "\n" + to_world(scale(0, 1, 1))), "4:1", ""},
+                   {grid("sigma_t", good, "\n" + number("value", 1)), "4:1",
+                    "volume 'gridvolume' does not take a parameter 'value'"}},
+                  error);
 }
 
 // The error of a wrong volume file names the file alone, because it has neither lines nor columns.
@@ -130,11 +109,8 @@ TEST(MediumErrors, VolumeFiles) {
     };
     for (const auto& [bytes, message] : rows) {
         const std::string file = folder.write("v.vol", bytes);
-        const std::string error = error_of(in_ball(
-            "heterogeneous",
-            "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/></volume>"));
-        EXPECT_THAT(error, StartsWith(file + ":1:1: ")) << message;
-        EXPECT_THAT(error, HasSubstr(message));
+        EXPECT_THAT(error_in("heterogeneous", grid("sigma_t", file)),
+                    AllOf(StartsWith(file + ":1:1: "), HasSubstr(message)));
     }
 }
 
@@ -151,25 +127,95 @@ TEST(MediumReader, TakesVolumesOfBytes) {
 
 // The errors of a medium that nothing refers to are warnings, and it is left out.
 TEST(MediumReader, ReadsWhatNothingRefersTo) {
-    const std::string ball = "<shape type='sphere'/>";
-    EXPECT_TRUE(load("<medium type='homogeneous' id='fog'/>" + ball).warnings.empty());
-    const LoadedScene scene =
-        load("<medium type='homogeneous' id='fog'><rgb name='albedo' value='2'/></medium>" + ball);
-    EXPECT_THAT(scene.warnings, ::testing::ElementsAre(::testing::AllOf(
-                                    StartsWith("test.xml:2:1: nothing refers to this medium"), HasSubstr("'albedo'"))));
+    EXPECT_TRUE(load(fog + shape("sphere")).warnings.empty());
+    const LoadedScene scene = load(with_id("medium", "homogeneous", "fog", rgb("albedo", 2)) + shape("sphere"));
+    EXPECT_THAT(scene.warnings,
+                ElementsAre(AllOf(StartsWith("test.xml:2:1: nothing refers to this medium"), HasSubstr("'albedo'"))));
     EXPECT_FALSE(scene.scene->has_media());
 }
 
 // A medium may stand in the scene, and shapes and the camera refer to it; in a shape it needs the name of a side.
 TEST(MediumReader, TakesReferences) {
-    const std::string fog = "<medium type='homogeneous' id='fog'/>";
-    EXPECT_EQ(error_of(fog + "<shape type='sphere'><ref name='exterior' id='fog'/></shape>"), "no error");
-    EXPECT_THAT(error_of("<shape type='sphere'>\n<medium type='homogeneous'/></shape>"),
+    EXPECT_EQ(scene_error(fog + shape("sphere", reference("exterior", "fog"))), "no error");
+    EXPECT_THAT(scene_error(shape("sphere", "\n", element("medium", "homogeneous"))),
                 StartsWith("t.xml:3:1: shape 'sphere' does not take a <medium>"));
-    EXPECT_FALSE(effects_of(*load(fog + "<shape type='sphere'/>").scene).has(Effect::participating_media));
-    EXPECT_TRUE(effects_of(*load(fog + "<shape type='sphere'><ref name='interior' id='fog'/></shape>").scene)
-                    .has(Effect::participating_media));
+    const auto has_media = [](const std::string& inside) {
+        return effects_of(*load(fog + shape("sphere", inside)).scene).has(Effect::participating_media);
+    };
+    EXPECT_FALSE(has_media(""));
+    EXPECT_TRUE(has_media(reference("interior", "fog")));
+}
+
+const std::string core = with_id("medium", "homogeneous", "core") + "\n", sky = emitter("constant") + "\n";
+const std::string with_fog = reference("interior", "fog"), with_core = reference("interior", "core"),
+                  beside_fog = reference("exterior", "fog");
+
+/// A boundary without a surface of its own, on a line of its own.
+std::string sphere(double size, double z, const std::string& media) {
+    return shape("sphere", radius(size), to_world(translate(0, 0, z)), bsdf("null"), media) + "\n";
+}
+
+std::vector<std::string> warnings_of(const std::string& body) { return load(body).warnings; }
+
+// The camera is at the origin and looks along z; the body begins on line 2.
+TEST(MediumContradictions, ACameraInAMediumThatItDoesNotName) {
+    EXPECT_THAT(warnings_of(fog + sky + sphere(1, 0, with_fog)),
+                ElementsAre(AllOf(StartsWith("test.xml:4:1: media contradict each other"),
+                                  HasSubstr("rays of the camera arrive here in no medium (from the camera)"),
+                                  HasSubstr("the interior of this shape is medium 'fog'"))));
+    EXPECT_THAT(warnings_of(fog + sky + sphere(1, 5, with_fog)), IsEmpty());
+}
+
+TEST(MediumContradictions, AnInnerBoundaryThatDoesNotNameItsOutside) {
+    const std::string outer = fog + core + sky + sphere(2, 5, with_fog);
+    EXPECT_THAT(
+        warnings_of(outer + sphere(1, 5, with_core)),
+        ElementsAre(AllOf(StartsWith("test.xml:6:1: "), HasSubstr("in medium 'fog' (since test.xml:5:1: the boundary)"),
+                          HasSubstr("the exterior of this shape is no medium"))));
+    EXPECT_THAT(warnings_of(outer + sphere(1, 5, with_core + beside_fog)), IsEmpty());
+}
+
+TEST(MediumContradictions, LightFromInfinityInAMediumWithoutABoundary) {
+    const auto warnings = [](const std::string& more) {
+        const std::string camera_in_fog = fog + element("sensor", "perspective", reference("fog")) + "\n";
+        return parse_scene(scene_xml(camera_in_fog + sphere(1, 3, "") + more), "test.xml").warnings;
+    };
+    EXPECT_THAT(warnings(sky),
+                ElementsAre(HasSubstr("medium 'fog' has no boundary around the scene, so that no light")));
+    EXPECT_THAT(warnings(emitter("point", point("position", 0, 0, 2))), IsEmpty());
+    EXPECT_THAT(warnings(sky + sphere(5, 0, with_fog)), IsEmpty());
+}
+
+// The camera's rays end at a wall. Only those of the lamp behind it reach the media.
+TEST(MediumContradictions, OnTheWayOfALampAlone) {
+    const std::string wall = shape("rectangle", to_world(scale(3), translate(0, 0, 1)), bsdf("diffuse")) + "\n";
+    const std::string lamp = emitter("point", point("position", 0, 0, 2)) + "\n";
+    const std::string outer = fog + core + wall + lamp + sphere(2, 5, with_fog);
+    EXPECT_THAT(warnings_of(outer + sphere(1.8, 5, with_core)),
+                Contains(HasSubstr("rays of the lamp arrive here in medium 'fog'")));
+    EXPECT_THAT(warnings_of(outer + sphere(1.8, 5, with_core + beside_fog)), IsEmpty());
+}
+
+/// Rectangle after rectangle of the box [-1, 1]^3, shifted to z = 5.
+std::string box_of_rectangles(int count, const std::string& media) {
+    const std::string turns[] = {
+        "", rotate('y', 180), rotate('y', 90), rotate('y', 270), rotate('x', 90), rotate('x', 270)};
+    std::string body;
+    for (int i = 0; i < count; ++i) {
+        const std::string place = to_world(translate(0, 0, 1), turns[i], translate(0, 0, 5));
+        body += shape("rectangle", place, bsdf("null"), media) + "\n";
+    }
+    return body;
+}
+
+TEST(OpenBoundaries, AreMeshesWithEdgesOfOneTriangle) {
+    EXPECT_THAT(warnings_of(fog + box_of_rectangles(1, with_fog)),
+                Contains(StartsWith("test.xml:3:1: the boundary of medium 'fog' is open: 4 of its edges")));
+    EXPECT_THAT(warnings_of(fog + shape("cube", to_world(translate(0, 0, 5)), bsdf("null"), with_fog)), IsEmpty());
+    EXPECT_THAT(warnings_of(fog + box_of_rectangles(6, with_fog)), IsEmpty());
+    // Behind a floor there is no medium that could get out.
+    EXPECT_THAT(warnings_of(fog + box_of_rectangles(1, beside_fog)), IsEmpty());
 }
 
 }  // namespace
-}  // namespace gib::scene_medium_test
+}  // namespace gib::test::scene_medium_test

@@ -1,56 +1,57 @@
 // Tests of sensors, films, samplers and integrators in scene files, which take Mitsuba 3's parameters.
 
-#include "common/core/error.h"
 #include "common/scene/effects.h"
 #include "common/scene/scene.h"
-#include "tests/support/scene_text.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
 #include <climits>
 
-namespace gib::scene_sensor_test {
+namespace gib::test::scene_sensor_test {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
-const std::string ball = "<shape type=\"sphere\"/>";
+const std::string ball = shape("sphere");
 
 /// A film of `size` x `size` pixels that starts on line 1.
 std::string film(int size, const std::string& body = "") {
-    const std::string pixels = std::to_string(size);
-    return "<film type=\"hdrfilm\"><integer name=\"width\" value=\"" + pixels +
-           "\"/><integer name=\"height\" value=\"" + pixels + "\"/>" + body + "</film>";
+    return element("film", "hdrfilm", integer("width", size), integer("height", size), body);
 }
 
 std::string crop(const std::string& offset_x, const std::string& offset_y, const std::string& width,
                  const std::string& height) {
-    const auto integer = [](const std::string& name, const std::string& value) {
-        return value.empty() ? "" : "<integer name=\"crop_" + name + "\" value=\"" + value + "\"/>\n";
+    const auto line = [](const std::string& name, const std::string& value) {
+        return value.empty() ? "" : value_element("integer", "crop_" + name, value) + "\n";
     };
-    return "\n" + integer("offset_x", offset_x) + integer("offset_y", offset_y) + integer("width", width) +
-           integer("height", height);
+    return "\n" + line("offset_x", offset_x) + line("offset_y", offset_y) + line("width", width) +
+           line("height", height);
 }
 
 LoadedScene load(const std::string& body, const SceneLoadOptions& options = {}) {
-    return parse_scene("<scene version=\"3.0.0\">" + ball + body + "</scene>", "t.xml", options);
+    return parse_scene(scene_xml(ball + body), "t.xml", options);
+}
+
+template <class... Content>
+std::string perspective(const Content&... content) {
+    return element("sensor", "perspective", content...);
 }
 
 Sensor sensor_of(const std::string& type, const std::string& body, const SceneLoadOptions& options = {}) {
-    return load("<sensor type=\"" + type + "\">" + body + "</sensor>", options).scene->sensor();
+    return load(element("sensor", type, body), options).scene->sensor();
 }
 
-std::string number(const std::string& name, const std::string& value) {
-    return "<float name=\"" + name + "\" value=\"" + value + "\"/>";
+Sensor camera_of(const std::string& film, const SceneLoadOptions& options = {}) {
+    return sensor_of("perspective", number("fov", 40) + film, options);
 }
 
 const Vec2 middle(0.5f, 0.5f), rim(1.f, 0.5f);
 
 TEST(SceneSensor, ThinLensesHaveAnApertureAndAFocus) {
-    const auto lens = sensor_of(
-        "thinlens", number("aperture_radius", "0.5") + number("focus_distance", "3") + number("fov", "50") + film(8));
-    const Ray chief = lens.generate_ray(2, 1, middle, middle), other = lens.generate_ray(2, 1, middle, rim);
+    const auto lens = [](double radius, const std::string& more) {
+        return sensor_of("thinlens", number("aperture_radius", radius) + more + film(8));
+    };
+    const Sensor focused = lens(0.5, number("focus_distance", 3) + number("fov", 50));
+    const Ray chief = focused.generate_ray(2, 1, middle, middle), other = focused.generate_ray(2, 1, middle, rim);
     EXPECT_NEAR((other.o - chief.o).norm(), 0.5f, 1e-6f);
     EXPECT_LT((chief.o + 3.f / chief.d.z() * chief.d - other.o - 3.f / other.d.z() * other.d).norm(), 1e-5f);
     // The focus distance is the default far clip distance, 1e4, or the given one.
@@ -58,40 +59,32 @@ TEST(SceneSensor, ThinLensesHaveAnApertureAndAFocus) {
         const Ray a = sensor.generate_ray(2, 1, middle, middle), b = sensor.generate_ray(2, 1, middle, rim);
         return (b.o - a.o).norm() / (a.d / a.d.z() - b.d / b.d.z()).norm();
     };
-    EXPECT_NEAR(meet(sensor_of("thinlens", number("aperture_radius", "500") + film(8))), 1e4f, 10.f);
-    EXPECT_NEAR(meet(sensor_of("thinlens", number("aperture_radius", "5") + number("far_clip", "70") + film(8))), 70.f,
-                0.1f);
+    EXPECT_NEAR(meet(lens(500, "")), 1e4f, 10.f);
+    EXPECT_NEAR(meet(lens(5, number("far_clip", 70))), 70.f, 0.1f);
 }
 
 TEST(SceneSensor, OnlyAnOpenLensCallsForDepthOfField) {
     const auto effects = [](const std::string& sensor) {
         return effects_of(*load(sensor).scene).has(Effect::depth_of_field);
     };
-    const auto lens = [](const std::string& radius) {
-        return "<sensor type=\"thinlens\">" + number("aperture_radius", radius) + "</sensor>";
-    };
-    EXPECT_TRUE(effects(lens("0.1")));
-    EXPECT_FALSE(effects(lens("0")));
-    EXPECT_FALSE(effects("<sensor type=\"perspective\">" + number("focus_distance", "5.8") + "</sensor>"));
+    EXPECT_TRUE(effects(element("sensor", "thinlens", number("aperture_radius", 0.1))));
+    EXPECT_FALSE(effects(element("sensor", "thinlens", number("aperture_radius", 0))));
+    EXPECT_FALSE(effects(perspective(number("focus_distance", 5.8))));
 }
 
 TEST(SceneSensor, ACropIsTheImage) {
-    const Sensor whole = sensor_of("perspective", number("fov", "40") + film(16));
-    const Sensor part = sensor_of("perspective", number("fov", "40") + film(16, crop("3", "9", "10", "2")));
+    const Sensor whole = camera_of(film(16)), part = camera_of(film(16, crop("3", "9", "10", "2")));
     EXPECT_EQ(part.width(), 10);
     EXPECT_EQ(part.height(), 2);
     EXPECT_EQ(part.generate_ray(4, 1, rim).d, whole.generate_ray(7, 10, rim).d);
     // A crop with only a size starts at the film's top left corner.
-    const Sensor corner = sensor_of("perspective", number("fov", "40") + film(16, crop("", "", "4", "4")));
-    EXPECT_EQ(corner.generate_ray(1, 2, rim).d, whole.generate_ray(1, 2, rim).d);
-    const Sensor all = sensor_of("perspective", number("fov", "40") + film(16, crop("0", "0", "16", "16")));
-    EXPECT_EQ(all.generate_ray(1, 2, rim).d, whole.generate_ray(1, 2, rim).d);
+    for (const std::string& window : {crop("", "", "4", "4"), crop("0", "0", "16", "16")})
+        EXPECT_EQ(camera_of(film(16, window)).generate_ray(1, 2, rim).d, whole.generate_ray(1, 2, rim).d);
 }
 
 TEST(SceneSensor, AnotherResolutionShowsTheSameCrop) {
-    const std::string body = number("fov", "40") + film(16, crop("3", "9", "10", "2") + "<rfilter type=\"box\"/>");
-    const Sensor coarse = sensor_of("perspective", body);
-    const Sensor fine = sensor_of("perspective", body, {{}, std::pair(20, 4)});
+    const std::string cropped = film(16, crop("3", "9", "10", "2") + element("rfilter", "box"));
+    const Sensor coarse = camera_of(cropped), fine = camera_of(cropped, {{}, std::pair(20, 4)});
     EXPECT_EQ(fine.width(), 20);
     EXPECT_EQ(fine.height(), 4);
     const Vec2 first(0.f, 0.f), last(1.f, 1.f);
@@ -105,161 +98,130 @@ TEST(SceneSensor, FiltersSpreadByTheirParameter) {
         const Sensor sensor = sensor_of("orthographic", film(2, filter));
         return (sensor.generate_ray(0, 0, middle).o - sensor.generate_ray(0, 0, {0.75f, 0.5f}).o).x();
     };
-    const std::string radius = "<float name=\"radius\" value=\"3\"/>";
-    EXPECT_NEAR(offset("<rfilter type=\"box\"/>"), 0.25f, 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type=\"box\">" + radius + "</rfilter>"), 1.5f, 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type=\"tent\"/>"), 1 - std::sqrt(0.5f), 1e-6f);
-    EXPECT_NEAR(offset("<rfilter type=\"tent\">" + radius + "</rfilter>"), 3 - 3 * std::sqrt(0.5f), 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "box")), 0.25f, 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "box", radius(3))), 1.5f, 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "tent")), 1 - std::sqrt(0.5f), 1e-6f);
+    EXPECT_NEAR(offset(element("rfilter", "tent", radius(3))), 3 - 3 * std::sqrt(0.5f), 1e-6f);
     // The offset is the quartile of a normal distribution, less the small effect of the cut at 4 standard deviations.
-    EXPECT_NEAR(offset("<rfilter type=\"gaussian\"/>"), 0.6745f * 0.5f, 2e-3f);
+    EXPECT_NEAR(offset(element("rfilter", "gaussian")), 0.6745f * 0.5f, 2e-3f);
     EXPECT_NEAR(offset(""), 0.6745f * 0.5f, 2e-3f);
 }
 
 TEST(SceneSensor, WhatExistingScenesSayOfFilmsAndSamplersIsAccepted) {
-    const auto with = [](const std::string& body) {
-        return load("<sensor type=\"perspective\">" + body + "</sensor>");
-    };
+    const auto with = [](const std::string& body) { return load(perspective(body)); };
     for (const std::string type : {"independent", "stratified", "multijitter", "orthogonal", "ldsampler"}) {
-        const auto scene = with("<sampler type=\"" + type +
-                                "\"><integer name=\"sample_count\" value=\"25\"/><integer name=\"seed\" "
-                                "value=\"3\"/></sampler>");
-        EXPECT_EQ(scene.sample_count, 25) << type;
+        const std::string sampler = element("sampler", type, integer("sample_count", 25), integer("seed", 3));
+        EXPECT_EQ(with(sampler).sample_count, 25) << type;
     }
-    EXPECT_EQ(with("<sampler type=\"independent\"/>").sample_count, std::nullopt);
-    with(film(4,
-              "<string name=\"pixel_format\" value=\"rgba\"/><string name=\"component_format\" value=\"float32\"/>"
-              "<string name=\"file_format\" value=\"OpenEXR\"/><boolean name=\"sample_border\" value=\"true\"/>"));
-    with(number("shutter_open", "0") + number("shutter_close", "1") + number("focus_distance", "6"));
-    const auto referred = load(
-        "<sampler type=\"orthogonal\" id=\"s\"><integer name=\"sample_count\" value=\"49\"/></sampler><rfilter "
-        "type=\"box\" id=\"r\"/><film type=\"hdrfilm\" id=\"f\"><integer name=\"width\" value=\"3\"/><ref "
-        "id=\"r\"/></film><sensor type=\"perspective\"><ref id=\"s\"/><ref id=\"f\"/></sensor>");
+    EXPECT_EQ(with(element("sampler", "independent")).sample_count, std::nullopt);
+    with(film(4, text("pixel_format", "rgba") + text("component_format", "float32") + text("file_format", "OpenEXR") +
+                     flag("sample_border")));
+    with(number("shutter_open", 0) + number("shutter_close", 1) + number("focus_distance", 6));
+    const auto referred =
+        load(with_id("sampler", "orthogonal", "s", integer("sample_count", 49)) + with_id("rfilter", "box", "r") +
+             with_id("film", "hdrfilm", "f", integer("width", 3), reference("r")) +
+             perspective(reference("s"), reference("f")));
     EXPECT_EQ(referred.sample_count, 49);
     EXPECT_EQ(referred.scene->sensor().width(), 3);
 }
 
 // As in Mitsuba, only the first of several sensors counts by default.
 TEST(SceneSensor, TheFirstOfSeveralCounts) {
-    const auto scene = load("<sensor type=\"perspective\">" + film(3) + "</sensor><sensor type=\"orthographic\">" +
-                            film(5) + "</sensor>");
+    const auto scene = load(perspective(film(3)) + element("sensor", "orthographic", film(5)));
     EXPECT_EQ(scene.scene->sensor().width(), 3);
 }
 
 TEST(SceneSensor, NestedIntegratorsGiveTheLongestPath) {
-    const auto edges = [](const std::string& integrator) {
-        return load("<sensor type=\"perspective\"/>" + integrator).max_edges;
+    const auto integrator = [](const std::string& type, const std::string& more = "") {
+        return element("integrator", type, more);
     };
-    const std::string path = "<integrator type=\"path\"><integer name=\"max_depth\" value=\"5\"/></integrator>";
-    const std::string aovs = "<string name=\"aovs\" value=\"dd.y:depth\"/>";
-    EXPECT_EQ(edges("<integrator type=\"moment\">" + path + "</integrator>"), 5);
-    EXPECT_EQ(edges("<integrator type=\"aov\">" + aovs + path + "</integrator>"), 5);
-    EXPECT_EQ(
-        edges("<integrator type=\"moment\"><integrator type=\"aov\">" + aovs + path + "</integrator></integrator>"), 5);
-    EXPECT_EQ(edges("<integrator type=\"moment\"><integrator type=\"direct\"/></integrator>"), 2);
-    EXPECT_EQ(edges("<integrator type=\"aov\">" + aovs + "</integrator>"), INT_MAX);
+    const std::string path = integrator("path", integer("max_depth", 5)), aovs = text("aovs", "dd.y:depth");
+    for (const auto& [xml, edges] : {std::pair(integrator("moment", path), 5),
+                                     {integrator("aov", aovs + path), 5},
+                                     {integrator("moment", integrator("aov", aovs + path)), 5},
+                                     {integrator("moment", integrator("direct")), 2},
+                                     {integrator("aov", aovs), INT_MAX}})
+        EXPECT_EQ(load(perspective() + xml).max_edges, edges) << xml;
 }
 
 std::string error_of(const std::string& sensor) {
-    try {
-        load("\n" + sensor);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return input_error_of([&] { load("\n" + sensor); });
 }
 
 TEST(SceneSensorErrors, Lenses) {
-    const auto lens = [](const std::string& body) {
-        return error_of("<sensor type=\"thinlens\">\n" + body + "</sensor>");
-    };
-    const std::string radius = number("aperture_radius", "1") + "\n";
-    EXPECT_THAT(lens(""), StartsWith("t.xml:2:1: 'thinlens' needs 'aperture_radius'"));
-    EXPECT_THAT(lens(number("aperture_radius", "-1")),
-                StartsWith("t.xml:3:31: 'aperture_radius' must not be negative: -1"));
-    EXPECT_THAT(lens(number("aperture_radius", "x")), StartsWith("t.xml:3:31: bad number 'x'"));
-    EXPECT_THAT(lens(number("aperture_radius", "nan")), StartsWith("t.xml:3:31: bad number 'nan'"));
-    EXPECT_THAT(lens(radius + number("focus_distance", "inf")), StartsWith("t.xml:4:30: bad number 'inf'"));
-    EXPECT_THAT(lens(radius + "<rgb name=\"focus_distance\" value=\"1\"/>"),
-                StartsWith("t.xml:4:1: 'focus_distance' cannot be a <rgb>; it takes: <float>, <integer>"));
-    EXPECT_THAT(error_of("<sensor type=\"orthographic\">\n" + radius + "</sensor>"),
-                StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'aperture_radius'"));
-    EXPECT_THAT(error_of("<sensor type=\"orthographic\">\n" + number("fov", "50") + "</sensor>"),
-                StartsWith("t.xml:3:1: sensor 'orthographic' does not take a parameter 'fov'; it takes: to_world"));
-    EXPECT_THAT(lens("<string name=\"aperture_radius\" value=\"1\"/>"), HasSubstr("cannot be a <string>"));
-    for (const char* distance : {"0", "-2"})
-        EXPECT_THAT(lens(radius + number("focus_distance", distance)),
-                    StartsWith("t.xml:4:30: 'focus_distance' must be above 0, not "))
-            << distance;
-    EXPECT_THAT(lens(radius + "<transform name=\"to_world\"><scale value=\"2\"/></transform>"),
-                StartsWith("t.xml:4:1: the to_world of a perspective sensor must not scale"));
-    EXPECT_THAT(lens(radius + number("principal_point_offset_x", "1")),
-                HasSubstr("sensor 'thinlens' does not take a parameter 'principal_point_offset_x'"));
-    EXPECT_THAT(error_of("<sensor type=\"perspective\">\n" + radius + "</sensor>"),
-                HasSubstr("sensor 'perspective' does not take a parameter 'aperture_radius'"));
+    const auto lens = [](const std::string& body) { return element("sensor", "thinlens", "\n", body); };
+    const std::string radius = number("aperture_radius", 1) + "\n";
+    expect_errors(
+        {{lens(""), "2:1", "'thinlens' needs 'aperture_radius'"},
+         {lens(number("aperture_radius", -1)), "3:31", "'aperture_radius' must not be negative: -1"},
+         {lens(number("aperture_radius", "x")), "3:31", "bad number 'x'"},
+         {lens(number("aperture_radius", "nan")), "3:31", "bad number 'nan'"},
+         {lens(radius + number("focus_distance", "inf")), "4:30", "bad number 'inf'"},
+         {lens(radius + rgb("focus_distance", 1)), "4:1",
+          "'focus_distance' cannot be a <rgb>; it takes: <float>, <integer>"},
+         {element("sensor", "orthographic", "\n", radius), "3:1",
+          "sensor 'orthographic' does not take a parameter 'aperture_radius'"},
+         {element("sensor", "orthographic", "\n", number("fov", 50)), "3:1",
+          "sensor 'orthographic' does not take a parameter 'fov'; it takes: to_world"},
+         {lens(text("aperture_radius", "1")), "3:1", "cannot be a <string>"},
+         {lens(radius + number("focus_distance", 0)), "4:30", "'focus_distance' must be above 0, not "},
+         {lens(radius + number("focus_distance", -2)), "4:30", "'focus_distance' must be above 0, not "},
+         {lens(radius + to_world(scale(2))), "4:1", "the to_world of a perspective sensor must not scale"},
+         {lens(radius + number("principal_point_offset_x", 1)), "4:1",
+          "sensor 'thinlens' does not take a parameter 'principal_point_offset_x'"},
+         {perspective("\n", radius), "3:1", "sensor 'perspective' does not take a parameter 'aperture_radius'"}},
+        error_of);
 }
 
 TEST(SceneSensorErrors, Crops) {
-    const auto cropped = [](const std::string& body) {
-        return error_of("<sensor type=\"perspective\">" + film(16, body) + "</sensor>");
-    };
-    EXPECT_THAT(cropped(crop("1", "", "", "")),
-                StartsWith("t.xml:3:31: the crop window from 1 to 17 is not within the film's 16 pixels"));
-    EXPECT_THAT(cropped(crop("", "", "17", "")),
-                StartsWith("t.xml:3:28: the crop window from 0 to 17 is not within the film's 16 pixels"));
-    EXPECT_THAT(cropped(crop("0", "10", "4", "7")),
-                StartsWith("t.xml:4:31: the crop window from 10 to 17 is not within the film's 16 pixels"));
-    EXPECT_THAT(cropped(crop("2147483647", "", "1", "")), HasSubstr("from 2147483647 to 2147483648"));
-    EXPECT_THAT(cropped(crop("-1", "", "1", "")), StartsWith("t.xml:3:31: 'crop_offset_x' must be between 0 and"));
-    EXPECT_THAT(cropped(crop("", "", "", "0")), StartsWith("t.xml:3:29: 'crop_height' must be between 1 and"));
-    EXPECT_THAT(cropped("\n<float name=\"crop_width\" value=\"3\"/>"), HasSubstr("cannot be a <float>"));
+    expect_errors(
+        {{crop("1", "", "", ""), "3:31", "the crop window from 1 to 17 is not within the film's 16 pixels"},
+         {crop("", "", "17", ""), "3:28", "the crop window from 0 to 17 is not within the film's 16 pixels"},
+         {crop("0", "10", "4", "7"), "4:31", "the crop window from 10 to 17 is not within the film's 16 pixels"},
+         {crop("2147483647", "", "1", ""), "3:31", "from 2147483647 to 2147483648"},
+         {crop("-1", "", "1", ""), "3:31", "'crop_offset_x' must be between 0 and"},
+         {crop("", "", "", "0"), "3:29", "'crop_height' must be between 1 and"},
+         {"\n" + number("crop_width", 3), "3:1", "cannot be a <float>"}},
+        [](const std::string& body) { return error_of(perspective(film(16, body))); });
 }
 
 TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
-    const auto filter = [](const std::string& body) {
-        return error_of("<sensor type=\"perspective\">" + film(4, "\n" + body) + "</sensor>");
-    };
-    EXPECT_THAT(filter("<rfilter type=\"sinc\"/>"),
-                StartsWith("t.xml:3:10: the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"));
-    EXPECT_THAT(filter("<rfilter type=\"tent\"><float name=\"radius\" value=\"0\"/></rfilter>"),
-                StartsWith("t.xml:3:43: 'radius' must be above 0"));
-    EXPECT_THAT(filter("<rfilter type=\"tent\"><float name=\"stddev\" value=\"1\"/></rfilter>"),
-                HasSubstr("rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"));
-    EXPECT_THAT(filter("<rfilter type=\"gaussian\"><float name=\"stddev\" value=\"0\"/></rfilter>"),
-                StartsWith("t.xml:3:47: 'stddev' must be above 0"));
-    EXPECT_THAT(filter("<rfilter type=\"gaussian\"><float name=\"radius\" value=\"2\"/></rfilter>"),
-                StartsWith("t.xml:3:26: rfilter 'gaussian' does not take a parameter 'radius'; it takes: stddev"));
-    EXPECT_THAT(error_of("<sensor type=\"perspective\">\n<sampler type=\"independent\"><integer name=\"sample_count\" "
-                         "value=\"0\"/></sampler></sensor>"),
-                StartsWith("t.xml:3:58: 'sample_count' must be between 1 and"));
+    expect_errors({{element("rfilter", "sinc"), "3:10",
+                    "the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"},
+                   {element("rfilter", "tent", radius(0)), "3:43", "'radius' must be above 0"},
+                   {element("rfilter", "tent", number("stddev", 1)), "3:23",
+                    "rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"},
+                   {element("rfilter", "gaussian", number("stddev", 0)), "3:47", "'stddev' must be above 0"},
+                   {element("rfilter", "gaussian", radius(2)), "3:26",
+                    "rfilter 'gaussian' does not take a parameter 'radius'; it takes: stddev"}},
+                  [](const std::string& body) { return error_of(perspective(film(4, "\n" + body))); });
+    expect_errors({{element("sampler", "independent", integer("sample_count", 0)), "3:58",
+                    "'sample_count' must be between 1 and"}},
+                  [](const std::string& body) { return error_of(perspective("\n", body)); });
 }
 
 // Films, samplers and integrators of any name are taken for what counts here; a warning says what does not.
 TEST(SceneSensor, WarnsOfWhatHasNoEffect) {
-    const auto warnings = [](const std::string& body) {
-        return load("<sensor type=\"perspective\">" + body + "</sensor>").warnings;
-    };
-    EXPECT_THAT(warnings(film(4, "<rfilter type=\"lanczos\"/><float name=\"gain\" value=\"2\"/>")),
+    const auto warnings = [](const std::string& body) { return load(perspective(body)).warnings; };
+    EXPECT_THAT(warnings(film(4, element("rfilter", "lanczos") + number("gain", 2))),
                 ElementsAre("t.xml:1:161: the filter 'lanczos' has negative lobes: gaussian stands in for it",
                             "t.xml:1:186: film 'hdrfilm': 'gain' has no effect"));
-    EXPECT_THAT(warnings("<film type=\"newfilm\"/>"),
+    EXPECT_THAT(warnings(element("film", "newfilm")),
                 ElementsAre("t.xml:1:73: film 'newfilm': only its size, its window and its filter are read"));
-    EXPECT_THAT(warnings("<sampler type=\"halton\"><integer name=\"scramble\" value=\"1\"/><float name=\"x\" "
-                         "value=\"1\"/></sampler>"),
+    EXPECT_THAT(warnings(element("sampler", "halton", integer("scramble", 1), number("x", 1))),
                 ElementsAre("t.xml:1:132: sampler 'halton': 'x' has no effect"));
-    const auto moments = load(
-        "<sensor type=\"perspective\"/><integrator type=\"moment\"><integrator type=\"pssmlt\"><integer "
-        "name=\"max_depth\" value=\"3\"/></integrator></integrator>");
+    const auto moments =
+        load(perspective() + element("integrator", "moment", element("integrator", "pssmlt", integer("max_depth", 3))));
     EXPECT_EQ(moments.max_edges, 3);
     EXPECT_THAT(moments.warnings, ElementsAre(HasSubstr("integrator 'pssmlt'")));
 }
 
 // A warning comes once, however often its cause does.
 TEST(SceneSensor, WarnsOnce) {
-    const std::string body = film(4, "<rfilter type=\"lanczos\"/>");
-    const auto scene =
-        load("<sensor type=\"perspective\">" + body + "</sensor><sensor type=\"perspective\">" + body + "</sensor>");
+    const std::string body = film(4, element("rfilter", "lanczos"));
+    const auto scene = load(perspective(body) + perspective(body));
     EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
 }  // namespace
-}  // namespace gib::scene_sensor_test
+}  // namespace gib::test::scene_sensor_test

@@ -5,23 +5,14 @@
 
 #include "common/images/linear_file.h"
 #include "common/materials/material.h"
-#include "tests/support/input_error.h"
+#include "tests/support/scene_errors.h"
 #include "tests/support/texture_fixtures.h"
 
-#include <gmock/gmock.h>
-
-namespace gib::scene_texture_test {
+namespace gib::test::scene_texture_test {
 namespace {
 
-using test::byte;
-using test::TemporaryFolder;
-using test::write_image;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
 constexpr float decoded_128 = 0.21586050f;  ///< the linear value of the sRGB byte 128
-const test::FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
+const FileFormat bytes{OIIO::TypeDesc::UINT8, 0, {}, {}};
 
 class SceneTextures : public ::testing::Test {
 protected:
@@ -40,34 +31,39 @@ protected:
     Parsed parse(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
         ContentHash hash;
         LoadWarnings warnings;
-        const ExpandedXml xml =
-            expand_xml("<scene version=\"3.0.0\">\n" + body + "</scene>", main_, {}, {}, hash, warnings);
+        const ExpandedXml xml = expand_xml(scene_xml("\n" + body), main_, {}, {}, hash, warnings);
         const XmlIds ids(xml.root, warnings);
         TextureFiles files(xml.files, hash, ids);
-        const auto bsdf = std::find_if(xml.root.children.begin(), xml.root.children.end(),
-                                       [](const XmlElement& e) { return e.tag == "bsdf"; });
-        Properties properties(*bsdf, ids);
-        const Texture texture = kind == Kind::color
-                                    ? parse_textured(properties, "reflectance", 0.5f, range, files)
-                                    : parse_textured_number(properties, "reflectance", 0.5f, range, files);
+        Properties properties(*std::find_if(xml.root.children.begin(), xml.root.children.end(),
+                                            [](const XmlElement& e) { return e.tag == "bsdf"; }),
+                              ids);
+        const auto parse = kind == Kind::color ? parse_textured : parse_textured_number;
+        const Texture texture = parse(properties, "reflectance", 0.5f, range, files);
         properties.finish();
         return {texture, hash.hex()};
     }
     /// The reflectance of a bsdf that holds `property`, on line 2.
-    Texture reflectance(const std::string& property) const {
-        return parse("<bsdf type=\"diffuse\">" + property + "</bsdf>").texture;
-    }
+    Texture reflectance(const std::string& property) const { return parse(bsdf("diffuse", property)).texture; }
     std::string error_of(const std::string& body, ColorRange range = ColorRange::unit, Kind kind = Kind::color) const {
-        return test::input_error_of([&] { parse(body, range, kind); });
+        return input_error_of([&] { parse(body, range, kind); });
     }
     /// The error of a bsdf whose content starts on line 3.
     std::string error_in(const std::string& content, ColorRange range = ColorRange::unit) const {
-        return error_of("<bsdf type=\"diffuse\">\n" + content + "</bsdf>", range);
+        return error_of(bsdf("diffuse", "\n", content), range);
+    }
+    /// Expects errors of contents of a bsdf, which start on line 3.
+    void expect_errors_in(const std::vector<ExpectedError>& rows, ColorRange range = ColorRange::unit) const {
+        expect_errors(
+            rows, [&](const std::string& content) { return error_in(content, range); }, main_);
     }
     static std::string bitmap(const std::string& file, const std::string& more = "") {
-        return "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"" + file + "\"/>" +
-               more + "</texture>";
+        return named("texture", "reflectance", "bitmap", filename(file), more);
     }
+    template <class... Content>
+    static std::string board(const Content&... content) {
+        return named("texture", "reflectance", "checkerboard", content...);
+    }
+    static inline const std::string refers = bsdf("diffuse", reference("reflectance", "t"));
 
     TemporaryFolder folder_;
     std::string main_ = folder_ / "main.xml";
@@ -75,10 +71,10 @@ protected:
 
 TEST_F(SceneTextures, TakeValuesAsBefore) {
     EXPECT_TRUE((reflectance("").color(Vec2{0, 0}) == 0.5f).all());
-    const Texture rgb = reflectance("<rgb name=\"reflectance\" value=\"0.1 0.2 0.3\"/>");
-    EXPECT_TRUE(rgb.constant());
-    EXPECT_TRUE((rgb.color(Vec2{0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
-    EXPECT_THAT(error_in("<rgb name=\"reflectance\" value=\"2\"/>"), StartsWith(main_ + ":3:25: "));
+    const Texture colour = reflectance(rgb("reflectance", "0.1 0.2 0.3"));
+    EXPECT_TRUE(colour.constant());
+    EXPECT_TRUE((colour.color(Vec2{0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
+    expect_errors_in({{rgb("reflectance", 2), "3:25", ""}});
 }
 
 TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
@@ -94,48 +90,41 @@ TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     const auto red = [&](const std::string& more, float u) {
         return reflectance(bitmap("two.png", more)).color(Vec2{u, 0.5f})[0];
     };
-    const std::string nearest = "<string name=\"filter_type\" value=\"nearest\"/>";
-    EXPECT_EQ(red(nearest, 0.4f), 0);
-    EXPECT_EQ(red(nearest, 0.6f), 1);
-    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"repeat\"/>", 1.3f), 0);
-    EXPECT_EQ(red(nearest + "<string name=\"wrap_mode\" value=\"mirror\"/>", 1.3f), 1);
-    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", -5), 0);
-    EXPECT_EQ(red("<string name=\"wrap_mode\" value=\"clamp\"/>", 5), 1);
-    const std::string ends = "<string name=\"wrap_mode\" value=\"";
-    EXPECT_EQ(red(ends + "zero\"/>", 1.6f), 0);
-    EXPECT_EQ(red(ends + "white\"/>", -0.6f), 1);
-    EXPECT_NEAR(red("<string name=\"channel\" value=\"b\"/>", 0.75f), 0.0512695f, 1e-6);  // the value of byte 64
-    const Texture raw = reflectance(bitmap("two.png", "<boolean name=\"raw\" value=\"true\"/>"));
+    const std::string nearest = text("filter_type", "nearest");
+    const auto wrap = [](const std::string& mode) { return text("wrap_mode", mode); };
+    for (const auto& [more, u, value] : {std::tuple(nearest, 0.4f, 0.f),
+                                         {nearest, 0.6f, 1.f},
+                                         {nearest + wrap("repeat"), 1.3f, 0.f},
+                                         {nearest + wrap("mirror"), 1.3f, 1.f},
+                                         {wrap("clamp"), -5.f, 0.f},
+                                         {wrap("clamp"), 5.f, 1.f},
+                                         {wrap("zero"), 1.6f, 0.f},
+                                         {wrap("white"), -0.6f, 1.f}})
+        EXPECT_EQ(red(more, u), value) << more << u;
+    const std::string matrix = "<matrix value='1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1'/>";
+    for (const std::string& transform :
+         {to_uv(scale(2, 3, 1), translate(0.25, 0, 0)), to_uv(rotate('z', 180)), to_uv(matrix)})
+        EXPECT_NEAR(red(transform, 0.25f), 1, 1e-6) << transform;
+    EXPECT_NEAR(red(text("channel", "b"), 0.75f), 0.0512695f, 1e-6);  // the value of byte 64
+    EXPECT_NEAR(red(text("format", "fp16") + flag("accel", false), 0.75f), 1, 1e-6);
+    const Texture raw = reflectance(bitmap("two.png", flag("raw")));
     EXPECT_NEAR(raw.color(Vec2{0.75f, 0.5f})[1], byte(128), 1e-6);
-    EXPECT_NEAR(red("<transform name=\"to_uv\"><scale x=\"2\" y=\"3\"/><translate x=\"0.25\"/></transform>", 0.25f), 1,
-                1e-6);
-    EXPECT_NEAR(red("<transform name=\"to_uv\"><rotate z=\"1\" angle=\"180\"/></transform>", 0.25f), 1, 1e-6);
-    EXPECT_NEAR(
-        red("<transform name=\"to_uv\"><matrix value=\"1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1\"/></transform>", 0.25f), 1,
-        1e-6);
-    EXPECT_NEAR(red("<string name=\"format\" value=\"fp16\"/><boolean name=\"accel\" value=\"false\"/>", 0.75f), 1,
-                1e-6);
 }
 
 TEST_F(SceneTextures, MayBeReferredTo) {
-    const std::string shared =
-        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"two.png\"/></texture>\n";
-    const std::string refers = "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>";
+    const std::string shared = with_id("texture", "bitmap", "t", filename("two.png")) + "\n";
     EXPECT_NEAR(parse(shared + refers).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
     EXPECT_NEAR(parse(refers + shared).texture.color(Vec2{0.75f, 0.5f})[0], 1, 1e-6);
     EXPECT_THAT(error_of(refers), StartsWith(main_ + ":2:46: there is no object with the id 't'"));
 }
 
 TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
-    const std::string board = "<texture name=\"reflectance\" type=\"checkerboard\">";
-    const Texture plain = reflectance(board + "</texture>");
+    const Texture plain = reflectance(board());
     EXPECT_EQ(plain.color(Vec2{0.2f, 0.2f})[0], 0.4f);
     EXPECT_EQ(plain.color(Vec2{0.2f, 0.7f})[0], 0.2f);
-    const Texture nested = reflectance(
-        board +
-        "<rgb name=\"color0\" value=\"0.1 0.2 0.3\"/><texture name=\"color1\" type=\"bitmap\"><string "
-        "name=\"filename\" "
-        "value=\"two.png\"/></texture><transform name=\"to_uv\"><scale x=\"2\" y=\"2\"/></transform></texture>");
+    const Texture nested =
+        reflectance(board(rgb("color0", "0.1 0.2 0.3"), named("texture", "color1", "bitmap", filename("two.png")),
+                          to_uv(scale(2, 2, 1))));
     EXPECT_EQ(nested.color(Vec2{0.1f, 0.1f})[2], 0.3f);
     EXPECT_EQ(nested.color(Vec2{0.6f, 0.6f})[2], 0.3f);
     EXPECT_NEAR(nested.color(Vec2{0.75f, 0.4f})[1], decoded_128, 1e-6) << "the bitmap keeps the surface's own uv";
@@ -143,62 +132,52 @@ TEST_F(SceneTextures, OfACheckerboardMayHoldTextures) {
 }
 
 TEST_F(SceneTextures, AsNumbersTakeFloatsAndTextures) {
-    const auto number = [&](const std::string& property) {
-        return parse("<bsdf type=\"mask\">" + property + "</bsdf>", ColorRange::unit, Kind::number).texture;
+    const auto of = [&](const std::string& property) {
+        return parse(bsdf("mask", property), ColorRange::unit, Kind::number).texture;
     };
-    EXPECT_EQ(number("").value(Vec2{0, 0}), 0.5f);
-    EXPECT_EQ(number("<float name=\"reflectance\" value=\"0.3\"/>").value(Vec2{0, 0}), 0.3f);
-    EXPECT_NEAR(number(bitmap("two.png")).value(Vec2{0.25f, 0.5f}), 0, 1e-6);
+    EXPECT_EQ(of("").value(Vec2{0, 0}), 0.5f);
+    EXPECT_EQ(of(number("reflectance", 0.3)).value(Vec2{0, 0}), 0.3f);
+    EXPECT_NEAR(of(bitmap("two.png")).value(Vec2{0.25f, 0.5f}), 0, 1e-6);
     // Mitsuba's eval_1 of a constant colour is the mean of its channels, also within a texture.
-    const Texture colour = number("<rgb name=\"reflectance\" value=\"0.1 0.2 0.6\"/>");
+    const Texture colour = of(rgb("reflectance", "0.1 0.2 0.6"));
     EXPECT_NEAR(colour.value(Vec2{0, 0}), 0.3f, 1e-7f);
     EXPECT_EQ(colour.value(Vec2{0, 0}), colour.maximum()[0]);
-    EXPECT_EQ(number("<spectrum name=\"reflectance\" value=\"0.25\"/>").value(Vec2{0, 0}), 0.25f);
-    const std::string board = "<rgb name=\"color1\" value=\"0.1 0.2 0.6\"/></texture>";
-    EXPECT_NEAR(number("<texture name=\"reflectance\" type=\"checkerboard\">" + board).value(Vec2{0.25f, 0.25f}), 0.3f,
-                1e-7f);
-    const auto error = [&](const std::string& property) {
-        return error_of("<bsdf type=\"mask\">\n" + property + "</bsdf>", ColorRange::unit, Kind::number);
-    };
-    EXPECT_THAT(error("<float name=\"reflectance\" value=\"1.5\"/>"),
-                StartsWith(main_ + ":3:27: 'reflectance' must be between 0 and 1, not 1.5"));
-    EXPECT_THAT(error("<rgb name=\"reflectance\" value=\"0.5 0.5 1.5\"/>"),
-                StartsWith(main_ + ":3:25: 'reflectance' must be between 0 and 1, not 1.5"));
-    EXPECT_THAT(error("<string name=\"reflectance\" value=\"0.5\"/>"),
-                StartsWith(main_ + ":3:1: 'reflectance' cannot be a <string>; it takes: <rgb>, <float>, <integer>, "
-                                   "<spectrum>"));
+    EXPECT_EQ(of(spectrum("reflectance", 0.25)).value(Vec2{0, 0}), 0.25f);
+    EXPECT_NEAR(of(board(rgb("color1", "0.1 0.2 0.6"))).value(Vec2{0.25f, 0.25f}), 0.3f, 1e-7f);
+    expect_errors(
+        {{number("reflectance", 1.5), "3:27", "'reflectance' must be between 0 and 1, not 1.5"},
+         {rgb("reflectance", "0.5 0.5 1.5"), "3:25", "'reflectance' must be between 0 and 1, not 1.5"},
+         {text("reflectance", "0.5"), "3:1",
+          "'reflectance' cannot be a <string>; it takes: <rgb>, <float>, <integer>, <spectrum>"}},
+        [&](const std::string& property) {
+            return error_of(bsdf("mask", "\n", property), ColorRange::unit, Kind::number);
+        },
+        main_);
 }
 
 // In Mitsuba both tags make objects of one class.
 TEST_F(SceneTextures, AndSpectraMayStandUnderEitherTag) {
-    const std::string colour = "<rgb name=\"color\" value=\"0.4 0.2 0.1\"/>";
+    const std::string colour = rgb("color", "0.4 0.2 0.1");
     for (const std::string tag : {"texture", "spectrum"}) {
-        const auto object = [&](const std::string& attributes, const std::string& inside) {
-            return "<" + tag + " " + attributes + ">" + inside + "</" + tag + ">";
+        const auto object = [&](const std::string& type, const std::string& inside) {
+            return named(tag, "reflectance", type, inside);
         };
-        const Texture srgb = reflectance(object("name=\"reflectance\" type=\"srgb\"", colour));
+        const Texture srgb = reflectance(object("srgb", colour));
         EXPECT_TRUE((srgb.color(Vec2{0, 0}) == Color(0.4f, 0.2f, 0.1f)).all());
-        const Texture uniform =
-            reflectance(object("name=\"reflectance\" type=\"uniform\"", "<float name=\"value\" value=\"0.3\"/>"));
+        const Texture uniform = reflectance(object("uniform", number("value", 0.3)));
         EXPECT_TRUE((uniform.color(Vec2{0, 0}) == 0.3f).all());
-        EXPECT_FALSE(reflectance(object("name=\"reflectance\" type=\"checkerboard\"", "")).constant());
-        const Texture nested = reflectance("<texture name=\"reflectance\" type=\"checkerboard\">" +
-                                           object("name=\"color0\" type=\"srgb\"", colour) + "</texture>");
+        EXPECT_FALSE(reflectance(object("checkerboard", "")).constant());
+        const Texture nested = reflectance(board(named(tag, "color0", "srgb", colour)));
         EXPECT_EQ(nested.color(Vec2{0.25f, 0.25f})[0], 0.4f);
-        const std::string shared = object("id=\"s\" type=\"srgb\"", colour);
-        EXPECT_EQ(
-            parse(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"s\"/></bsdf>").texture.mean()[1],
-            0.2f);
-        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"srgb\"", "")),
-                    StartsWith(main_ + ":3:1: 'srgb' needs 'color'"));
-        EXPECT_THAT(error_in(object("name=\"reflectance\" type=\"marble\"", "")),
-                    StartsWith(main_ + ":3:" + (tag == "texture" ? "29" : "30") + ": the " + tag +
-                               " 'marble' is not supported"));
+        EXPECT_EQ(parse(with_id(tag, "srgb", "t", colour) + refers).texture.mean()[1], 0.2f);
+        expect_errors_in(
+            {{object("srgb", ""), "3:1", "'srgb' needs 'color'"},
+             {object("marble", ""), tag == "texture" ? "3:29" : "3:30", "the " + tag + " 'marble' is not supported"}});
     }
 }
 
 TEST_F(SceneTextures, AddTheBytesOfTheirImagesToTheHash) {
-    const std::string body = "<bsdf type=\"diffuse\">" + bitmap("two.png") + "</bsdf>";
+    const std::string body = bsdf("diffuse", bitmap("two.png"));
     const std::string first = parse(body).hash;
     EXPECT_EQ(parse(body).hash, first);
     write_image(folder_ / "two.png", 2, 1, 3, {0, 0, 0, 1, byte(128), byte(65)}, bytes);
@@ -206,57 +185,47 @@ TEST_F(SceneTextures, AddTheBytesOfTheirImagesToTheHash) {
 }
 
 TEST_F(SceneTextures, OutsideOfTheirRangeAreRefused) {
-    EXPECT_THAT(error_in(bitmap("bright.exr")),
-                StartsWith(main_ + ":3:1: 'reflectance' must be between 0 and 1, but its texture has 1.5"));
+    const std::string unit = "'reflectance' must be between 0 and 1";
+    expect_errors_in({{bitmap("bright.exr"), "3:1", unit + ", but its texture has 1.5"},
+                      {bitmap("below.exr"), "3:1", unit},
+                      {board("\n", number("color1", 1.5)), "4:22", "'color1' must be between 0 and 1"}});
     EXPECT_EQ(error_in(bitmap("bright.exr"), ColorRange::non_negative), "no error");
-    EXPECT_THAT(error_in(bitmap("below.exr")), StartsWith(main_ + ":3:1: 'reflectance' must be between 0 and 1"));
-    EXPECT_THAT(error_in(bitmap("below.exr"), ColorRange::non_negative),
-                StartsWith(main_ + ":3:1: 'reflectance' must not be negative, but its texture has -0.25"));
-    const std::string shared =
-        "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"bright.exr\"/></texture>\n";
-    EXPECT_THAT(error_of(shared + "<bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf>"),
-                StartsWith(main_ + ":3:22: 'reflectance' must be between 0 and 1"));
-    EXPECT_THAT(error_in("<texture name=\"reflectance\" type=\"checkerboard\">\n<float name=\"color1\" value=\"1.5\"/>"
-                         "</texture>"),
-                StartsWith(main_ + ":4:22: 'color1' must be between 0 and 1"));
+    expect_errors_in({{bitmap("below.exr"), "3:1", "'reflectance' must not be negative, but its texture has -0.25"}},
+                     ColorRange::non_negative);
+    const std::string shared = with_id("texture", "bitmap", "t", filename("bright.exr")) + "\n";
+    EXPECT_THAT(error_of(shared + refers), StartsWith(main_ + ":3:22: " + unit));
 }
 
 TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
-    const struct {
-        std::string content, place, message;
-    } rows[] = {
-        {"<texture name=\"reflectance\" type=\"marble\"/>", "3:29",
+    expect_errors_in({
+        {named("texture", "reflectance", "marble"), "3:29",
          "the texture 'marble' is not supported; supported are: bitmap, checkerboard"},
-        {"<texture name=\"reflectance\"/>", "3:1", "needs the attribute 'type'"},
-        {"<texture name=\"reflectance\" type=\"bitmap\"/>", "3:1", "'bitmap' needs 'filename'"},
+        {"<texture name='reflectance'/>", "3:1", "needs the attribute 'type'"},
+        {named("texture", "reflectance", "bitmap"), "3:1", "'bitmap' needs 'filename'"},
         {bitmap("no.png"), "3:43", "there is no file 'no.png'; searched: "},
-        {bitmap("two.png", "\n<string name=\"wrap_mode\" value=\"wide\"/>"), "4:26",
+        {bitmap("two.png", "\n" + text("wrap_mode", "wide")), "4:26",
          "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},
-        {bitmap("two.png", "\n<string name=\"filter_type\" value=\"cubic\"/>"), "4:28",
+        {bitmap("two.png", "\n" + text("filter_type", "cubic")), "4:28",
          "'filter_type' cannot be 'cubic'; it takes: nearest, bilinear"},
-        {bitmap("two.png", "\n<string name=\"wrap_mode_u\" value=\"zero\"/>"), "4:1",
+        {bitmap("two.png", "\n" + text("wrap_mode_u", "zero")), "4:1",
          "texture 'bitmap' does not take a parameter 'wrap_mode_u'"},
-        {bitmap("two.png", "\n<string name=\"format\" value=\"fp8\"/>"), "4:23", "'format' cannot be 'fp8'"},
-        {bitmap("two.png", "\n<boolean name=\"raw\" value=\"1\"/>"), "4:21", "'1' is neither true nor false"},
-        {bitmap("two.png", "\n<float name=\"uscale\" value=\"2\"/>"), "4:1",
+        {bitmap("two.png", "\n" + text("format", "fp8")), "4:23", "'format' cannot be 'fp8'"},
+        {bitmap("two.png", "\n" + value_element("boolean", "raw", "1")), "4:21", "'1' is neither true nor false"},
+        {bitmap("two.png", "\n" + number("uscale", 2)), "4:1",
          "texture 'bitmap' does not take a parameter 'uscale'; it takes: filename, filter_type, wrap_mode, to_uv, raw"},
-        {bitmap("two.png", "\n<string name=\"filename\" value=\"two.png\"/>"), "4:1", "'filename' is given twice"},
-        {bitmap("two.png", "\n<transform name=\"to_uv\"><scale value=\"0\"/></transform>"), "4:1", "singular"},
-        {bitmap("two.png", "\n<transform name=\"to_uv\"><matrix value=\"1 0 0.5 0 1 0 0 0 1\"/></transform>"), "4:1",
+        {bitmap("two.png", "\n" + filename("two.png")), "4:1", "'filename' is given twice"},
+        {bitmap("two.png", "\n" + to_uv(scale(0))), "4:1", "singular"},
+        {bitmap("two.png", "\n" + to_uv("<matrix value='1 0 0.5 0 1 0 0 0 1'/>")), "4:1",
          "'to_uv' must map u and v alone"},
-        {bitmap("two.png", "\n<float name=\"to_uv\" value=\"2\"/>"), "4:1", "'to_uv' cannot be a <float>"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<rgb name=\"colour0\" value=\"0\"/></texture>", "4:1",
+        {bitmap("two.png", "\n" + number("to_uv", 2)), "4:1", "'to_uv' cannot be a <float>"},
+        {board("\n", rgb("colour0", 0)), "4:1",
          "texture 'checkerboard' does not take a parameter 'colour0'; it takes: color0, color1, to_uv"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\">\n<bsdf name=\"color0\" type=\"null\"/></texture>", "4:1",
-         "'color0' cannot be a <bsdf>"},
-        {"<texture name=\"reflectance\" type=\"checkerboard\" id=\"a\">\n<ref name=\"color0\" id=\"a\"/></texture>",
-         "4:1", "the texture holds itself"},
-        {"<bsdf name=\"reflectance\" type=\"null\"/>", "3:1", "'reflectance' cannot be a <bsdf>"},
-        {"<texture type=\"bitmap\"/>", "3:1", "bsdf 'diffuse' does not take a <texture>"},
-    };
-    for (const auto& row : rows)
-        EXPECT_THAT(error_in(row.content), AllOf(StartsWith(main_ + ":" + row.place + ": "), HasSubstr(row.message)))
-            << row.content;
+        {board("\n", named("bsdf", "color0", "null")), "4:1", "'color0' cannot be a <bsdf>"},
+        {"<texture name='reflectance' type='checkerboard' id='a'>\n<ref name='color0' id='a'/></texture>", "4:1",
+         "the texture holds itself"},
+        {named("bsdf", "reflectance", "null"), "3:1", "'reflectance' cannot be a <bsdf>"},
+        {texture("bitmap"), "3:1", "bsdf 'diffuse' does not take a <texture>"},
+    });
 }
 
 TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
@@ -272,7 +241,7 @@ TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
     EXPECT_THAT(error("sub"), AllOf(StartsWith(folder_ / "sub"), HasSubstr("folder")));
     folder_.write("zero.ppm", "P6\n0 0\n255\n");
     expect("zero.ppm", "the image has no pixels");
-    const auto values = test::random_values(64, 64, 3);
+    const auto values = random_values(64, 64, 3);
     const std::string whole = read_file(write_image(folder_ / "w.exr", 64, 64, 3, values));
     folder_.write("cut.exr", whole.substr(0, whole.size() / 2));
     expect("cut.exr", "the image is damaged");
@@ -292,35 +261,28 @@ TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
 
 TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
     const TemporaryFolder folder;
-    const std::string height = test::write_image(folder / "height.exr", 2, 1, 1, {0, 1});
-    const std::string bumps = "<bsdf type=\"bumpmap\"><texture type=\"bitmap\"><string name=\"filename\" value=\"" +
-                              height + "\"/></texture>",
-                      normals = "<bsdf type=\"normalmap\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>";
-    const auto options = [](const std::string& map, const std::string& booleans) {
-        const auto loaded =
-            test::load("<shape type=\"rectangle\">" + map + booleans + "<bsdf type=\"diffuse\"/></bsdf></shape>");
+    const std::string height = write_image(folder / "height.exr", 2, 1, 1, {0, 1});
+    const auto options = [](const std::string& type, const std::string& map, const std::string& booleans) {
+        const auto loaded = load(shape("rectangle", bsdf(type, map, booleans, bsdf("diffuse"))));
         const Material& material = loaded.scene->material_of_shape(0);
         const auto* bump = std::get_if<BumpMap>(&material.node());
         return bump ? bump->options : std::get<NormalMap>(material.node()).options;
     };
-    const std::string no_turn = "<boolean name=\"flip_invalid_normals\" value=\"false\"/>",
-                      no_shadow = "<boolean name=\"use_shadowing_function\" value=\"false\"/>";
-    for (const std::string& map : {bumps, normals}) {
-        const struct {
-            std::string booleans;
-            bool turn, shadow;
-        } rows[] = {
-            {"", true, true}, {no_turn, false, true}, {no_shadow, true, false}, {no_turn + no_shadow, false, false}};
-        for (const auto& row : rows) {
-            EXPECT_EQ(options(map, row.booleans).flip_invalid_normals, row.turn) << map << row.booleans;
-            EXPECT_EQ(options(map, row.booleans).use_shadowing_function, row.shadow) << map << row.booleans;
+    const std::string no_turn = flag("flip_invalid_normals", false), no_shadow = flag("use_shadowing_function", false);
+    for (const auto& [type, map] : {std::pair("bumpmap", texture("bitmap", filename(height))),
+                                    std::pair("normalmap", rgb("normalmap", "0.5 0.5 1"))})
+        for (const auto& [booleans, turn, shadow] : {std::tuple(std::string(), true, true),
+                                                     {no_turn, false, true},
+                                                     {no_shadow, true, false},
+                                                     {no_turn + no_shadow, false, false}}) {
+            EXPECT_EQ(options(type, map, booleans).flip_invalid_normals, turn) << map << booleans;
+            EXPECT_EQ(options(type, map, booleans).use_shadowing_function, shadow) << map << booleans;
         }
-    }
 }
 
 TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
     const TemporaryFolder folder;
-    const auto values = test::random_values(70, 150, 3);
+    const auto values = random_values(70, 150, 3);
     const LinearImage exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
     EXPECT_EQ(exact.width, 70);
     EXPECT_EQ(exact.height, 150);
@@ -338,17 +300,12 @@ TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
 
 // The texture `scale` of Mitsuba 0.6 multiplies a texture, or the colour `value`.
 TEST_F(SceneTextures, ScaleMultipliesATexture) {
-    const auto scaled = [&](const std::string& scale, const std::string& inner) {
-        return reflectance("<texture name=\"reflectance\" type=\"scale\">" + scale + inner + "</texture>");
+    const auto scaled = [&](const std::string& factor, const std::string& inner) {
+        return reflectance(named("texture", "reflectance", "scale", factor, inner));
     };
-    const std::string image =
-        "<texture type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string name=\"filter_type\" "
-        "value=\"nearest\"/></texture>";
-    const std::string half = "<float name=\"scale\" value=\"0.5\"/>",
-                      colour = "<rgb name=\"scale\" value=\"0.5 1 0.25\"/>";
-    const Texture plain = reflectance(
-        "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"two.png\"/><string "
-        "name=\"filter_type\" value=\"nearest\"/></texture>");
+    const std::string nearest = text("filter_type", "nearest"), image = texture("bitmap", filename("two.png"), nearest);
+    const std::string half = number("scale", 0.5), colour = rgb("scale", "0.5 1 0.25");
+    const Texture plain = reflectance(bitmap("two.png", nearest));
     const Vec2 at(0.75f, 0.5f);
     EXPECT_TRUE(scaled(half, image).color(at).isApprox(0.5f * plain.color(at)));
     EXPECT_TRUE(scaled(half, image).mean().isApprox(0.5f * plain.mean()));
@@ -361,25 +318,22 @@ TEST_F(SceneTextures, ScaleMultipliesATexture) {
     EXPECT_TRUE(scaled(half, image).has_gradient());
     EXPECT_FALSE(scaled(colour, image).has_gradient());
     // Only the product must be a reflectance.
-    const Texture board = scaled("<float name=\"scale\" value=\"0.25\"/>",
-                                 "<texture type=\"checkerboard\"><rgb name=\"color0\" value=\"4\"/></texture>");
-    EXPECT_TRUE(board.color(Vec2(0.2f, 0.2f)).isApprox(Color::Ones()));
-    const Texture grey = scaled(half, "<rgb name=\"value\" value=\"0.8\"/>");
+    const Texture squares = scaled(number("scale", 0.25), texture("checkerboard", rgb("color0", 4)));
+    EXPECT_TRUE(squares.color(Vec2(0.2f, 0.2f)).isApprox(Color::Ones()));
+    const Texture grey = scaled(half, rgb("value", 0.8));
     EXPECT_TRUE(grey.constant());
     EXPECT_NEAR(grey.color(at)[0], 0.4f, 1e-6f);
 }
 
 TEST_F(SceneTextures, ScaleErrors) {
     const auto error = [&](const std::string& inside) {
-        return error_of("<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"scale\">" + inside +
-                        "</texture></bsdf>");
+        return error_of(bsdf("diffuse", named("texture", "reflectance", "scale", inside)));
     };
-    EXPECT_THAT(error("<float name=\"scale\" value=\"0.5\"/>"), HasSubstr("'scale' needs 'value'"));
-    EXPECT_THAT(error("<float name=\"scale\" value=\"-0.5\"/><rgb name=\"value\" value=\"0.8\"/>"),
-                HasSubstr("'scale' must not be negative"));
-    EXPECT_THAT(error("<float name=\"scale\" value=\"2\"/><rgb name=\"value\" value=\"0.8\"/>"),
+    EXPECT_THAT(error(number("scale", 0.5)), HasSubstr("'scale' needs 'value'"));
+    EXPECT_THAT(error(number("scale", -0.5) + rgb("value", 0.8)), HasSubstr("'scale' must not be negative"));
+    EXPECT_THAT(error(number("scale", 2) + rgb("value", 0.8)),
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 1.6"));
 }
 
 }  // namespace
-}  // namespace gib::scene_texture_test
+}  // namespace gib::test::scene_texture_test

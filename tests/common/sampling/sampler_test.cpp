@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace gib::sampler_test {
+namespace gib::test::sampler_test {
 namespace {
 
 TEST(Sampler, IsAPureFunctionOfItsArguments) {
@@ -115,4 +115,4 @@ TEST(PowerHeuristic, WeightsOfTwoTechniquesSumToOneAtAnyMagnitude) {
 }
 
 }  // namespace
-}  // namespace gib::sampler_test
+}  // namespace gib::test::sampler_test

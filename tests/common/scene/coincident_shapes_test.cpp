@@ -2,104 +2,80 @@
 
 #include "common/scene/coincident_shapes.h"
 
-#include "tests/support/input_error.h"
-#include "tests/support/scene_text.h"
-
-#include <gmock/gmock.h>
+#include "tests/support/scene_errors.h"
 
 namespace gib::test::coincident_shapes_test {
 namespace {
 
-using ::testing::HasSubstr;
+using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-std::string sphere(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>\n"; }
-std::string glass(const std::string& parameters) {
-    return "<bsdf type='dielectric'><float name='int_ior' value='1.5'/>" + parameters + "</bsdf>";
-}
-const std::string diffuse = "<bsdf type='diffuse'/>";
+std::string sphere(const std::string& material) { return shape("sphere", material) + "\n"; }
+const std::string crown = glass(1.5), water = glass(1.33), grey = bsdf("diffuse"), glow = area_light(1);
 std::string blend(const std::string& first, const std::string& second) {
-    return "<bsdf type='blendbsdf'><float name='weight' value='0.5'/>" + first + second + "</bsdf>";
+    return bsdf("blendbsdf", number("weight", 0.5), first, second);
 }
-std::string masked(const std::string& nested) {
-    return "<bsdf type='mask'><float name='opacity' value='0.5'/>" + nested + "</bsdf>";
-}
-/// The error of a scene with two spheres in one place.
-std::string error_of(const std::string& bsdf, const std::string& other_bsdf) {
-    return input_error_of([&] { load(sphere(bsdf) + sphere(other_bsdf)); });
+/// The error of a scene with two spheres in one place, on the lines 2 and 3.
+std::string error_of(const std::string& material, const std::string& other) {
+    return scene_error(sphere(material) + sphere(other));
 }
 
 TEST(CoincidentShapes, InterfacesThatRefractAlikeAreSeenAsOne) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
-    for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{
-             {glass(""), glass("")}, {glass(""), diffuse}, {diffuse, diffuse}, {blend(glass(""), diffuse), glass("")}})
+    for (const auto& [a, b] : Pairs{{crown, crown}, {crown, grey}, {grey, grey}, {blend(crown, grey), crown}})
         EXPECT_EQ(error_of(a, b), "no error") << a << b;
-    EXPECT_EQ(input_error_of([&] {
-                  load("<shape type='sphere'><point name='center' x='9' y='0' z='0'/>" + water + "</shape>" +
-                       sphere(glass("")));
-              }),
-              "no error")
-        << "apart";
+    EXPECT_EQ(scene_error(shape("sphere", center(9, 0, 0), water) + sphere(crown)), "no error") << "apart";
 }
 
 TEST(CoincidentShapes, InterfacesThatRefractOtherwiseAreRefused) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
-    const std::string rough = "<bsdf type='roughdielectric'><float name='int_ior' value='1.33'/></bsdf>";
-    const std::string dispersive = glass("<float name='cauchy_b' value='0.01'/>");
-    for (const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{{glass(""), water},
-                                                                               {glass(""), rough},
-                                                                               {glass(""), dispersive},
-                                                                               {blend(diffuse, glass("")), water},
-                                                                               {blend(water, glass("")), water},
-                                                                               {masked(water), glass("")}})
-        EXPECT_THAT(error_of(a, b),
-                    HasSubstr("test.xml:3:1: this surface lies exactly in the place of the one at line 2, "
-                              "which refracts otherwise"))
+    const std::string rough = bsdf("roughdielectric", number("int_ior", 1.33));
+    const std::string dispersive = bsdf("dielectric", number("int_ior", 1.5), number("cauchy_b", 0.01));
+    const std::string masked = bsdf("mask", number("opacity", 0.5), water);
+    for (const auto& [a, b] : Pairs{{crown, water},
+                                    {crown, rough},
+                                    {crown, dispersive},
+                                    {blend(grey, crown), water},
+                                    {blend(water, crown), water},
+                                    {masked, crown}})
+        EXPECT_THAT(error_of(a, b), HasSubstr("t.xml:3:1: this surface lies exactly in the place of the one at line 2, "
+                                              "which refracts otherwise"))
             << a << b;
 }
 
 TEST(CoincidentShapes, GroupsAreLookedInto) {
-    const std::string water = "<bsdf type='dielectric'><float name='int_ior' value='1.33'/></bsdf>";
     const auto group = [&](const std::string& other) {
-        return "<shape type='shapegroup' id='g'>\n" + sphere(glass("")) + sphere(other) +
-               "</shape><shape type='instance'><ref id='g'/></shape>";
+        return with_id("shape", "shapegroup", "g", "\n", sphere(crown), sphere(other)) +
+               shape("instance", reference("g"));
     };
-    EXPECT_EQ(input_error_of([&] { load(group(glass(""))); }), "no error");
-    EXPECT_THAT(input_error_of([&] { load(group(water)); }), HasSubstr("test.xml:4:1: this surface lies exactly"));
+    EXPECT_EQ(scene_error(group(crown)), "no error");
+    expect_errors({{group(water), "4:1", "this surface lies exactly"}});
 }
 
-const std::string emitter = "<emitter type='area'><rgb name='radiance' value='1'/></emitter>";
-
 TEST(CoincidentShapes, CurvedLampsInOtherSurfacesAreRefused) {
-    EXPECT_THAT(error_of(emitter, diffuse),
-                HasSubstr("test.xml:2:1: this lamp lies exactly in the place of the surface at line 3: which of them"));
-    EXPECT_THAT(error_of(diffuse, emitter),
-                HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the surface at line 2: which of them"));
+    const std::string message = "this lamp lies exactly in the place of the surface at line ";
+    expect_errors({{sphere(glow) + sphere(grey), "2:1", message + "3: which of them"},
+                   {sphere(grey) + sphere(glow), "3:1", message + "2: which of them"}});
 }
 
 TEST(CoincidentShapes, LampsMayStandOnSurfaces) {
-    const std::string cube = "<shape type='cube'>";
-    const std::string above = "<transform name='to_world'><translate z='2'/></transform>";
-    EXPECT_EQ(input_error_of([&] { load(cube + "</shape>" + cube + above + emitter + "</shape>"); }), "no error");
-    EXPECT_THAT(input_error_of([&] { load(cube + "</shape>" + cube + emitter + "</shape>"); }),
+    EXPECT_EQ(scene_error(shape("cube") + shape("cube", to_world(translate(0, 0, 2)), glow)), "no error");
+    EXPECT_THAT(scene_error(shape("cube") + shape("cube", glow)),
                 HasSubstr("this lamp lies exactly in the place of the surface"));
 }
 
 std::string placed(const std::string& type, const std::string& operations, const std::string& inside) {
-    return "<shape type='" + type + "'><transform name='to_world'>" + operations + "</transform>" + inside + "</shape>";
+    return shape(type, to_world(operations), inside);
 }
 
 // A flat lamp in the plane of a wall, of the wall's size or smaller, at any angle and place, is lifted off the wall
 // so that rays find it, but by less than 1e-5 of the scene's size.
 TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
-    for (const std::string place :
-         {"", "<rotate x='1' y='2' z='3' angle='50'/>", "<translate x='7' y='8' z='9'/>",
-          "<rotate x='1' y='2' z='3' angle='50'/><translate x='700' y='-800' z='900'/>", "<scale value='1e-6'/>"})
+    const std::string turn = "<rotate x='1' y='2' z='3' angle='50'/>";
+    for (const std::string& place :
+         {std::string(), turn, translate(7, 8, 9), turn + translate(700, -800, 900), scale(1e-6)})
         for (const std::string kind : {"rectangle", "disk"})
-            for (const std::string size : {"<scale value='0.2'/><translate x='0.3' y='0.1'/>", ""}) {
-                const LoadedScene loaded =
-                    load(placed("rectangle", place, diffuse) + placed(kind, size + place, emitter) +
-                         placed("rectangle", "<translate x='3' z='-1'/>" + place, diffuse));
-                const Scene& scene = *loaded.scene;
+            for (const std::string& size : {scale(0.2) + translate(0.3, 0.1, 0), std::string()}) {
+                const LoadedScene loaded = load(placed("rectangle", place, grey) + placed(kind, size + place, glow) +
+                                                placed("rectangle", translate(3, 0, -1) + place, grey));
+                const auto& scene = *loaded.scene;
                 const Shape& lamp = scene.shapes()[1];
                 const auto* disk = std::get_if<Disk>(&lamp);
                 const Frame frame(disk ? disk->normal
@@ -123,12 +99,13 @@ TEST(CoincidentShapes, FlatLampsAreLiftedOffOtherSurfaces) {
 
 // A lamp that only touches a wall with its edge, or is 0.01 away from it, is not moved.
 TEST(CoincidentShapes, OtherLampsStayWhereTheyAre) {
-    for (const std::string wall : {"<rotate y='1' angle='90'/><translate x='1'/>", "<translate z='0.01'/>"}) {
-        const LoadedScene loaded = load(placed("rectangle", "", emitter) + placed("rectangle", wall, diffuse));
+    for (const auto& [wall, above] :
+         {std::pair(rotate('y', 90) + translate(1, 0, 0), 1.f), std::pair(translate(0, 0, 0.01), -0.01f)}) {
+        const LoadedScene loaded = load(placed("rectangle", "", glow) + placed("rectangle", wall, grey));
         const auto& lamp = std::get<Mesh>(loaded.scene->shapes()[0]);
         const auto& other = std::get<Mesh>(loaded.scene->shapes()[1]);
         const float lowest = std::min(other.vertex(0).z(), other.vertex(2).z());
-        EXPECT_NEAR(lamp.vertex(0).z() - lowest, wall.find("0.01") == std::string::npos ? 1.f : -0.01f, 1e-9f) << wall;
+        EXPECT_NEAR(lamp.vertex(0).z() - lowest, above, 1e-9f) << wall;
     }
 }
 
@@ -139,34 +116,28 @@ TEST(CoincidentShapes, InterfacesThatFaceEachOtherAreRefused) {
         const auto beside = [&](const std::string& by, const std::string& inside) {
             return placed("cube", "<translate " + axis + "='" + by + "'/>", inside);
         };
-        EXPECT_THAT(input_error_of([&] { load(beside("0", glass("")) + "\n" + beside("2", glass(""))); }),
-                    HasSubstr("test.xml:3:1: this surface lies exactly in the place of the one at line 2, which faces "
-                              "the other way"))
-            << axis;
-        EXPECT_EQ(input_error_of([&] { load(beside("0", glass("")) + beside("2.001", glass(""))); }), "no error");
-        EXPECT_EQ(input_error_of([&] { load(beside("0", glass("")) + beside("2", diffuse)); }), "no error");
+        expect_errors({{beside("0", crown) + "\n" + beside("2", crown), "3:1",
+                        "this surface lies exactly in the place of the one at line 2, which faces the other way"}});
+        EXPECT_EQ(scene_error(beside("0", crown) + beside("2.001", crown)), "no error");
+        EXPECT_EQ(scene_error(beside("0", crown) + beside("2", grey)), "no error");
     }
 }
 
 TEST(CoincidentShapes, BoundariesOfDifferentMediaAreRefused) {
-    const auto fog = [](const std::string& density) {
-        return "<bsdf type='null'/><medium name='interior' type='homogeneous'><rgb name='sigma_t' value='" + density +
-               "'/><rgb name='albedo' value='0.5'/></medium>";
+    const auto fog = [](double density) {
+        return bsdf("null") + named("medium", "interior", "homogeneous", rgb("sigma_t", density), rgb("albedo", 0.5));
     };
-    EXPECT_THAT(error_of(fog("1"), glass("")), HasSubstr("which refracts otherwise"));
-    EXPECT_THAT(error_of(fog("1"), fog("2")), HasSubstr("which bounds another medium"));
-    EXPECT_EQ(error_of(fog("1"), diffuse), "no error");
+    EXPECT_THAT(error_of(fog(1), crown), HasSubstr("which refracts otherwise"));
+    EXPECT_THAT(error_of(fog(1), fog(2)), HasSubstr("which bounds another medium"));
+    EXPECT_EQ(error_of(fog(1), grey), "no error");
 }
 
 TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
-    const std::string lamp =
-        "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>";
-    EXPECT_THAT(input_error_of([&] { load(lamp + "\n" + lamp); }),
-                HasSubstr("test.xml:3:1: this lamp lies exactly in the place of the one at line 2"));
+    const std::string lamp = shape("sphere", glow);
+    expect_errors({{lamp + "\n" + lamp, "3:1", "this lamp lies exactly in the place of the one at line 2"}});
     const TemporaryFolder folder;
     const std::string part = folder.write("part.xml", "<scene>\n\n" + lamp + "</scene>");
-    const std::string text = scene_with("<include filename='part.xml'/>" + lamp);
-    EXPECT_THAT(input_error_of([&] { parse_scene(text, folder / "main.xml"); }),
+    EXPECT_THAT(scene_error("<include filename='part.xml'/>" + lamp, folder / "main.xml"),
                 HasSubstr("main.xml:2:31: this lamp lies exactly in the place of the one at " + part + ":3:"));
 }
 
@@ -174,10 +145,7 @@ TEST(CoincidentShapes, LampsAreRefusedInOneFileAndInTwo) {
 std::string error_of_lamp(const std::string& faces) {
     const TemporaryFolder folder;
     folder.write("lamp.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 0\nv 0 -1 0\n" + faces);
-    return input_error_of([&] {
-        parse_scene(scene_with("<shape type='obj'><string name='filename' value='lamp.obj'/>" + emitter + "</shape>"),
-                    folder / "main.xml");
-    });
+    return scene_error(shape("obj", filename("lamp.obj"), glow), folder / "main.xml");
 }
 
 TEST(CoincidentShapes, FansAboutAnInnerPointAreNoLampTwice) {

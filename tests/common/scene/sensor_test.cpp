@@ -7,7 +7,7 @@
 
 #include <map>
 
-namespace gib::sensor_test {
+namespace gib::test::sensor_test {
 namespace {
 
 Sensor::Parameters square(int pixels) {
@@ -97,7 +97,7 @@ TEST(ThinLens, CircleOfConfusionIsInClosedForm) {
             const Vec3 offset = at_depth(sensor.generate_ray(1, 6, {0.5f, 0.5f}, lens_sample(i)), p, z) - center;
             square_mean += static_cast<double>(offset.squaredNorm()) / lens_samples;
             mean += offset.cast<double>() / lens_samples;
-            largest = std::max(largest, static_cast<double>(offset.norm()));
+            largest = std::max(largest, double{offset.norm()});
         }
         EXPECT_NEAR(largest, radius, 0.01 * radius) << z;
         EXPECT_LT(largest, radius + 1e-5) << z;
@@ -208,7 +208,7 @@ TEST(ReconstructionFilter, GaussianSamplesHaveItsMoments) {
     for (std::uint32_t i = 0; i < n; ++i) {
         const Vec2 x = filter.sample(Sampler(PointSet::sobol, 1, 0, i).get_2d(0));
         EXPECT_LE(x.cwiseAbs().maxCoeff(), 2.f);
-        mean += static_cast<double>(x.x());
+        mean += double{x.x()};
         square_mean += static_cast<double>(x.y() * x.y());
     }
     EXPECT_NEAR(mean / n, 0.0, 1e-3);
@@ -300,4 +300,4 @@ TEST(ReconstructionFilter, PixelsAreChosenByTheDensityOfTheirSamples) {
 }
 
 }  // namespace
-}  // namespace gib::sensor_test
+}  // namespace gib::test::sensor_test

@@ -4,15 +4,13 @@
 #include "common/scene/scene.h"
 #include "tests/support/moments.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
 
-namespace gib::cylinder_test {
+namespace gib::test::cylinder_test {
 namespace {
-
-using test::load;
-using test::Random;
 
 /// A random cylinder at any place and of any size; it may be much longer than wide or much wider than long.
 Cylinder any_cylinder(Random& random) {
@@ -70,7 +68,7 @@ TEST(Cylinder, RaysMeetItWhereTheFormulaSays) {
         }
         if (!found) continue;
         ++hits;
-        EXPECT_NEAR(static_cast<double>(*found), static_cast<double>(*expected), 1e-6 * static_cast<double>(*expected));
+        EXPECT_NEAR(double{*found}, double{*expected}, 1e-6 * double{*expected});
     }
     EXPECT_GT(hits, 20'000);
 }
@@ -96,8 +94,7 @@ TEST(Cylinder, RaysThatLeaveItDoNotMeetTheSamePointAgain) {
         const SurfaceGeometry s = surface_at(c, 0, 0, 0, q.p + 0.1f * c.radius * random.direction());
         for (const SurfacePoint& from : {q, static_cast<const SurfacePoint&>(s)}) {
             EXPECT_NEAR(from.ng.norm(), 1, 1e-6);
-            EXPECT_LE(std::abs(distance_from_axis(c, from.p) - static_cast<double>(c.radius)),
-                      0.5 * static_cast<double>(from.offset));
+            EXPECT_LE(std::abs(distance_from_axis(c, from.p) - double{c.radius}), 0.5 * double{from.offset});
             const Vec3 outward = c.flip_normals ? Vec3(-from.ng) : from.ng;
             const Vec3 w = random.direction();
             const float cosine = w.dot(outward);
@@ -155,27 +152,26 @@ TEST(Cylinder, SamplesAreUniformOverItsArea) {
     EXPECT_LT(chi2, 103.4);
 }
 
-const std::string lamp_xml =
-    "<shape type=\"cylinder\"><float name=\"radius\" value=\"0.5\"/><point name=\"p0\" x=\"0\" y=\"0\" z=\"-1\"/>"
-    "<point name=\"p1\" x=\"0\" y=\"0\" z=\"1\"/><emitter type=\"area\"><rgb name=\"radiance\" "
-    "value=\"3\"/></emitter>";
+LoadedScene lamp(const std::string& more = "") {
+    return load(shape("cylinder", radius(0.5), point("p0", 0, 0, -1), point("p1", 0, 0, 1), area_light(3), more));
+}
 
 TEST(Cylinder, LightsWithItsOuterSide) {
-    const auto lamp = load(lamp_xml + "</shape>");
-    EXPECT_NEAR(lamp.scene->emitted_power()[0], std::numbers::pi * 3 * 2 * std::numbers::pi, 1e-4);
-    const auto outside = lamp.scene->intersect({Vec3(2, 0, 0), Vec3(-1, 0, 0)});
+    const auto loaded = lamp();
+    EXPECT_NEAR(loaded.scene->emitted_power()[0], std::numbers::pi * 3 * 2 * std::numbers::pi, 1e-4);
+    const auto outside = loaded.scene->intersect({Vec3(2, 0, 0), Vec3(-1, 0, 0)});
     ASSERT_TRUE(outside);
     EXPECT_EQ(outside->Le(Vec3(1, 0, 0))[0], 3.f);
-    const auto inside = lamp.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)});
+    const auto inside = loaded.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)});
     ASSERT_TRUE(inside);
     EXPECT_EQ(inside->Le(Vec3(-1, 0, 0))[0], 0.f);
-    const auto turned = load(lamp_xml + "<boolean name=\"flip_normals\" value=\"true\"/></shape>");
+    const auto turned = lamp(flag("flip_normals"));
     EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
 }
 
 /// The irradiance [W/m^2] at p on a plane with this normal, by quadrature over the
 /// cosine-weighted directions of the hemisphere.
-double irradiance_by_quadrature(const Scene& scene, const Vec3& p, const Vec3& normal) {
+double irradiance_by_quadrature(const gib::Scene& scene, const Vec3& p, const Vec3& normal) {
     constexpr int n = 1000;
     const Frame frame(normal);
     double sum = 0;
@@ -190,11 +186,11 @@ double irradiance_by_quadrature(const Scene& scene, const Vec3& p, const Vec3& n
 }
 
 TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
-    const auto lamp = load(lamp_xml + "</shape>");
-    const Scene& scene = *lamp.scene;
+    const auto loaded = lamp();
+    const auto& scene = *loaded.scene;
     const Vec3 p(1.5f, 0.2f, 0.7f), normal = Vec3(-1, 0.1f, -0.3f).normalized();
     Random random(5);
-    test::Moments irradiance;
+    Moments irradiance;
     constexpr int samples = 200'000;
     for (int i = 0; i < samples; ++i) {
         const auto s = scene.sample_light(p, random.next(), random.next_2d());
@@ -216,16 +212,16 @@ TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
 }
 
 TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
-    const auto lamp = load(lamp_xml + "</shape>");
+    const auto loaded = lamp();
     Random random(6);
     for (int i = 0; i < 10'000; ++i) {
-        const EmissionSample e = lamp.scene->sample_emission(random.next(), random.next_2d(), random.next_2d());
+        const EmissionSample e = loaded.scene->sample_emission(random.next(), random.next_2d(), random.next_2d());
         EXPECT_NEAR(Vec2(e.ray.o.x(), e.ray.o.y()).norm(), 0.5f, 1e-5f);
         EXPECT_GE(e.ray.d.dot(e.normal), 0.f);
         EXPECT_GT(e.normal.dot(Vec3(e.ray.o.x(), e.ray.o.y(), 0)), 0.f);
-        EXPECT_FALSE(lamp.scene->intersect(e.ray));
+        EXPECT_FALSE(loaded.scene->intersect(e.ray));
     }
 }
 
 }  // namespace
-}  // namespace gib::cylinder_test
+}  // namespace gib::test::cylinder_test

@@ -1,29 +1,121 @@
-// Tests of instances: a group seen through an affine map looks like the shape moved by the
-// map, and costs next to no memory.
+// Tests of the intersection of rays with all kinds of shapes, in packets and in any units, and of instances: a group seen
+// through an affine map looks like the shape moved by the map, and costs next to no memory.
 
 #include "common/sampling/sampler.h"
+#include "common/sampling/warp.h"
 #include "common/scene/effects.h"
 #include "common/scene/scene.h"
+#include "common/shapes/accelerator.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <fmt/format.h>
 #include <fstream>
 
-namespace gib::instance_test {
+namespace gib::test::instance_test {
 namespace {
 
-using test::load;
-using test::Random;
-using test::scene_with;
-using test::TemporaryFolder;
+/// A mesh, every other kind of shape, and instances of both around and beside each other.
+LoadedScene every_shape(double size = 1) {
+    const std::string resize = scale(size), tilt = "<rotate x='1' y='0.3' angle='70'/>";
+    const std::string group =
+        with_id("shape", "shapegroup", "g", shape("sphere"), shape("cube", to_world(translate(4, 0, 0))));
+    return load(shape("cube", to_world(resize)) + shape("sphere", to_world(translate(4, 0, 0), resize)) +
+                shape("disk", to_world(tilt, translate(0, 3, 0), resize)) +
+                shape("cylinder", point("p0", -3, 0, -2), point("p1", -3, 0, 2), radius(0.7), to_world(resize)) +
+                group + shape("instance", reference("g"), to_world(scale(0.5, 1.5, 1), translate(0, 0, 5), resize)) +
+                shape("instance", reference("g"), to_world(rotate('z', 30), translate(-2, -5, 0), resize)));
+}
+
+// Packets of every size, of neighbouring rays and of rays in all directions, find what single rays find. Embree's
+// kernels for one ray and for eight round differently: t by some ulps of the ray's length, u and v by that over the
+// triangle's size and over the cosine of a slanting hit.
+TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
+    const LoadedScene loaded = every_shape();
+    const auto& scene = *loaded.scene;
+    const Accelerator& accelerator = scene.accelerator();
+    std::array<Ray, Accelerator::packet_size> rays;
+    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+    std::vector<int> hits_of_shape(scene.shapes().size());
+    int hits_of_instances = 0, misses = 0;
+    for (std::uint64_t packet = 0; packet < 8000; ++packet) {
+        const std::size_t count = 1 + packet % rays.size();
+        const bool coherent = packet % 3 == 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Sampler own(PointSet::independent, 1, packet, static_cast<std::uint32_t>(i + 1));
+            const Sampler& u = coherent ? Sampler(PointSet::independent, 1, packet, 0) : own;
+            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
+            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
+            const Vec3 aside = 0.01f * square_to_sphere(own.get_2d(3));
+            rays[i] = {from, (at + aside - from).normalized(), 0.f, packet % 5 == 0 ? scene.diagonal() : infinity};
+        }
+        accelerator.intersect(std::span(rays).first(count), found);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto alone = accelerator.intersect(rays[i]);
+            ASSERT_EQ(found[i].has_value(), alone.has_value()) << packet << ' ' << i;
+            misses += !alone;
+            if (!alone) continue;
+            EXPECT_EQ(found[i]->shape, alone->shape);
+            EXPECT_EQ(found[i]->primitive, alone->primitive);
+            EXPECT_EQ(found[i]->instance, alone->instance);
+            EXPECT_NEAR(found[i]->t, alone->t, 1e-6f * scene.diagonal());
+            EXPECT_NEAR(found[i]->u, alone->u, 1e-4f);
+            EXPECT_NEAR(found[i]->v, alone->v, 1e-4f);
+            ++hits_of_shape[alone->shape];
+            hits_of_instances += alone->instance != no_instance;
+        }
+    }
+    for (int hits : hits_of_shape)
+        EXPECT_GT(hits, 100);
+    EXPECT_GT(hits_of_instances, 1000);
+    EXPECT_GT(misses, 1000);
+}
+
+// A ray meets a scaled scene at the scaled point. Powers of two change no digit; a scale of 1e-10 leaves a
+// determinant of 1e-20, which Embree takes for zero.
+TEST(Accelerator, FindsTheSameInAnyUnits) {
+    const LoadedScene loaded = every_shape();
+    const auto& scene = *loaded.scene;
+    for (const double size : {1e-10, 1e-6, 1e-3, 1e6, 1e10}) {
+        const auto scale = static_cast<float>(size);
+        const LoadedScene loaded_resized = every_shape(size);
+        const auto& resized = *loaded_resized.scene;
+        std::vector<int> hits_of_shape(scene.shapes().size());
+        int differing = 0;
+        for (std::uint64_t i = 0; i < 20000; ++i) {
+            const Sampler u(PointSet::independent, 2, i, 0);
+            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
+            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
+            const Ray ray{from, (at - from).normalized()};
+            const auto expected = scene.accelerator().intersect(ray);
+            const auto found = resized.accelerator().intersect({scale * ray.o, ray.d});
+            // The scaled coordinates are rounded, so a ray may pass an edge on its other side.
+            if (found.has_value() != expected.has_value() ||
+                (found && (found->shape != expected->shape || found->primitive != expected->primitive))) {
+                ++differing;
+                continue;
+            }
+            if (!found) continue;
+            EXPECT_NEAR(found->t / scale, expected->t, 2e-5f * scene.diagonal()) << size;
+            EXPECT_NEAR(found->u, expected->u, 1e-3f) << size;
+            EXPECT_NEAR(found->v, expected->v, 1e-3f) << size;
+            EXPECT_EQ(resized.accelerator().occluded({scale * ray.o, ray.d}), true) << size;
+            ++hits_of_shape[expected->shape];
+        }
+        EXPECT_LE(differing, 4) << size;
+        for (int hits : hits_of_shape)
+            EXPECT_GT(hits, 100) << size;
+    }
+}
 
 /// A closed surface r(theta, phi) around the origin, as an OBJ file with uv and smooth
 /// normals; an ellipsoid if `convex`.
 std::string blob(int rings, bool convex) {
     std::string obj;
-    const auto point = [&](int i, int k) {
+    const auto place = [&](int i, int k) {
         const double theta = std::numbers::pi * i / rings, phi = std::numbers::pi * k / rings;
         const double r = convex ? 1 : 1 + 0.3 * std::sin(3 * theta) * std::cos(2 * phi);
         return Vec3d(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi),
@@ -31,7 +123,7 @@ std::string blob(int rings, bool convex) {
     };
     for (int i = 0; i <= rings; ++i)
         for (int k = 0; k <= 2 * rings; ++k) {
-            const Vec3d p = point(i, k % (2 * rings));
+            const Vec3d p = place(i, k % (2 * rings));
             obj += fmt::format("v {} {} {}\nvt {} {}\nvn {} {} {}\n", p.x(), p.y(), p.z(), 0.5 * k / rings,
                                i / (rings + 0.5), p.x(), p.y(), p.z());
         }
@@ -53,17 +145,17 @@ std::string matrix(const Mat4d& m) {
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 4; ++k)
             text += fmt::format("{} ", m(i, k));
-    return "<transform name=\"to_world\"><matrix value=\"" + text + "\"/></transform>";
+    return to_world("<matrix value='", text, "'/>");
 }
 
 /// A random affine map that turns, stretches by up to 100 : 1, shears, perhaps mirrors, and moves.
 Mat4d any_affine(Random& random, double reach) {
     Mat4d m = Mat4d::Identity();
     const auto turn = [&] {
-        return Eigen::AngleAxisd(6 * static_cast<double>(random.next()), random.direction().cast<double>().normalized())
+        return Eigen::AngleAxisd(6 * double{random.next()}, random.direction().cast<double>().normalized())
             .toRotationMatrix();
     };
-    const auto stretch = [&] { return std::pow(10, 2 * static_cast<double>(random.next()) - 1); };
+    const auto stretch = [&] { return std::pow(10, 2 * double{random.next()} - 1); };
     m.topLeftCorner<3, 3>() = turn() * Vec3d(stretch(), stretch(), stretch()).asDiagonal() * turn();
     if (random.next() < 0.5f) m.topLeftCorner<3, 3>() *= -1;
     m.topRightCorner<3, 1>() = reach * random.direction().cast<double>();
@@ -71,17 +163,14 @@ Mat4d any_affine(Random& random, double reach) {
 }
 
 std::string file_shape(const std::string& name, const std::string& body = "") {
-    return "<shape type=\"obj\"><string name=\"filename\" value=\"" + name + "\"/>" + body + "</shape>";
+    return shape("obj", filename(name), body);
 }
 std::string instance_of(const std::string& shapes, const std::string& placed) {
-    return "<shape type=\"instance\">" + placed + "<shape type=\"shapegroup\">" + shapes + "</shape></shape>";
+    return shape("instance", placed, shape("shapegroup", shapes));
 }
 /// Two balls in opposite corners, which keep the centre of the scene at the file's origin whatever stands between.
 std::string corners(double reach) {
-    std::string balls;
-    for (const double x : {-reach, reach})
-        balls += fmt::format("<shape type=\"sphere\"><point name=\"center\" value=\"{}\"/></shape>", x);
-    return balls;
+    return shape("sphere", center(-reach, -reach, -reach)) + shape("sphere", center(reach, reach, reach));
 }
 
 /// A random ray that starts outside of the bounds and is directed into them.
@@ -99,7 +188,7 @@ struct Comparison {
 };
 
 /// Expects the same surface where both scenes have the same hit, and returns that hit of the instance.
-std::optional<SurfaceHit> expect_same_surface(const Scene& moved, const Scene& instanced, const Ray& ray,
+std::optional<SurfaceHit> expect_same_surface(const gib::Scene& moved, const gib::Scene& instanced, const Ray& ray,
                                               Comparison& count) {
     const auto a = moved.intersect(ray), b = instanced.intersect(ray);
     const bool same = a.has_value() == b.has_value() && (!a || a->primitive == b->primitive);
@@ -153,13 +242,12 @@ TEST(Instance, IsTheMovedSphereDiskAndCylinder) {
     for (const std::string type : {"sphere", "disk", "cylinder"})
         for (int scene = 0; scene < 10; ++scene) {
             Mat4d m = Mat4d::Identity();
-            m.topLeftCorner<3, 3>() = 3 * Eigen::AngleAxisd(static_cast<double>(random.next()),
-                                                            random.direction().cast<double>().normalized())
-                                              .toRotationMatrix();
+            m.topLeftCorner<3, 3>() =
+                3 * Eigen::AngleAxisd(double{random.next()}, random.direction().cast<double>().normalized())
+                        .toRotationMatrix();
             m.topRightCorner<3, 1>() = 20 * random.direction().cast<double>();
-            const std::string shape = "<shape type=\"" + type + "\">", balls = corners(90);
-            const auto moved = load(shape + matrix(m) + "</shape>" + balls);
-            const auto instanced = load(instance_of(shape + "</shape>", matrix(m)) + balls);
+            const auto moved = load(shape(type, matrix(m)) + corners(90));
+            const auto instanced = load(instance_of(shape(type), matrix(m)) + corners(90));
             Comparison count;
             for (int i = 0; i < 500; ++i)
                 expect_same_surface(*moved.scene, *instanced.scene,
@@ -176,28 +264,22 @@ TEST(Instance, PlainScenesHitNoInstance) {
 }
 
 TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
-    const auto ball = [](double x, const std::string& bsdf) {
-        return fmt::format(
-            "<shape type=\"sphere\"><point name=\"center\" x=\"{}\" y=\"0\" z=\"0\"/><ref id=\"{}\"/></shape>", x,
-            bsdf);
+    const auto ball = [](double x, const std::string& material) {
+        return shape("sphere", center(x, 0, 0), reference(material));
     };
     std::string bsdfs;
     for (int i = 0; i < 5; ++i)
-        bsdfs +=
-            fmt::format("<bsdf type=\"diffuse\" id=\"b{0}\"><float name=\"reflectance\" value=\"0.{0}\"/></bsdf>", i);
+        bsdfs += with_id("bsdf", "diffuse", "b" + std::to_string(i), number("reflectance", 0.1 * i));
     const auto instance = [](const std::string& group, double y) {
-        return fmt::format(
-            "<shape type=\"instance\"><ref id=\"{}\"/><transform name=\"to_world\"><translate "
-            "y=\"{}\"/></transform></shape>",
-            group, y);
+        return shape("instance", reference(group), to_world(translate(0, y, 0)));
     };
     // Instances may precede the group that they show, and a group may have no instance.
     const auto loaded =
-        load(bsdfs + instance("h", 10) + ball(0, "b0") + instance("g", 20) + "<shape type=\"shapegroup\" id=\"g\">" +
-             ball(0, "b1") + ball(5, "b2") + "</shape>" + "<shape type=\"shapegroup\" id=\"unseen\">" + ball(0, "b1") +
-             "</shape>" + "<shape type=\"shapegroup\" id=\"h\">" + ball(0, "b3") + ball(5, "b4") + "</shape>" +
-             instance("h", 30) + ball(5, "b1"));
-    const Scene& scene = *loaded.scene;
+        load(bsdfs + instance("h", 10) + ball(0, "b0") + instance("g", 20) +
+             with_id("shape", "shapegroup", "g", ball(0, "b1"), ball(5, "b2")) +
+             with_id("shape", "shapegroup", "unseen", ball(0, "b1")) +
+             with_id("shape", "shapegroup", "h", ball(0, "b3"), ball(5, "b4")) + instance("h", 30) + ball(5, "b1"));
+    const auto& scene = *loaded.scene;
     EXPECT_EQ(scene.shapes().size(), 6u);
     EXPECT_EQ(scene.instances().size(), 3u);
     const auto reflectance = [&](float x, float y) {
@@ -205,14 +287,11 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
         const auto hit = scene.intersect({Vec3(x - 2.5f, y - 15.f, 9), Vec3(0, 0, -1)});
         return hit ? hit->bsdf->coefficients_local(Vec3(0, 0, 1)).diffuse[0] : -1.f;
     };
-    EXPECT_FLOAT_EQ(reflectance(0, 0), 0.f);
-    EXPECT_FLOAT_EQ(reflectance(5, 0), 0.1f);
-    EXPECT_FLOAT_EQ(reflectance(0, 10), 0.3f);
-    EXPECT_FLOAT_EQ(reflectance(5, 10), 0.4f);
-    EXPECT_FLOAT_EQ(reflectance(0, 20), 0.1f);
-    EXPECT_FLOAT_EQ(reflectance(5, 20), 0.2f);
-    EXPECT_FLOAT_EQ(reflectance(0, 30), 0.3f);
-    EXPECT_FLOAT_EQ(reflectance(5, 30), 0.4f);
+    for (const auto& [y, left, right] :
+         {std::tuple(0.f, 0.f, 0.1f), {10.f, 0.3f, 0.4f}, {20.f, 0.1f, 0.2f}, {30.f, 0.3f, 0.4f}}) {
+        EXPECT_FLOAT_EQ(reflectance(0, y), left);
+        EXPECT_FLOAT_EQ(reflectance(5, y), right);
+    }
     EXPECT_TRUE(scene.occluded({Vec3(-2.5f, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_FALSE(scene.occluded({Vec3(0, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_LT((scene.bounds().upper - Vec3(3.5f, 16, 1)).norm(), 1e-4f);
@@ -220,13 +299,12 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
 
 TEST(Instance, CountsForTheAnalysisOfEffects) {
     const TemporaryFolder folder;
-    const std::string file = folder.write("m.obj", blob(4, true));
-    const std::string glass = "<bsdf type=\"dielectric\"/>";
-    const auto loaded = load(instance_of(file_shape(file, glass), ""));
+    const std::string crystal = file_shape(folder.write("m.obj", blob(4, true)), bsdf("dielectric"));
+    const auto loaded = load(instance_of(crystal, ""));
     const Effects effects = effects_of(*loaded.scene);
     EXPECT_TRUE(effects.has(Effect::refraction));
     EXPECT_TRUE(effects.has(Effect::smooth_normals));
-    const auto unseen = load("<shape type=\"shapegroup\">" + file_shape(file, glass) + "</shape>" + corners(1));
+    const auto unseen = load(shape("shapegroup", crystal) + corners(1));
     EXPECT_FALSE(effects_of(*unseen.scene).has(Effect::refraction));
 }
 
@@ -237,10 +315,9 @@ TEST(Instance, RaysThatLeaveItDoNotMeetItAgain) {
     Random random(3);
     long leaving = 0, entering = 0, again = 0, lost = 0, near = 0;
     for (int scene = 0; scene < 80; ++scene) {
-        const double reach = std::pow(10, 4 * static_cast<double>(random.next()) - 1);
-        const std::string face_normals = "<boolean name=\"face_normals\" value=\"true\"/>";
-        const std::string shape = scene % 2 ? "<shape type=\"sphere\"/>" : file_shape(file, face_normals);
-        const auto loaded = load(instance_of(shape, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
+        const double reach = std::pow(10, 4 * double{random.next()} - 1);
+        const std::string body = scene % 2 ? shape("sphere") : file_shape(file, flag("face_normals"));
+        const auto loaded = load(instance_of(body, matrix(any_affine(random, reach))) + corners(2 * reach + 50));
         const Bounds bounds = transformed(loaded.scene->instances()[0], bounds_of(loaded.scene->shapes()[2]));
         for (int i = 0; i < 500; ++i) {
             const auto hit = loaded.scene->intersect(towards(bounds, random));
@@ -279,8 +356,7 @@ TEST(Instance, OffsetsTakeRaysToTheirSide) {
     Random random(4);
     double nearest = 1;
     for (int i = 0; i < 100'000; ++i) {
-        const auto instance =
-            make_instance(0, any_affine(random, std::pow(10, 6 * static_cast<double>(random.next()) - 2)));
+        const auto instance = make_instance(0, any_affine(random, std::pow(10, 6 * double{random.next()} - 2)));
         ASSERT_TRUE(instance);
         const auto triangle = static_cast<std::uint32_t>(random.next() * static_cast<float>(mesh.triangles.size()));
         const Vec2 b = square_to_triangle(random.next_2d());
@@ -295,7 +371,7 @@ TEST(Instance, OffsetsTakeRaysToTheirSide) {
             // The distance is in units of the offset, of which rounding errors may use up to a half.
             const double map = (instance->inverse.transpose() * n.normalized()).norm();
             const double distance = static_cast<double>(side) * (o - v[0]).dot(n.normalized()) / map;
-            nearest = std::min(nearest, distance / static_cast<double>(s.offset));
+            nearest = std::min(nearest, distance / double{s.offset});
         }
     }
     EXPECT_GT(nearest, 0.4);
@@ -324,7 +400,7 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
             parts.instances.push_back(*make_instance(0, place));
         parts.materials = loaded.scene->materials();
         parts.sensor = loaded.scene->sensor();
-        const Scene scene(std::move(parts));
+        const gib::Scene scene(std::move(parts));
         EXPECT_EQ(scene.instances().size(), count);
         const Vec3 p = places[count / 2].topRightCorner<3, 1>().cast<float>();
         EXPECT_TRUE(scene.intersect({2.f * p, -p}));
@@ -339,4 +415,4 @@ TEST(Instance, ManyInstancesTakeMemoryThatDoesNotGrowWithTheMesh) {
 }
 
 }  // namespace
-}  // namespace gib::instance_test
+}  // namespace gib::test::instance_test

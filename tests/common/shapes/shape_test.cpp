@@ -4,31 +4,19 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
 
 #include <gtest/gtest.h>
 
-namespace gib::shape_test {
+namespace gib::test::shape_test {
 namespace {
-
-using test::load;
-using test::Random;
-using test::scene_with;
-using test::TemporaryFolder;
 
 Shape shape_of(const std::string& xml) { return load(xml).scene->shapes()[0]; }
 
-std::string shape(const std::string& type, const std::string& body) {
-    return "<shape type=\"" + type + "\">" + body + "</shape>";
-}
-
-const std::string turned =
-    "<transform name=\"to_world\"><scale value=\"3\"/><rotate x=\"1\" y=\"2\" z=\"-0.5\" angle=\"50\"/>"
-    "<translate x=\"1\" y=\"-2\" z=\"5\"/></transform>";
-const std::string mirrored =
-    "<transform name=\"to_world\"><scale x=\"-2\" y=\"2\" z=\"2\"/><rotate x=\"1\" y=\"-1\" z=\"0.5\" angle=\"70\"/>"
-    "</transform>";
-const std::string flipped = "<boolean name=\"flip_normals\" value=\"true\"/>";
+const std::string turned = to_world(scale(3), "<rotate x='1' y='2' z='-0.5' angle='50'/>", translate(1, -2, 5));
+const std::string mirrored = to_world(scale(-2, 2, 2), "<rotate x='1' y='-1' z='0.5' angle='70'/>");
+const std::string flipped = flag("flip_normals");
 
 /// A point of a shape, and another one at a distance of `h` in a random direction on the
 /// surface, on the same triangle.
@@ -70,7 +58,7 @@ double worst_difference(const Shape& s, std::uint64_t seed) {
         middle.ng = (n.a.ng + n.b.ng).normalized();
         const SurfaceDerivatives d = derivatives_at(s, n.primitive, middle);
         const Vec3 dp = n.b.p - n.a.p;
-        const double length = static_cast<double>(dp.norm());
+        const double length = double{dp.norm()};
         if (length < 2e-4 * static_cast<double>(bounds_of(s).diagonal())) continue;  // too short for float's digits
         worst = std::max(worst, static_cast<double>((dp - duv.x() * d.dp_du - duv.y() * d.dp_dv).norm()) / length);
     }
@@ -82,15 +70,14 @@ TEST(SurfaceParametrisation, DerivativesAreThoseOfThePoint) {
     folder.write("m.obj",
                  "v 0 0 0\nv 2 0 1\nv 0 1 0\nv 1 2 -1\nvt 0.2 0.3\nvt 0.9 -0.4\nvt 3 1\nvt 0 7\n"
                  "f 1/1 2/2 3/3\nf 4/4 3/1 2/3\n");
-    const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
+    const std::string file = filename(folder / "m.obj");
     std::uint64_t seed = 1;
     for (const std::string& placed : {std::string(), turned, mirrored, turned + flipped}) {
         for (const std::string type : {"sphere", "disk", "cylinder", "rectangle", "cube"})
             EXPECT_LT(worst_difference(shape_of(shape(type, placed)), seed++), 0.01) << type << placed;
         EXPECT_LT(worst_difference(shape_of(shape("obj", file + placed)), seed++), 0.01) << placed;
     }
-    const std::string oval = "<transform name=\"to_world\"><scale x=\"4\" y=\"0.5\"/></transform>";
-    EXPECT_LT(worst_difference(shape_of(shape("disk", oval)), seed++), 0.01);
+    EXPECT_LT(worst_difference(shape_of(shape("disk", to_world(scale(4, 0.5, 1)))), seed++), 0.01);
 }
 
 void expect_uv(const Shape& s, const Vec3& p, const Vec2& uv) {
@@ -98,7 +85,7 @@ void expect_uv(const Shape& s, const Vec3& p, const Vec2& uv) {
 }
 
 TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
-    const Shape plain = shape_of(shape("sphere", ""));
+    const Shape plain = shape_of(shape("sphere"));
     expect_uv(plain, Vec3(1, 0, 0), Vec2(0, 0.5f));
     expect_uv(plain, Vec3(0, 1, 0), Vec2(0.25f, 0.5f));
     expect_uv(plain, Vec3(-1, 1e-6f, 0), Vec2(0.5f, 0.5f));
@@ -106,24 +93,21 @@ TEST(SurfaceParametrisation, SpheresHaveLongitudeAndLatitudeInTheirOwnAxes) {
     expect_uv(plain, Vec3(0, 0, 1), Vec2(0, 0));
     expect_uv(plain, Vec3(0, 0, -1), Vec2(0, 1));
     // The rotation takes x to y and y to -x.
-    const Shape quarter = shape_of(
-        shape("sphere", "<transform name=\"to_world\"><scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/></transform>"));
+    const Shape quarter = shape_of(shape("sphere", to_world(scale(2), rotate('z', 90))));
     expect_uv(quarter, Vec3(0, 2, 0), Vec2(0, 0.5f));
     expect_uv(quarter, Vec3(-2, 0, 0), Vec2(0.25f, 0.5f));
-    const Shape mirror =
-        shape_of(shape("sphere", "<transform name=\"to_world\"><scale x=\"1\" y=\"-1\" z=\"1\"/></transform>"));
+    const Shape mirror = shape_of(shape("sphere", to_world(scale(1, -1, 1))));
     expect_uv(mirror, Vec3(0, 1, 0), Vec2(0.75f, 0.5f));
     expect_uv(mirror, Vec3(1, 0, 0), Vec2(0, 0.5f));
 }
 
 TEST(SurfaceParametrisation, SpheresKeepTheirDigitsNearThePoles) {
-    const Shape s = shape_of(shape("sphere", ""));
+    const Shape s = shape_of(shape("sphere"));
     EXPECT_NEAR(surface_at(s, 0, 0, 0, Vec3(1e-5f, 0, 1)).uv.y(), 1e-5 / std::numbers::pi, 1e-11);
 }
 
 TEST(SurfaceParametrisation, DisksHaveRadiusAndAngle) {
-    const Shape s =
-        shape_of(shape("disk", "<transform name=\"to_world\"><scale x=\"4\" y=\"2\"/></transform>" + flipped));
+    const Shape s = shape_of(shape("disk", to_world(scale(4, 2, 1)) + flipped));
     expect_uv(s, Vec3(4, 0, 0), Vec2(1, 0));
     expect_uv(s, Vec3(0, 1, 0), Vec2(0.5f, 0.25f));
     expect_uv(s, Vec3(-2, 0, 0), Vec2(0.5f, 0.5f));
@@ -142,15 +126,11 @@ void expect_basis(const SurfaceGeometry& at, const SurfaceDerivatives& d) {
 }
 
 TEST(SurfaceParametrisation, CylindersHaveTheAngleAndTheHeight) {
-    const Shape s = shape_of(shape("cylinder",
-                                   "<point name=\"p0\" x=\"0\" y=\"0\" z=\"-2\"/><point name=\"p1\" x=\"0\" y=\"0\" "
-                                   "z=\"2\"/><float name=\"radius\" value=\"3\"/>" +
-                                       flipped));
+    const Shape s = shape_of(shape("cylinder", point("p0", 0, 0, -2) + point("p1", 0, 0, 2) + radius(3) + flipped));
     expect_uv(s, Vec3(3, 0, -2), Vec2(0, 0));
     expect_uv(s, Vec3(0, 3, 1), Vec2(0.25f, 0.75f));
     expect_uv(s, Vec3(0, -3, 2), Vec2(0.75f, 1));
-    const Shape mirror =
-        shape_of(shape("cylinder", "<transform name=\"to_world\"><scale x=\"1\" y=\"-1\" z=\"4\"/></transform>"));
+    const Shape mirror = shape_of(shape("cylinder", to_world(scale(1, -1, 4))));
     expect_uv(mirror, Vec3(0, 1, 1), Vec2(0.75f, 0.75f));
 }
 
@@ -200,7 +180,7 @@ TEST(SurfaceParametrisation, IsDefinedWhereTheAngleIsNot) {
 /// The uv where a ray along -z from above (x, y) hits the mesh file m.`type` with `body` in its element.
 Vec2 uv_from_above(const TemporaryFolder& folder, const std::string& type, const std::string& body, float x, float y) {
     const std::string name = folder / ("m." + type);
-    const auto loaded = load(shape(type, "<string name=\"filename\" value=\"" + name + "\"/>" + body));
+    const auto loaded = load(shape(type, filename(name) + body));
     const auto hit = loaded.scene->intersect({Vec3(x, y, 5) - loaded.scene->bounds().center(), Vec3(0, 0, -1)});
     // The ray starts at the file's (x, y, 5); the origin of the loaded scene is the centre of its bounds.
     EXPECT_TRUE(hit) << type << body;
@@ -217,18 +197,13 @@ TEST(SurfaceParametrisation, MeshFilesAreFlippedAsMitsubaFlipsThem) {
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
         "-1 -1 0 0 0\n1 -1 0 1 0\n1 1 0 1 1\n-1 1 0 0 1\n4 0 1 2 3\n");
-    const auto flip = [](bool on) {
-        return std::string("<boolean name=\"flip_tex_coords\" value=\"") + (on ? "true" : "false") + "\"/>";
-    };
     const Vec2 as_stored(0.75f, 0.25f), turned_over(0.75f, 0.75f);
-    const auto at = [&](const std::string& type, const std::string& body) {
-        return uv_from_above(folder, type, body, 0.5f, -0.5f);
-    };
-    EXPECT_LT((at("obj", "") - turned_over).norm(), 1e-6f);
-    EXPECT_LT((at("obj", flip(true)) - turned_over).norm(), 1e-6f);
-    EXPECT_LT((at("obj", flip(false)) - as_stored).norm(), 1e-6f);
-    EXPECT_LT((at("ply", "") - as_stored).norm(), 1e-6f);
-    EXPECT_LT((at("ply", flip(true)) - turned_over).norm(), 1e-6f);
+    for (const auto& [type, body, uv] : {std::tuple("obj", std::string(), turned_over),
+                                         {"obj", flag("flip_tex_coords"), turned_over},
+                                         {"obj", flag("flip_tex_coords", false), as_stored},
+                                         {"ply", std::string(), as_stored},
+                                         {"ply", flag("flip_tex_coords"), turned_over}})
+        EXPECT_LT((uv_from_above(folder, type, body, 0.5f, -0.5f) - uv).norm(), 1e-6f) << type << body;
 }
 
 /// As in Mitsuba, meshes are smooth unless face_normals is set, even if the file has no normals.
@@ -254,9 +229,9 @@ TEST(MeshNormals, FollowTheOptionsInEveryFormat) {
     for (const std::string type : {"obj", "ply"}) {
         const auto mesh = [&](const std::string& name, const std::string& body) {
             const std::string path = folder / (name + "." + type);
-            return std::get<Mesh>(shape_of(shape(type, "<string name=\"filename\" value=\"" + path + "\"/>" + body)));
+            return std::get<Mesh>(shape_of(shape(type, filename(path) + body)));
         };
-        const std::string faceted = "<boolean name=\"face_normals\" value=\"true\"/>";
+        const std::string faceted = flag("face_normals");
         const Mesh bare = mesh("bare", ""), full = mesh("full", "");
         ASSERT_EQ(bare.normals.size(), 4u) << type;
         EXPECT_LT((bare.normals[1] - bare.normal_of(0).normalized().cast<float>()).norm(), 1e-6f) << type;
@@ -278,18 +253,15 @@ TEST(SurfaceParametrisation, MeshesWithoutUvHaveBarycentricOnesAndABasisOfTheNor
     const std::string triangle = "v -1 -1 0\nv 1 -1 0\nv -1 1 0\nv 1 1 0\n";
     for (const std::string faces : {"f 1 2 3\n", "vn 0 0 1\nf 1//1 2//1 3//1\n"}) {
         folder.write("m.obj", triangle + faces);
-        EXPECT_LT((uv_from_above(folder, "obj", "", -0.5f, -0.8f) - Vec2(0.25f, 0.1f)).norm(), 1e-6f) << faces;
+        const Vec2 expected(0.25f, 0.1f), plain = uv_from_above(folder, "obj", "", -0.5f, -0.8f);
+        EXPECT_LT((plain - expected).norm(), 1e-6f) << faces;
         // A mirror moves the corners but keeps their order.
-        EXPECT_LT(
-            (uv_from_above(folder, "obj", "<transform name=\"to_world\"><scale x=\"-1\"/></transform>", 0.5f, -0.8f) -
-             Vec2(0.25f, 0.1f))
-                .norm(),
-            1e-6f)
-            << faces;
+        const Vec2 mirror = uv_from_above(folder, "obj", to_world(scale(-1, 1, 1)), 0.5f, -0.8f);
+        EXPECT_LT((mirror - expected).norm(), 1e-6f) << faces;
     }
     // If the uv lie on a line they span no area either, and give no basis.
     folder.write("m.obj", triangle + "vt 0 0\nvt 1 1\nvt 2 2\nf 1/1 2/2 3/3\n");
-    const std::string file = "<string name=\"filename\" value=\"" + folder / "m.obj" + "\"/>";
+    const std::string file = filename(folder / "m.obj");
     for (const std::string& body : {turned, turned + flipped}) {
         const Shape s = shape_of(shape("obj", file + body));
         const SurfaceGeometry at = surface_at(s, 0, 0.2f, 0.2f, Vec3::Zero());
@@ -388,4 +360,4 @@ TEST(Spheres, HaveANormalWhereTheirRadiusIsLost) {
 }
 
 }  // namespace
-}  // namespace gib::shape_test
+}  // namespace gib::test::shape_test

@@ -1,31 +1,23 @@
 // Tests that spectra become the RGB that Mitsuba's RGB variants make of them.
 
 #include "common/xml/scene_spectrum.h"
-#include "common/core/float_traps.h"
-#include "common/scene/scene.h"
 
 #include "common/color/cie.h"
-#include "common/core/error.h"
-#include "tests/support/scene_text.h"
+#include "common/core/float_traps.h"
+#include "common/scene/scene.h"
+#include "tests/support/scene_errors.h"
 
-#include <gmock/gmock.h>
-
-namespace gib::scene_spectrum_test {
+namespace gib::test::scene_spectrum_test {
 namespace {
 
-using test::scene_with;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
-Color color_of(const std::string& spectrum, ColorRange range) {
-    const XmlElement root = parse_xml("<scene>" + spectrum + "</scene>", "t.xml");
+Color color_of(const std::string& element, ColorRange range) {
+    const XmlElement root = parse_xml("<scene>" + element + "</scene>", "t.xml");
     LoadWarnings warnings;
     return parse_spectrum(root.children[0], XmlIds(root, warnings), "x", range);
 }
 
 Color color_of_list(const std::string& list, ColorRange range) {
-    return color_of("<spectrum name=\"x\" value=\"" + list + "\"/>", range);
+    return color_of(value_element("spectrum", "x", list), range);
 }
 
 void expect_near(const Color& a, const Color& b, float tolerance) {
@@ -113,31 +105,24 @@ TEST(Spectrum, ColoursOutOfGamutAreClamped) {
 
 TEST(Spectrum, PluginsMeanTheSameAsLists) {
     const auto plugin = [](const std::string& type, const std::string& body, ColorRange range) {
-        return color_of("<spectrum name=\"x\" type=\"" + type + "\">" + body + "</spectrum>", range);
+        return color_of(named("spectrum", "x", type, body), range);
     };
     const auto emission = ColorRange::emission;
     const Color list = color_of_list("400:1 500:2 600:4", emission);
+    expect_near(plugin("irregular", text("wavelengths", "400, 500, 600") + text("values", "1 2 4"), emission), list,
+                1e-7f);
     expect_near(
-        plugin("irregular",
-               "<string name=\"wavelengths\" value=\"400, 500, 600\"/><string name=\"values\" value=\"1 2 4\"/>",
+        plugin("regular", number("wavelength_min", 400) + number("wavelength_max", 600) + text("values", "1, 2, 4"),
                emission),
         list, 1e-7f);
-    expect_near(plugin("regular",
-                       "<float name=\"wavelength_min\" value=\"400\"/><float name=\"wavelength_max\" value=\"600\"/>"
-                       "<string name=\"values\" value=\"1, 2, 4\"/>",
-                       emission),
-                list, 1e-7f);
-    EXPECT_TRUE((plugin("uniform", "<float name=\"value\" value=\"3\"/>", emission) == 3.f).all());
+    EXPECT_TRUE((plugin("uniform", number("value", 3), emission) == 3.f).all());
     EXPECT_TRUE((plugin("d65", "", emission) == 1.f).all());
-    expect_near(plugin("d65", "<float name=\"scale\" value=\"2\"/><rgb name=\"color\" value=\"1 2 3\"/>", emission),
-                Color(2, 4, 6), 1e-7f);
-    expect_near(plugin("srgb", "<rgb name=\"color\" value=\"0.1 0.2 0.3\"/>", ColorRange::unit),
-                Color(0.1f, 0.2f, 0.3f), 1e-7f);
+    expect_near(plugin("d65", number("scale", 2) + rgb("color", "1 2 3"), emission), Color(2, 4, 6), 1e-7f);
+    expect_near(plugin("srgb", rgb("color", "0.1 0.2 0.3"), ColorRange::unit), Color(0.1f, 0.2f, 0.3f), 1e-7f);
 }
 
 Color blackbody(double temperature) {
-    return color_of("<spectrum name=\"x\" type=\"blackbody\"><float name=\"temperature\" value=\"" +
-                        std::to_string(temperature) + "\"/></spectrum>",
+    return color_of(named("spectrum", "x", "blackbody", number("temperature", std::to_string(temperature))),
                     ColorRange::emission);
 }
 
@@ -151,146 +136,120 @@ TEST(Spectrum, BlackbodiesHaveTheirColourAndLuminance) {
 }
 
 TEST(Spectrum, ABlackbodyTakesAScale) {
-    const std::string scaled =
-        "<spectrum name=\"x\" type=\"blackbody\"><float name=\"temperature\" value=\"3000\"/><float name=\"scale\" "
-        "value=\"0.25\"/></spectrum>";
+    const std::string scaled = named("spectrum", "x", "blackbody", number("temperature", 3000), number("scale", 0.25));
     EXPECT_TRUE(color_of(scaled, ColorRange::emission).isApprox(0.25f * blackbody(3000), 1e-6f));
 }
 
 TEST(Spectrum, StandsWhereverAColourDoes) {
     const TemporaryFolder folder;
     folder.write("data/a.spd", "# wavelengths\n400 0.1 # first\r\n\n  500\t0.2\n600 0.4\n700 0.1");
-    const std::string file = "<spectrum name=\"intensity\" filename=\"a.spd\"/>";
+    const std::string file = "<spectrum name='intensity' filename='a.spd'/>";
     const auto scene = [&](const std::string& intensity) {
-        return parse_scene(scene_with("<path value=\"data\"/><shape type=\"sphere\"><bsdf type=\"diffuse\"><spectrum "
-                                      "name=\"reflectance\" filename=\"a.spd\"/></bsdf></shape><spectrum type=\"d65\" "
-                                      "id=\"white\"/><emitter type=\"point\">" +
-                                      intensity + "</emitter>"),
-                           folder / "main.xml");
+        return load_in(folder, "<path value='data'/>" +
+                                   shape("sphere", bsdf("diffuse", "<spectrum name='reflectance' filename='a.spd'/>")) +
+                                   with_id("spectrum", "d65", "white") + emitter("point", intensity));
     };
     const auto intensity = [](const LoadedScene& loaded) {
         return std::get<PointLight>(loaded.scene->lights().at(0)).intensity;
     };
     const LoadedScene first = scene(file);
     expect_near(intensity(first), Color(0.442717f, 0.278474f, 0.118373f), 1e-6f);
-    EXPECT_TRUE((intensity(scene("<ref name=\"intensity\" id=\"white\"/>")) == 1.f).all());
-    EXPECT_TRUE((intensity(scene("<integer name=\"intensity\" value=\"2\"/>")) == 2.f).all());
+    EXPECT_TRUE((intensity(scene(reference("intensity", "white"))) == 1.f).all());
+    EXPECT_TRUE((intensity(scene(integer("intensity", 2))) == 2.f).all());
     folder.write("data/a.spd", "400 0.1\n500 0.2\n600 0.5\n700 0.1");
     EXPECT_NE(scene(file).content_hash, first.content_hash);
 }
 
-std::string error_of(const std::string& xml, const std::string& path = "t.xml") {
-    try {
-        parse_scene(xml, path);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+/// The error of a lamp whose emitter's content is on line 3.
+std::string lamp_error(const std::string& content, const std::string& path = "t.xml") {
+    return scene_error(shape("sphere", emitter("area", "\n", content)), path);
 }
 
 TEST(SpectrumErrors, Lists) {
-    struct Row {
-        std::string list, message;
-    };
-    for (const Row& row : std::vector<Row>{{"400:0.1 500", "bad spectrum '500': expected wavelength:value"},
-                                           {"0.1 0.2", "bad spectrum '0.1'"},
-                                           {"400:0.1 300:0.2", "the wavelengths must increase: 300 follows 400"},
-                                           {"400:0.1 400:0.2", "the wavelengths must increase: 400 follows 400"},
-                                           {"400:-0.1 500:0.2", "'reflectance' must be between 0 and 1, not -0.1"},
-                                           {"400:1.1 500:0.2", "'reflectance' must be between 0 and 1, not 1.1"},
-                                           {"400: 0.1", "bad number ''"},
-                                           {"400:x 500:1", "bad number 'x'"},
-                                           {"400:0.1:2 500:1", "bad number '0.1:2'"},
-                                           {"nan:0.1 500:1", "bad number 'nan'"},
-                                           {"400:0.1", "a spectrum needs two wavelengths or more, found 1"},
-                                           {"", "a spectrum needs two wavelengths or more, found 0"},
-                                           {"x", "bad number 'x'"},
-                                           {"1.5", "'reflectance' must be between 0 and 1, not 1.5"}}) {
-        const std::string error = error_of(
-            scene_with("<shape type=\"sphere\"><bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" value=\"" +
-                       row.list + "\"/></bsdf></shape>"));
-        EXPECT_THAT(error, StartsWith("t.xml:3:30: " + row.message)) << row.list;
-    }
-    const auto emitter = [](const std::string& body) {
-        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n" + body + "</emitter></shape>"));
-    };
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"400:-1 500:2\"/>"),
-                StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"-1\"/>"),
-                StartsWith("t.xml:3:27: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"3e38\"/>"), HasSubstr("too large"));
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"400:1e39 500:0\"/>"), HasSubstr("too large"));
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\"/>"), StartsWith("t.xml:3:1: <spectrum> needs the attribute"));
-    EXPECT_THAT(emitter("<spectrum name=\"radiance\" value=\"1\" filename=\"a\"/>"), HasSubstr("there is no file 'a'"));
-    EXPECT_THAT(emitter("<rgb name=\"radiance\" value=\"#ff0000\"/>"), StartsWith("t.xml:3:22: bad number '#ff0000'"));
+    expect_errors({{"400:0.1 500", "3:30", "bad spectrum '500': expected wavelength:value"},
+                   {"0.1 0.2", "3:30", "bad spectrum '0.1'"},
+                   {"400:0.1 300:0.2", "3:30", "the wavelengths must increase: 300 follows 400"},
+                   {"400:0.1 400:0.2", "3:30", "the wavelengths must increase: 400 follows 400"},
+                   {"400:-0.1 500:0.2", "3:30", "'reflectance' must be between 0 and 1, not -0.1"},
+                   {"400:1.1 500:0.2", "3:30", "'reflectance' must be between 0 and 1, not 1.1"},
+                   {"400: 0.1", "3:30", "bad number ''"},
+                   {"400:x 500:1", "3:30", "bad number 'x'"},
+                   {"400:0.1:2 500:1", "3:30", "bad number '0.1:2'"},
+                   {"nan:0.1 500:1", "3:30", "bad number 'nan'"},
+                   {"400:0.1", "3:30", "a spectrum needs two wavelengths or more, found 1"},
+                   {"", "3:30", "a spectrum needs two wavelengths or more, found 0"},
+                   {"x", "3:30", "bad number 'x'"},
+                   {"1.5", "3:30", "'reflectance' must be between 0 and 1, not 1.5"}},
+                  [](const std::string& list) {
+                      const std::string reflectance = value_element("spectrum", "reflectance", list);
+                      return scene_error(shape("sphere", bsdf("diffuse", "\n", reflectance)));
+                  });
+    const auto list = [](const std::string& value) { return value_element("spectrum", "radiance", value); };
+    expect_errors({{list("400:-1 500:2"), "3:27", "'radiance' must not be negative: -1"},
+                   {list("-1"), "3:27", "'radiance' must not be negative: -1"},
+                   {list("3e38"), "3:27", "too large"},
+                   {list("400:1e39 500:0"), "3:27", "too large"},
+                   {"<spectrum name='radiance'/>", "3:1", "<spectrum> needs the attribute"},
+                   {"<spectrum name='radiance' value='1' filename='a'/>", "3:37", "there is no file 'a'"},
+                   {rgb("radiance", "#ff0000"), "3:22", "bad number '#ff0000'"}},
+                  [](const std::string& content) { return lamp_error(content); });
 }
 
 TEST(SpectrumErrors, Files) {
     const TemporaryFolder folder;
-    const auto error_in = [&](const std::string& content) {
-        folder.write("a.spd", content);
-        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" "
-                                   "filename=\"a.spd\"/></emitter></shape>"),
-                        folder / "main.xml");
-    };
-    const std::string path = folder / "a.spd";
-    EXPECT_THAT(error_in("400 1\n500\n"), StartsWith(path + ":2:4: a number is missing"));
-    EXPECT_THAT(error_in("400 1\n 500 x\n"), StartsWith(path + ":2:6: bad number 'x'"));
-    EXPECT_THAT(error_in("400 1\n500 1 2\n"), StartsWith(path + ":2:7: a line has two numbers"));
-    EXPECT_THAT(error_in("400 1\n\n 300 1\n"), StartsWith(path + ":3:2: the wavelengths must increase"));
-    EXPECT_THAT(error_in("400 -1\n500 1\n"), StartsWith(path + ":1:1: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(error_in("400 inf\n500 1\n"), StartsWith(path + ":1:1: bad number 'inf'"));
-    EXPECT_THAT(error_in("400 1\n"), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 1"));
-    EXPECT_THAT(error_in("# nothing\n"), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 0"));
-    EXPECT_THAT(error_in(""), StartsWith(path + ":1:1: a spectrum needs two wavelengths or more, found 0"));
-    const auto with_attributes = [&](const std::string& attributes) {
-        return error_of(scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" " +
-                                   attributes + "/></emitter></shape>"),
-                        folder / "main.xml");
-    };
-    EXPECT_THAT(with_attributes("filename=\"no.spd\""),
-                StartsWith((folder / "main.xml") + ":3:27: there is no file 'no.spd'; searched: "));
-    EXPECT_THAT(with_attributes("filename=\".\""), HasSubstr("it is a folder"));
-    EXPECT_THAT(with_attributes("value=\"1\" filename=\"a.spd\""),
-                StartsWith((folder / "main.xml") + ":3:37: give either 'value' or 'filename'"));
+    const std::string main = folder / "main.xml", path = folder / "a.spd";
+    expect_errors(
+        {{"400 1\n500\n", "2:4", "a number is missing"},
+         {"400 1\n 500 x\n", "2:6", "bad number 'x'"},
+         {"400 1\n500 1 2\n", "2:7", "a line has two numbers"},
+         {"400 1\n\n 300 1\n", "3:2", "the wavelengths must increase"},
+         {"400 -1\n500 1\n", "1:1", "'radiance' must not be negative: -1"},
+         {"400 inf\n500 1\n", "1:1", "bad number 'inf'"},
+         {"400 1\n", "1:1", "a spectrum needs two wavelengths or more, found 1"},
+         {"# nothing\n", "1:1", "a spectrum needs two wavelengths or more, found 0"},
+         {"", "1:1", "a spectrum needs two wavelengths or more, found 0"}},
+        [&](const std::string& content) {
+            folder.write("a.spd", content);
+            return lamp_error("<spectrum name='radiance' filename='a.spd'/>", main);
+        },
+        path);
+    expect_errors(
+        {{"filename='no.spd'", "3:27", "there is no file 'no.spd'; searched: "},
+         {"filename='.'", "3:27", "it is a folder"},
+         {"value='1' filename='a.spd'", "3:37", "give either 'value' or 'filename'"}},
+        [&](const std::string& attributes) {
+            return lamp_error("<spectrum name='radiance' " + attributes + "/>", main);
+        },
+        main);
 }
 
 TEST(SpectrumErrors, Plugins) {
-    const auto emitter = [](const std::string& type, const std::string& body) {
-        return error_of(
-            scene_with("<shape type=\"sphere\"><emitter type=\"area\">\n<spectrum name=\"radiance\" type=\"" + type +
-                       "\">\n" + body + "</spectrum></emitter></shape>"));
+    const auto of = [](const std::string& type, const std::string& content = "") {
+        return named("spectrum", "radiance", type, "\n", content);
     };
-    EXPECT_THAT(emitter("sodium", ""),
-                StartsWith("t.xml:3:27: the spectrum 'sodium' is not supported; supported are: uniform, regular, "
-                           "irregular, srgb, d65, blackbody"));
-    EXPECT_THAT(emitter("uniform", ""), StartsWith("t.xml:3:1: 'uniform' needs 'value'"));
-    EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"-1\"/>"),
-                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(emitter("uniform", "<float name=\"value\" value=\"1\"/><float name=\"b\" value=\"1\"/>"),
-                HasSubstr("spectrum 'uniform' does not take a parameter 'b'"));
-    EXPECT_THAT(emitter("blackbody", ""), HasSubstr("'blackbody' needs 'temperature'"));
-    EXPECT_THAT(emitter("blackbody", "<float name=\"temperature\" value=\"0\"/>"),
-                StartsWith("t.xml:4:27: 'temperature' must be above 0"));
-    EXPECT_THAT(emitter("srgb", ""), HasSubstr("'srgb' needs 'color'"));
-    EXPECT_THAT(emitter("srgb", "<spectrum name=\"color\" value=\"1\"/>"),
-                StartsWith("t.xml:4:1: 'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"));
-    EXPECT_THAT(emitter("srgb\" id=\"a", "<ref name=\"color\" id=\"a\"/>"),
-                HasSubstr("'color' cannot be a <spectrum>"));
-    EXPECT_THAT(emitter("d65", "<float name=\"scale\" value=\"-1\"/>"),
-                StartsWith("t.xml:4:21: 'radiance' must not be negative: -1"));
-    EXPECT_THAT(
-        emitter("irregular", "<string name=\"values\" value=\"1 2\"/><string name=\"wavelengths\" value=\"1\"/>"),
-        StartsWith("t.xml:4:23: found 2 values at 1 wavelengths"));
-    EXPECT_THAT(emitter("irregular", "<string name=\"values\" value=\"1 2\"/>"), HasSubstr("needs 'wavelengths'"));
-    EXPECT_THAT(emitter("regular",
-                        "<string name=\"values\" value=\"1 2\"/><float name=\"wavelength_min\" value=\"500\"/>"
-                        "<float name=\"wavelength_max\" value=\"400\"/>"),
-                StartsWith("t.xml:4:23: the wavelengths must increase: 400 follows 500"));
-    EXPECT_THAT(error_of(scene_with("<shape type=\"sphere\"><bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" "
-                                    "type=\"blackbody\"/></bsdf></shape>")),
+    expect_errors(
+        {{of("sodium"), "3:27",
+          "the spectrum 'sodium' is not supported; supported are: uniform, regular, irregular, srgb, d65, blackbody"},
+         {of("uniform"), "3:1", "'uniform' needs 'value'"},
+         {of("uniform", number("value", -1)), "4:21", "'radiance' must not be negative: -1"},
+         {of("uniform", number("value", 1) + number("b", 1)), "4:32",
+          "spectrum 'uniform' does not take a parameter 'b'"},
+         {of("blackbody"), "3:1", "'blackbody' needs 'temperature'"},
+         {of("blackbody", number("temperature", 0)), "4:27", "'temperature' must be above 0"},
+         {of("srgb"), "3:1", "'srgb' needs 'color'"},
+         {of("srgb", spectrum("color", 1)), "4:1",
+          "'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"},
+         {of("srgb' id='a", reference("color", "a")), "4:1", "'color' cannot be a <spectrum>"},
+         {of("d65", number("scale", -1)), "4:21", "'radiance' must not be negative: -1"},
+         {of("irregular", text("values", "1 2") + text("wavelengths", "1")), "4:23", "found 2 values at 1 wavelengths"},
+         {of("irregular", text("values", "1 2")), "3:1", "needs 'wavelengths'"},
+         {of("regular", text("values", "1 2") + number("wavelength_min", 500) + number("wavelength_max", 400)), "4:23",
+          "the wavelengths must increase: 400 follows 500"}},
+        [](const std::string& content) { return lamp_error(content); });
+    const std::string glowing = named("spectrum", "reflectance", "blackbody");
+    EXPECT_THAT(scene_error(shape("sphere", bsdf("diffuse", "\n", glowing))),
                 StartsWith("t.xml:3:1: 'reflectance' cannot be a blackbody: only an emission can"));
 }
 
 }  // namespace
-}  // namespace gib::scene_spectrum_test
+}  // namespace gib::test::scene_spectrum_test
