@@ -37,14 +37,8 @@ ScenePointer emitting(const std::string& xml) {
     return scene;
 }
 
-double mean(const Color& c) { return c.cast<double>().mean(); }
-
 std::string emitter(const std::string& radiance) {
     return "<emitter type='area'><rgb name='radiance' value='" + radiance + "'/></emitter>";
-}
-
-std::string number(const std::string& name, double value) {
-    return fmt::format("<float name='{}' value='{}'/>", name, value);
 }
 
 /// An emitting shape; `placing` is the content of its to_world.

@@ -31,7 +31,9 @@ template <typename ErrorOf>
 void expect_errors(const std::vector<ExpectedError>& rows, const ErrorOf& error_of, const std::string& file = "t.xml") {
     for (const auto& [content, place, message] : rows) {
         const std::string error = error_of(content);
-        if (!place.empty()) EXPECT_THAT(error, StartsWith(file + ":" + place + ": ")) << content;
+        if (!place.empty()) {
+            EXPECT_THAT(error, StartsWith(file + ":" + place + ": ")) << content;
+        }
         EXPECT_THAT(error, HasSubstr(message)) << content;
     }
 }

@@ -68,7 +68,8 @@ TEST(Cylinder, RaysMeetItWhereTheFormulaSays) {
         }
         if (!found) continue;
         ++hits;
-        EXPECT_NEAR(double{*found}, double{*expected}, 1e-6 * double{*expected});
+        const auto distance = static_cast<double>(*expected);
+        EXPECT_NEAR(double{*found}, distance, 1e-6 * distance);
     }
     EXPECT_GT(hits, 20'000);
 }

@@ -37,9 +37,9 @@ const std::string image = filename("spots.ppm"), grey = bsdf("diffuse"), plastic
 
 using Warnings = std::vector<std::string>;
 
-OldScene seen_by(const std::string& name, const std::string& version, const std::string& old_sensor,
-                 const std::string& new_sensor, const Warnings& warnings = {}) {
-    return {name, version, old_sensor + sky + ball, new_sensor + sky + ball, warnings};
+OldScene seen_by(const std::string& name, const std::string& version, const std::string& old_view,
+                 const std::string& new_view, const Warnings& warnings = {}) {
+    return {name, version, old_view + sky + ball, new_view + sky + ball, warnings};
 }
 OldScene under_sky(const std::string& name, const std::string& old_shape, const std::string& new_shape,
                    const Warnings& warnings = {}) {
