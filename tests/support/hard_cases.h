@@ -1,36 +1,13 @@
 #pragma once
-// Building blocks of the tests of hard cases: the methods, with the options that have numerical cases of their own,
-// and pieces of scene files.
+// Pieces of scene files, with numbers of all their digits.
 
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 namespace gib::test {
-
-struct HardMethod {
-    std::string name, label;
-};
-inline const std::vector<HardMethod>& hard_methods() {
-    static const std::vector<HardMethod> methods = {
-        {"path", "path"},
-        {"photons", "photon_mapper photons=5000"},
-        {"photons_all", "photon_mapper photons=5000 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
-        {"gather", "photon_mapper photons=5000 gather=8"},
-        {"cache", "photon_mapper photons=5000 gather=32 cache=on"},
-        {"shadows", "photon_mapper photons=5000 shadow_photons=5000 shadows=guide"},
-        {"radiosity", "radiosity patch=0.1"},
-    };
-    return methods;
-}
-
-/// Whether the method simulates every effect that the scene calls for.
-inline bool simulates(const std::string& label, const Scene& scene) {
-    return ConfiguredMethod(MethodLabel::parse(label)).create({})->plan(scene).missing == Effects();
-}
 
 inline std::string exact(double x) {
     char text[32];
