@@ -124,16 +124,12 @@ struct ComparedMethod : MethodUnderTest {
     }
 };
 
-bool estimates_bias(const MethodUnderTest& method) {
-    return render(scene_of_every_effect(), method.label, 1).total_bias().has_value();
-}
-
 const std::vector<ComparedMethod>& compared_methods() {
     static const std::vector<ComparedMethod> methods = [] {
         std::vector<ComparedMethod> all;
         for (const MethodUnderTest& method : methods_under_test(Work::tiny)) {
             const bool unbiased = method.description->unbiased, joins = method.runs(pass_connections);
-            all.push_back({method, unbiased || estimates_bias(method) ? Needs::nothing : Needs::same_patches,
+            all.push_back({method, unbiased || method.estimates_bias() ? Needs::nothing : Needs::same_patches,
                            unbiased ? 16u : 4u, unbiased && !joins ? most_scenes : 6});
         }
         const std::string radii = " k=all radius=0.05 caustic_radius=0.03 volume_radius=0.05",

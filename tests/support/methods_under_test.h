@@ -12,41 +12,46 @@
 
 namespace gib::test {
 
-/// The settings of a method under test: its defaults, those of small renders, or those of sweeps over many scenes.
-enum class Work { defaults, small, tiny };
+/// The settings of a method under test: its defaults, those of the mean of an image without much blur, of small renders,
+/// and of sweeps over many scenes.
+enum class Work { defaults, fine, small, tiny };
+
+/// A scene that calls for every pass: a lamp and a point light over a floor, a ball of glass, fog.
+inline const LoadedScene& scene_of_every_effect() {
+    static const LoadedScene scene =
+        test::Scene(
+            camera(40, box_film(4)), emitter("point"), shape("rectangle"), shape("sphere", glass()),
+            shape("rectangle", to_world(translate(0, 0, 3)), area_light(1)),
+            shape("cube", to_world(translate(5, 0, 0)), bsdf("null"), "<medium name='interior' type='homogeneous'/>"))
+            .load();
+    return scene;
+}
 
 struct MethodUnderTest {
-    std::string name;   ///< of the method, or of a variant of it
-    std::string label;  ///< with its settings
+    std::string name;   ///< method, or a variant of it
+    std::string label;  ///< method with its settings
     const MethodDescription* description;
-    std::vector<std::string> passes;  ///< that it runs in a scene with every effect
+    std::vector<std::string> passes;  ///< passes that it runs in a scene with every effect
 
-    Plan plan(const Scene& scene) const { return ConfiguredMethod(MethodLabel::parse(label)).create({})->plan(scene); }
+    Plan plan(const gib::Scene& scene) const {
+        return ConfiguredMethod(MethodLabel::parse(label)).create({})->plan(scene);
+    }
     bool runs(std::string_view pass) const { return std::find(passes.begin(), passes.end(), pass) != passes.end(); }
     /// Whether it takes samples of each pixel. Paths from the lights alone spread over the whole scene, so that a small
     /// part of it is noisy after as many passes.
     bool samples_pixels() const { return runs(pass_eye_paths); }
+    /// Whether its images carry an estimate of their bias.
+    bool estimates_bias() const { return render(scene_of_every_effect(), label, 1).total_bias().has_value(); }
     bool simulates(Effect effect) const { return description->simulates.has(effect); }
     /// Whether it simulates every effect that the scene calls for.
-    bool simulates_all_of(const Scene& scene) const { return plan(scene).missing.empty(); }
+    bool simulates_all_of(const gib::Scene& scene) const { return plan(scene).missing.empty(); }
     /// Whether it also makes every path.
-    bool resolves(const Scene& scene) const {
+    bool resolves(const gib::Scene& scene) const {
         const Plan planned = plan(scene);
         return planned.missing.empty() && planned.unresolved.empty();
     }
 };
 inline void PrintTo(const MethodUnderTest& method, std::ostream* out) { *out << method.label; }
-
-/// A scene that calls for every pass: a lamp and a point light over a floor, a ball of glass, fog.
-inline const LoadedScene& scene_of_every_effect() {
-    static const LoadedScene scene = scene_of(scene_xml(
-        "<sensor type='perspective'>" + box_film(4) +
-        "</sensor><shape type='rectangle'/><shape type='sphere'><bsdf type='dielectric'/></shape><shape "
-        "type='rectangle'><transform name='to_world'><translate z='3'/></transform><emitter type='area'/></shape>"
-        "<emitter type='point'/><shape type='cube'><transform name='to_world'><translate x='5'/></transform><bsdf "
-        "type='null'/><medium name='interior' type='homogeneous'/></shape>"));
-    return scene;
-}
 
 inline MethodUnderTest method_under_test(std::string name, const std::string& label) {
     MethodUnderTest method{std::move(name), label, &find_method(MethodLabel::parse(label).name), {}};
@@ -58,22 +63,24 @@ inline MethodUnderTest method_under_test(std::string name, const std::string& la
 /// All methods that estimate radiance.
 inline std::vector<MethodUnderTest> methods_under_test(Work work = Work::defaults) {
     struct Settings {
-        std::string method, small, tiny;
+        std::string method, fine, small, tiny;
     };
     // With radii of their own, progressive methods need no pilot of 65,536 light paths for each image.
     const std::vector<Settings> others = {
-        {"photon_mapper", "photons=8000", "photons=500"},
-        {"progressive_photon_mapper", "photons=500 radius=0.05 caustic_radius=0.02 volume_radius=0.05",
+        {"photon_mapper", "photons=1e5", "photons=8000", "photons=500"},
+        {"progressive_photon_mapper", "photons=1000 radius=0.02 caustic_radius=0.02 volume_radius=0.02",
+         "photons=500 radius=0.05 caustic_radius=0.02 volume_radius=0.05",
          "photons=250 radius=0.05 caustic_radius=0.03 volume_radius=0.05"},
-        {"vcm", "radius=0.02 volume_radius=0.05", "radius=0.03 volume_radius=0.05"},
-        {"radiosity", "patch=0.1", "patch=0.5"},
+        {"vcm", "", "radius=0.02 volume_radius=0.05", "radius=0.03 volume_radius=0.05"},
+        {"radiosity", "", "patch=0.1", "patch=0.5"},
     };
     std::vector<MethodUnderTest> methods;
     for (const std::string& name : names_of_comparable_methods()) {
-        const auto found = std::find_if(others.begin(), others.end(), [&](const auto& s) { return s.method == name; });
-        const bool has_others = found != others.end() && work != Work::defaults;
-        methods.push_back(method_under_test(
-            name, has_others ? name + " " + (work == Work::small ? found->small : found->tiny) : name));
+        std::string settings;
+        for (const Settings& of : others)
+            if (of.method == name && work != Work::defaults)
+                settings = work == Work::fine ? of.fine : work == Work::small ? of.small : of.tiny;
+        methods.push_back(method_under_test(name, name + (settings.empty() ? "" : " " + settings)));
     }
     return methods;
 }
@@ -104,6 +111,21 @@ inline std::vector<MethodUnderTest> pilot_variants() {
     return variants;
 }
 
+/// Those of the methods that take samples of each pixel.
+inline std::vector<MethodUnderTest> methods_that_sample_pixels() {
+    auto methods = methods_under_test();
+    std::erase_if(methods, [](const MethodUnderTest& method) { return !method.samples_pixels(); });
+    return methods;
+}
+
+/// A suite whose parameter is the method.
+class OfAMethod : public testing::TestWithParam<MethodUnderTest> {
+protected:
+    const MethodUnderTest& method() const { return GetParam(); }
+    ComponentImages rendered(const LoadedScene& scene, std::uint32_t passes, const std::string& settings = "") const {
+        return render(scene, method().label + (settings.empty() ? "" : " " + settings), passes);
+    }
+};
 /// Names tests by the method that is their parameter.
 inline std::string name_of_method(const testing::TestParamInfo<MethodUnderTest>& info) { return info.param.name; }
 
