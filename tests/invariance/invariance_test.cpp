@@ -26,7 +26,6 @@
 
 #include "methods/parts/vertices/light_paths.h"
 #include "tests/invariance/scene_transforms.h"
-#include "tests/support/hard_cases.h"
 #include "tests/support/image_samples.h"
 #include "tests/support/methods_under_test.h"
 
@@ -114,7 +113,7 @@ struct ComparedMethod : MethodUnderTest {
         for (auto& [key, value] : set.values)
             for (const Parameter& parameter : description->parameters)
                 if (parameter.name == key && parameter.unit == "scene diagonals")
-                    value = exact(std::stod(value) * original / diagonal);
+                    value = fmt::to_string(std::stod(value) * original / diagonal);
         return set.text();
     }
     bool can_be_compared(Change change) const {
